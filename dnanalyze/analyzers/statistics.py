@@ -1,0 +1,113 @@
+"""What the analyzers give: named values with uncertainties, and curves to draw."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint, Sensor
+
+
+class Scale(StrEnum):
+    """On which scale a statistic's sampling error is nearly normal with a nearly constant spread."""
+
+    LINEAR = "linear"
+    LOG = "log"  # powers, variances
+    ROOT = "root"  # counts: 2 sqrt(n + 3/8), spread 1 for Poisson counts
+
+    def coordinate(self, value: float) -> float:
+        """The value on this scale; NaN where it has none."""
+        if self is Scale.LINEAR:
+            return value
+        if self is Scale.LOG:
+            return math.log(value) if value > 0 else math.nan
+        return 2.0 * math.sqrt(value + 0.375) if value > -0.375 else math.nan
+
+
+@dataclass(frozen=True)
+class StatisticInfo:
+    """What a statistic is, whatever its value.
+
+    Parameters
+    ----------
+    name, family, unit : str
+    title : str
+        A few words for tables and axes.
+    scale : Scale
+        Scale on which ``Value.se`` is stated and differences are taken.
+    high, low : str
+        What it says in words when the measurement lies above, or below, the model: "the measured
+        noise between frames is {ratio} times the model's".
+    compared : bool
+        Part of the error; False for values that are given for information alone (they follow
+        from others, or have no stable sampling error).
+    """
+
+    name: str
+    family: str
+    unit: str
+    title: str
+    scale: Scale = Scale.LINEAR
+    high: str = ""
+    low: str = ""
+    compared: bool = True
+
+
+@dataclass(frozen=True)
+class Value:
+    """A statistic's value in plain units and its standard error on the scale of its info."""
+
+    value: float
+    se: float
+
+
+@dataclass(frozen=True)
+class SettingStatistics:
+    """All statistics of one operating point and, on a mosaic, one colour plane.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+    plane : str
+        Colour plane ("R", "Gr", "Gb", "B"), or "" for the whole frame.
+    frames : int
+        Frames that went in.
+    shape : tuple of int
+        (rows, columns) of the plane.
+    values : dict
+        By name; a statistic that these frames cannot tell is absent.
+    curves : dict
+        Arrays for figures and first guesses, by name.
+    missing : dict
+        Statistic or family to the reason, in a sentence, why it is absent.
+    """
+
+    point: OperatingPoint
+    plane: str
+    frames: int
+    shape: tuple[int, int]
+    values: dict[str, Value]
+    curves: dict[str, np.ndarray] = field(default_factory=dict)
+    missing: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Statistics of a capture set.
+
+    Parameters
+    ----------
+    name : str
+    sensor : Sensor
+    settings : tuple of SettingStatistics
+    trends : dict
+        What holds over temperature (activation energy, doubling step, ...), by name, with errors.
+    """
+
+    name: str
+    sensor: Sensor
+    settings: tuple[SettingStatistics, ...]
+    trends: dict[str, Value] = field(default_factory=dict)

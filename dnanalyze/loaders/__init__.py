@@ -1,0 +1,1 @@
+"""Folder of dark frames to a ``CaptureSet``: one file a format."""

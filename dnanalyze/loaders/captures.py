@@ -1,0 +1,181 @@
+"""What a capture folder is once its headers are read: settings, each with its lazy frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """Where the sensor was operated; ``None`` is unknown.
+
+    Parameters
+    ----------
+    temperature_c : float, optional
+        Sensor temperature, C.
+    exposure_s : float, optional
+        Integration time, s.
+    gain : float, optional
+        Analogue gain as recorded (a linear factor unless the capture says otherwise).
+    channel : str, optional
+        HDR readout channel (hcg, lcg, long, short, lofic, ...).
+    """
+
+    temperature_c: float | None = None
+    exposure_s: float | None = None
+    gain: float | None = None
+    channel: str | None = None
+
+    def label(self) -> str:
+        """Short text for tables and figures, such as ``65 C, 0.05 s``."""
+        parts = []
+        if self.channel is not None:
+            parts.append(self.channel)
+        if self.temperature_c is not None:
+            parts.append(f"{self.temperature_c:g} C")
+        if self.exposure_s is not None:
+            parts.append(f"{self.exposure_s:g} s")
+        if self.gain is not None:
+            parts.append(f"gain {self.gain:g}")
+        return ", ".join(parts) or "one setting"
+
+    def sort_key(self) -> tuple[str, float, float, float]:
+        """Order by channel, temperature, exposure, gain; unknown first."""
+        low = float("-inf")
+        return (
+            self.channel or "",
+            low if self.temperature_c is None else self.temperature_c,
+            low if self.exposure_s is None else self.exposure_s,
+            low if self.gain is None else self.gain,
+        )
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of the sensor: rows ``top`` to ``bottom``, columns ``left`` to ``right`` (half open)."""
+
+    top: int
+    bottom: int
+    left: int
+    right: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns)."""
+        return self.bottom - self.top, self.right - self.left
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """Index of this rectangle in a full frame."""
+        return slice(self.top, self.bottom), slice(self.left, self.right)
+
+    def grown(self, reach: int, shape: tuple[int, int]) -> Window:
+        """This rectangle with ``reach`` more pixels on every side, kept inside ``shape``."""
+        return Window(
+            max(0, self.top - reach),
+            min(shape[0], self.bottom + reach),
+            max(0, self.left - reach),
+            min(shape[1], self.right + reach),
+        )
+
+    def within(self, outer: Window) -> tuple[slice, slice]:
+        """Index of this rectangle in an array that covers ``outer``."""
+        return (
+            slice(self.top - outer.top, self.bottom - outer.top),
+            slice(self.left - outer.left, self.right - outer.left),
+        )
+
+    @classmethod
+    def whole(cls, shape: tuple[int, int]) -> Window:
+        """The full frame."""
+        return cls(0, shape[0], 0, shape[1])
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One dark frame, read when asked for.
+
+    ``load(window)`` returns the pixels of ``window`` (the whole active area for ``None``) as a
+    C-contiguous 2-D array, integer as recorded or float32, in DN. Nothing is kept between calls.
+    """
+
+    name: str
+    point: OperatingPoint
+    load: Callable[[Window | None], np.ndarray]
+
+    def read(self, window: Window | None = None) -> np.ndarray:
+        """Pixels of ``window``, or of the whole active area."""
+        return self.load(window)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Frames that share one operating point, in the order in which they were taken."""
+
+    point: OperatingPoint
+    frames: tuple[Frame, ...]
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What the files tell of the sensor itself; ``None`` is unknown.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Active area, (rows, columns).
+    bits : int, optional
+        Bits of the converter.
+    black_level, white_level : float, optional
+        DN.
+    cfa : tuple of tuple of str, optional
+        Colour filter of the top-left block of the active area, such as (("R","G"),("G","B")).
+    pixel_pitch_um : float, optional
+        Micrometres.
+    """
+
+    shape: tuple[int, int]
+    bits: int | None = None
+    black_level: float | None = None
+    white_level: float | None = None
+    cfa: tuple[tuple[str, ...], ...] | None = None
+    pixel_pitch_um: float | None = None
+
+
+@dataclass(frozen=True)
+class CaptureSet:
+    """Dark frames of one sensor, measured or simulated, grouped by operating point.
+
+    Parameters
+    ----------
+    name : str
+        The folder, or what was simulated.
+    sensor : Sensor
+        What is common to all frames.
+    settings : tuple of Setting
+        Sorted by operating point.
+    notes : tuple of str
+        What the loader had to assume or leave out, one sentence each.
+    """
+
+    name: str
+    sensor: Sensor
+    settings: tuple[Setting, ...]
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def frame_count(self) -> int:
+        """Frames over all settings."""
+        return sum(len(s.frames) for s in self.settings)
+
+    def frames(self) -> Iterator[Frame]:
+        """Every frame, setting by setting."""
+        for setting in self.settings:
+            yield from setting.frames
+
+    def select(self, keep: Callable[[OperatingPoint], bool]) -> CaptureSet:
+        """The settings whose operating point passes ``keep``."""
+        return replace(self, settings=tuple(s for s in self.settings if keep(s.point)))

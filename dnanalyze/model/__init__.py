@@ -1,0 +1,1 @@
+"""NoiseModel = ordered effects; its YAML; the random streams; simulate."""

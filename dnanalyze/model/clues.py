@@ -1,0 +1,41 @@
+"""What an effect may look at to guess its own strength."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+
+
+class Clues(Protocol):
+    """Measured and simulated statistics side by side, setting by setting (colour planes pooled).
+
+    Values are in plain units; a statistic that a setting lacks is NaN there.
+    """
+
+    @property
+    def points(self) -> Sequence[OperatingPoint]:
+        """The settings, in the order of every array below."""
+
+    @property
+    def reference(self) -> OperatingPoint:
+        """Where the model's numbers are stated."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Full frame."""
+
+    def measured(self, name: str) -> np.ndarray:
+        """One value a setting."""
+
+    def simulated(self, name: str) -> np.ndarray:
+        """The present model's value, one a setting."""
+
+    def z(self, name: str) -> np.ndarray:
+        """(measured - simulated) / floor, one a setting."""
+
+    def curve(self, name: str, setting: int) -> np.ndarray:
+        """A measured curve or map by name (histogram, line profile, block means, ...)."""

@@ -1,0 +1,245 @@
+"""What an effect is: parameters, its place in the signal chain, and one pure function.
+
+An effect is a frozen dataclass derived from `Effect`. Its fields, made with `parameter`, carry units, bounds
+and a default. ``apply`` takes the signal of a window of the frame and returns the changed signal. Up to
+the ``PEDESTAL`` the signal is in DN above the black level, after it in DN as recorded.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
+from dnanalyze.model.streams import Stream
+
+if TYPE_CHECKING:
+    from dnanalyze.model.clues import Clues
+
+
+class Stage(IntEnum):
+    """Places in the signal chain, in the order in which the signal passes them."""
+
+    CHARGE = 10  # what is generated in the pixel during the exposure, mean values
+    ARRIVAL = 20  # counting statistics of that charge
+    COUPLING = 30  # charge or voltage shared between neighbours
+    PIXEL_READ = 40  # noise and offsets of the pixel's own amplifier
+    LINE_READ = 50  # columns, rows, taps, clocks
+    PEDESTAL = 60  # the black level is added here
+    CONVERTER = 70  # rounding, clipping, code widths
+    DIGITAL = 80  # gains and filters on codes
+
+
+@dataclass(frozen=True)
+class ParameterInfo:
+    """Unit, bounds and meaning of an effect's parameter.
+
+    ``scale`` is "log" for positive amplitudes, "linear" for signed ones, "choice" for what is not
+    fitted: a word or a whole number from ``choices`` (empty: any whole number).
+    """
+
+    unit: str
+    lower: float
+    upper: float
+    doc: str
+    scale: str
+    choices: tuple[Any, ...] = ()
+
+
+def parameter(
+    default: Law, unit: str, lower: float, upper: float, doc: str, scale: str = "log"
+) -> Any:
+    """Declare a parameter that the fit may move; it may follow a law over temperature."""
+    info = ParameterInfo(unit, lower, upper, doc, scale)
+    return field(default=default, metadata={"info": info})
+
+
+def choice(default: Any, doc: str, *choices: Any) -> Any:
+    """Declare a discrete setting of an effect, one of ``choices``."""
+    info = ParameterInfo("", 0, 0, doc, "choice", choices)
+    return field(default=default, metadata={"info": info})
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where and when an effect acts, and its random numbers.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Full frame, (rows, columns).
+    window : Window
+        The part of it that the signal covers.
+    point, reference : OperatingPoint
+        Here, and where the model's numbers are stated.
+    frame : int
+        Number of the frame in its setting, from 0.
+    silicon, moment : Stream
+        Random numbers of this effect: the same in every frame of every setting, and new in each frame.
+    keep : callable
+        ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
+    field : callable
+        ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
+    """
+
+    shape: tuple[int, int]
+    window: Window
+    point: OperatingPoint
+    reference: OperatingPoint
+    frame: int
+    silicon: Stream
+    moment: Stream
+    keep: Callable[[str, Callable[[], Any]], Any]
+    field: Callable[[Stream, str], np.ndarray]
+
+    def fixed_normal(self, name: str = "") -> np.ndarray:
+        """Standard normal field of the silicon over the window, float32."""
+        return self.field(self.silicon.child(name), "normal")
+
+    def fixed_uniform(self, name: str = "") -> np.ndarray:
+        """Uniform field of the silicon over the window, float32."""
+        return self.field(self.silicon.child(name), "uniform")
+
+    def normal(self, name: str = "") -> np.ndarray:
+        """Standard normal field of this frame over the window, float32."""
+        return self.field(self.moment.child(name), "normal")
+
+    def uniform(self, name: str = "") -> np.ndarray:
+        """Uniform field of this frame over the window, float32."""
+        return self.field(self.moment.child(name), "uniform")
+
+    def columns(self, stream: Stream) -> np.ndarray:
+        """One standard normal a column of the window, float32."""
+        line = Window(0, 1, self.window.left, self.window.right)
+        return stream.normal(line, self.shape[1])[0]
+
+    def rows(self, stream: Stream) -> np.ndarray:
+        """One standard normal a row of the window, float32."""
+        line = Window(0, 1, self.window.top, self.window.bottom)
+        return stream.normal(line, self.shape[0])[0]
+
+    @property
+    def row_index(self) -> np.ndarray:
+        """Row number in the full frame of each row of the window."""
+        return np.arange(self.window.top, self.window.bottom)
+
+    @property
+    def column_index(self) -> np.ndarray:
+        """Column number in the full frame of each column of the window."""
+        return np.arange(self.window.left, self.window.right)
+
+    @property
+    def exposure_ratio(self) -> float:
+        """Exposure over the reference exposure; 1 where either is unknown."""
+        here, there = self.point.exposure_s, self.reference.exposure_s
+        return here / there if here is not None and there else 1.0
+
+    @property
+    def gain_ratio(self) -> float:
+        """Analogue gain over the reference gain; 1 where either is unknown."""
+        here, there = self.point.gain, self.reference.gain
+        return here / there if here and there else 1.0
+
+    def thermal(self, ea_ev: float) -> float:
+        """Arrhenius growth from the reference temperature to here."""
+        if self.reference.temperature_c is None:
+            return 1.0
+        return arrhenius(self.point.temperature_c, self.reference.temperature_c, ea_ev)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Base of all effects; see the module's text.
+
+    Class attributes: ``name`` as in the catalogue; ``stage``; ``varies`` "fixed" or "temporal" or
+    "both" or "digital"; ``summary`` one line; ``physics`` the paragraph for the user: what it is, its
+    law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the statistics that it
+    moves most; ``confused_with`` {effect: what tells them apart}; ``reach`` pixels around the window
+    that it looks at; ``memory`` earlier frames that it looks at.
+    """
+
+    name: ClassVar[str] = ""
+    stage: ClassVar[Stage] = Stage.CHARGE
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = ""
+    physics: ClassVar[str] = ""
+    formula: ClassVar[str] = ""
+    references: ClassVar[tuple[str, ...]] = ()
+    fingerprint: ClassVar[tuple[str, ...]] = ()
+    confused_with: ClassVar[dict[str, str]] = {}
+    reach: ClassVar[int] = 0
+    memory: ClassVar[int] = 0
+
+    def __post_init__(self) -> None:
+        for item in dataclasses.fields(self):
+            info: ParameterInfo = item.metadata["info"]
+            value = getattr(self, item.name)
+            where = f"{self.name}.{item.name}"
+            if info.scale == "choice":
+                if info.choices and value not in info.choices:
+                    raise InputError(f"{where}: {value!r} is not one of {list(info.choices)}")
+                continue
+            numbers = getattr(value, "values", None) or (getattr(value, "value", value),)
+            for number in numbers:
+                if not info.lower <= number <= info.upper:
+                    raise InputError(
+                        f"{where}: {number:g} {info.unit} is outside {info.lower:g} to {info.upper:g}"
+                    )
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """The signal after this effect, float32, same shape; the input may be changed in place.
+
+        With ``memory`` m the signal has shape (m + 1, rows, columns), the present frame last, and
+        the result is the present frame alone.
+        """
+        raise NotImplementedError
+
+    def variance(self, point: OperatingPoint) -> float | None:
+        """Variance that it adds to a pixel over the frame, DN^2, where a closed form exists."""
+        return None
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """First guesses of this effect from what the model leaves unexplained; empty: no sign of it.
+
+        Several where the effect has kinds (each is tried).
+        """
+        return [cls()]
+
+    def value(self, name: str, point: OperatingPoint) -> float:
+        """A parameter's value at an operating point, whatever its law."""
+        return value_at(getattr(self, name), point)
+
+    @classmethod
+    def parameters(cls) -> dict[str, ParameterInfo]:
+        """Name to unit, bounds and meaning, in order."""
+        return {f.name: f.metadata["info"] for f in dataclasses.fields(cls)}
+
+    @classmethod
+    def from_plain(cls, raw: dict[str, Any]) -> Effect:
+        """Build from a mapping as written in YAML; unknown names are refused."""
+        known = cls.parameters()
+        for key in raw:
+            if key not in known:
+                valid = ", ".join(known) or "none"
+                raise InputError(f"{cls.name}: unknown parameter {key!r}; valid: {valid}")
+        values = {
+            k: v if known[k].scale == "choice" else law_from_plain(f"{cls.name}.{k}", v)
+            for k, v in raw.items()
+        }
+        return cls(**values)
+
+    def to_plain(self) -> dict[str, Any]:
+        """As written in YAML."""
+        plain = {}
+        for key in self.parameters():
+            value = getattr(self, key)
+            plain[key] = value.to_plain() if hasattr(value, "to_plain") else value
+        return plain

@@ -1,0 +1,139 @@
+"""NoiseModel: a pedestal and an ordered list of effects, with its YAML form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.laws import Law, law_from_plain
+from dnanalyze.model.registry import catalogue, find
+
+SCHEMA = "dnanalyze/model/1"
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """A dark-noise model.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+        At most one of a name; applied by stage, then in this order.
+    pedestal : Law
+        Black level, DN.
+    reference : OperatingPoint
+        Where amplitudes that follow temperature, exposure or gain are stated.
+    seed : int
+        Names the virtual sensor: its silicon and its moments.
+    """
+
+    effects: tuple[Effect, ...]
+    pedestal: Law = 0.0
+    reference: OperatingPoint = OperatingPoint(25.0, 1.0, 1.0)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        names = self.names
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"model: effect {name!r} stands twice; each may stand once")
+
+    @property
+    def names(self) -> list[str]:
+        """Effect names in the order given."""
+        return [e.name for e in self.effects]
+
+    @property
+    def chain(self) -> list[Effect]:
+        """Effects in the order in which the signal passes them."""
+        return sorted(self.effects, key=lambda e: e.stage)
+
+    def get(self, name: str) -> Effect | None:
+        """The effect of that name, if present."""
+        return next((e for e in self.effects if e.name == name), None)
+
+    def with_effect(self, effect: Effect) -> NoiseModel:
+        """The model with this effect added, or replaced where it is present."""
+        if self.get(effect.name) is None:
+            return replace(self, effects=(*self.effects, effect))
+        new = tuple(effect if e.name == effect.name else e for e in self.effects)
+        return replace(self, effects=new)
+
+    def without(self, name: str) -> NoiseModel:
+        """The model without the effect of that name."""
+        return replace(self, effects=tuple(e for e in self.effects if e.name != name))
+
+    def to_plain(self) -> dict[str, Any]:
+        """As written in YAML."""
+        return {
+            "schema": SCHEMA,
+            "pedestal": self.pedestal.to_plain()
+            if hasattr(self.pedestal, "to_plain")
+            else self.pedestal,
+            "reference": {k: v for k, v in vars(self.reference).items() if v is not None},
+            "seed": self.seed,
+            "effects": [{e.name: e.to_plain()} for e in self.effects],
+        }
+
+
+def model_from_plain(raw: Any, where: str, known: dict[str, type[Effect]] | None = None) -> NoiseModel:
+    """Build a model from what a YAML file holds.
+
+    Parameters
+    ----------
+    raw : mapping
+        See ``NoiseModel.to_plain``.
+    where : str
+        File name for messages.
+    known : dict, optional
+        Effects by name; the built-in catalogue by default.
+
+    Raises
+    ------
+    InputError
+        Unknown keys, effects or parameters, values out of bounds.
+    """
+    known = catalogue() if known is None else known
+    if not isinstance(raw, dict) or not isinstance(raw.get("effects"), list):
+        raise InputError(f"{where}: not a model file; it needs 'effects', a list")
+    extra = set(raw) - {"schema", "pedestal", "reference", "seed", "effects", "fit"}
+    if extra:
+        raise InputError(f"{where}: unknown key {sorted(extra)[0]!r} in a model file")
+    try:
+        effects = []
+        for item in raw["effects"]:
+            if isinstance(item, str):
+                item = {item: {}}
+            ((name, values),) = item.items()
+            effects.append(find(name, known).from_plain(values or {}))
+        reference = OperatingPoint(**raw.get("reference", {"temperature_c": 25.0, "exposure_s": 1.0}))
+        pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
+        return NoiseModel(tuple(effects), pedestal, reference, int(raw.get("seed", 0)))
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+    except (TypeError, ValueError, AttributeError):
+        raise InputError(
+            f"{where}: malformed model file; each effect is a name with a mapping of parameters"
+        ) from None
+
+
+def load_model(path: Path, known: dict[str, type[Effect]] | None = None) -> NoiseModel:
+    """Read a model file (YAML)."""
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise InputError(f"{path}: not YAML") from None
+    return model_from_plain(raw, str(path), known)
+
+
+def dump_model(model: NoiseModel) -> str:
+    """The model as YAML text."""
+    return yaml.safe_dump(model.to_plain(), sort_keys=False)

@@ -1,0 +1,77 @@
+"""All effects by name: the built-in files, entry points, and a user's own file."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+import pkgutil
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from dnanalyze.errors import InputError
+from dnanalyze.model.effect import Effect
+
+EVERYDAY = ("dark_shot_noise", "read_noise", "pixel_fpn", "quantization")
+BASE = "convolved_lognormal"
+
+
+@cache
+def built_in() -> dict[str, type[Effect]]:
+    """The catalogue: every file in ``effects`` and every ``dnanalyze.effects`` entry point."""
+    from dnanalyze.model import effects
+
+    found: dict[str, type[Effect]] = {}
+    for module in pkgutil.iter_modules(effects.__path__):
+        found |= _effects_of(importlib.import_module(f"{effects.__name__}.{module.name}"))
+    for entry in entry_points(group="dnanalyze.effects"):
+        effect = entry.load()
+        found[effect.name] = effect
+    return found
+
+
+def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
+    """The built-in catalogue with the effects of the user's own Python files."""
+    found = dict(built_in())
+    for path in files:
+        found |= _load_file(path)
+    return found
+
+
+def find(name: str, known: dict[str, type[Effect]]) -> type[Effect]:
+    """The effect of that name.
+
+    Raises
+    ------
+    InputError
+        Unknown; the message lists the valid names.
+    """
+    if name not in known:
+        raise InputError(f"unknown effect {name!r}; valid names: {', '.join(sorted(known))}")
+    return known[name]
+
+
+def _load_file(path: Path) -> dict[str, type[Effect]]:
+    spec = importlib.util.spec_from_file_location(f"dnanalyze_user_{path.stem}", path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise InputError(f"--effects {path}: not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # whatever the user's code raises is shown as one line
+        raise InputError(f"--effects {path}: {type(error).__name__}: {error}") from error
+    found = _effects_of(module)
+    if not found:
+        raise InputError(f"--effects {path}: no class derived from dnanalyze.Effect with a name")
+    return found
+
+
+def _effects_of(module: object) -> dict[str, type[Effect]]:
+    return {
+        item.name: item
+        for _, item in inspect.getmembers(module, inspect.isclass)
+        if issubclass(item, Effect)
+        and item.name
+        and item.__module__ == getattr(module, "__name__", "")
+    }

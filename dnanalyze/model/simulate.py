@@ -1,0 +1,154 @@
+"""Simulate: a model, a seed and operating points to a CaptureSet, frame by frame, window by window."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.model.effect import Effect, Site, Stage
+from dnanalyze.model.laws import value_at
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.streams import Stream
+
+
+@dataclass
+class Memo:
+    """Least recently used arrays, bounded in bytes: fields are pure, so forgetting costs only time."""
+
+    limit_bytes: int = 256 << 20
+    _held: OrderedDict[object, Any] = field(default_factory=OrderedDict)
+    _bytes: int = 0
+
+    def get(self, key: object, make: Callable[[], Any]) -> Any:
+        """``make()``, or what it gave last time."""
+        if key in self._held:
+            self._held.move_to_end(key)
+            return self._held[key]
+        value = make()
+        self._held[key] = value
+        self._bytes += _size(value)
+        while self._bytes > self.limit_bytes and len(self._held) > 1:
+            self._bytes -= _size(self._held.popitem(last=False)[1])
+        return value
+
+
+def _size(value: Any) -> int:
+    if isinstance(value, tuple):
+        return sum(map(_size, value))
+    return int(getattr(value, "nbytes", 64))
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """Draws frames of one model.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    shape : tuple of int
+        Full frame, (rows, columns).
+    memo : Memo
+        Fields kept between calls; may be shared by simulators of like models (common random
+        numbers make their differences smooth in the parameters).
+    """
+
+    model: NoiseModel
+    shape: tuple[int, int]
+    memo: Memo = field(default_factory=Memo)
+    _maps: Memo = field(default_factory=Memo)
+
+    def frame(self, point: OperatingPoint, number: int, window: Window | None = None) -> np.ndarray:
+        """Pixels of a frame, DN, float32; a pure function of its arguments and the model."""
+        window = window or Window.whole(self.shape)
+        chain = self.model.chain
+        return self._after(len(chain), chain, point, number, window)
+
+    def _after(
+        self, count: int, chain: list[Effect], point: OperatingPoint, number: int, window: Window
+    ) -> np.ndarray:
+        """Signal of ``window`` after the first ``count`` effects."""
+        if count == 0:
+            level = np.float32(self._pedestal(point)) if not chain or chain[0].stage > Stage.PEDESTAL else 0
+            return np.full(window.shape, level, np.float32)
+        effect = chain[count - 1]
+        grown = window.grown(effect.reach, self.shape)
+        if effect.memory:
+            past = [
+                self._after(count - 1, chain, point, max(0, n), grown)
+                for n in range(number - effect.memory, number + 1)
+            ]
+            signal = np.stack(past)
+        else:
+            signal = self._after(count - 1, chain, point, number, grown)
+        signal = effect.apply(signal, self._site(effect, point, number, grown))
+        if effect.reach:
+            signal = signal[window.within(grown)]
+        last_before = count == len(chain) or chain[count].stage > Stage.PEDESTAL
+        if effect.stage < Stage.PEDESTAL and last_before:
+            signal = signal + np.float32(self._pedestal(point))
+        return signal
+
+    def _pedestal(self, point: OperatingPoint) -> float:
+        return value_at(self.model.pedestal, point)
+
+    def _site(self, effect: Effect, point: OperatingPoint, number: int, window: Window) -> Site:
+        root = Stream.from_seed(self.model.seed).child(effect.name)
+        moment = root.child("moment", repr(point), number)
+
+        def draw(stream: Stream, kind: str) -> np.ndarray:
+            make = getattr(stream, kind)
+            return self.memo.get(
+                (stream.key, kind, window), lambda: make(window, self.shape[1])
+            )
+
+        def keep(name: str, make: Callable[[], Any]) -> Any:
+            return self._maps.get((effect.name, point, window, name), make)
+
+        return Site(
+            self.shape, window, point, self.model.reference, number,
+            root.child("silicon"), moment, keep, draw,
+        )  # fmt: skip
+
+
+def simulate(
+    model: NoiseModel,
+    shape: tuple[int, int],
+    settings: Sequence[tuple[OperatingPoint, int]],
+    name: str = "simulation",
+    sensor: Sensor | None = None,
+    memo: Memo | None = None,
+) -> CaptureSet:
+    """A capture set whose frames are drawn when they are read.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    shape : tuple of int
+        (rows, columns).
+    settings : sequence of (OperatingPoint, int)
+        Operating points with their number of frames.
+    name : str
+        Name of the capture set.
+    sensor : Sensor, optional
+        What to record of the sensor (bits, colour filter, ...).
+    memo : Memo, optional
+        Where random fields are kept between calls.
+    """
+    simulator = Simulator(model, shape, memo or Memo())
+
+    def frame(point: OperatingPoint, number: int) -> Frame:
+        return Frame(
+            f"{point.label()} #{number}",
+            point,
+            lambda window: simulator.frame(point, number, window),
+        )
+
+    made = tuple(
+        Setting(point, tuple(frame(point, n) for n in range(count))) for point, count in settings
+    )
+    return CaptureSet(name, sensor or Sensor(shape), made)
