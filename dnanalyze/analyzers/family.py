@@ -1,0 +1,115 @@
+"""The two roles in the streaming pass: accumulators see every frame, families finish them into values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Protocol, Self
+
+import numpy as np
+
+from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+from dnanalyze.analyzers.quantiles import Ordered
+from dnanalyze.analyzers.statistics import StatisticInfo, Value
+
+
+class Accumulator(Protocol):
+    """Sums over the frames of one setting that merge to what one pass gives."""
+
+    def __init__(self, plan: Plan) -> None: ...
+
+    def add(self, view: FrameView) -> None:
+        """Take in the next frame, and its difference to the one before where there is one."""
+
+    def merge(self, later: Self, seam: FrameView) -> None:
+        """Take in the frames that follow mine.
+
+        ``seam`` is the view of the first frame of ``later`` with its difference to my last frame:
+        ``later`` counted that frame, but not that difference.
+        """
+
+
+@dataclass(frozen=True)
+class FamilyResult:
+    """What a family makes of the accumulated frames.
+
+    ``missing`` gives, for a statistic that these frames cannot tell, the reason in a sentence.
+    """
+
+    values: dict[str, Value] = field(default_factory=dict)
+    curves: dict[str, np.ndarray] = field(default_factory=dict)
+    missing: dict[str, str] = field(default_factory=dict)
+
+
+class Family(Protocol):
+    """A module of statistics."""
+
+    INFOS: tuple[StatisticInfo, ...]
+
+    def finish(self, acc: Accumulated) -> FamilyResult:
+        """Values with their standard errors; pure."""
+
+
+@dataclass(frozen=True)
+class Accumulated:
+    """All accumulators of one setting, and what several families derive from them.
+
+    Parameters
+    ----------
+    plan : Plan
+    frames : int
+        Number of frames, K.
+    frame_means : ndarray
+        Mean of each winsorised frame minus the plan's centre, DN; (K,).
+    maps : PixelMaps
+    histograms : Histograms
+    spectra, neighbours
+        The accumulators of those names.
+    """
+
+    plan: Plan
+    frames: int
+    frame_means: np.ndarray
+    maps: Any
+    histograms: Any
+    spectra: Any = None
+    neighbours: Any = None
+
+    @cached_property
+    def pattern(self) -> np.ndarray:
+        """F, the mean over the frames, DN; float32. It still holds 1/K of the temporal variance."""
+        return self.maps.mean()
+
+    @cached_property
+    def pattern_ordered(self) -> Ordered:
+        """The pixels of F in order."""
+        return Ordered(self.pattern, 1.0 / self.frames if self.plan.integer else 0.0)
+
+    @cached_property
+    def pattern_centre(self) -> float:
+        """Median of F, DN."""
+        return float(self.pattern_ordered.quantile(0.5))
+
+    @cached_property
+    def pattern_sigma(self) -> float:
+        """Robust sigma (interquartile range / 1.349) of F, DN; never 0."""
+        return self.pattern_ordered.robust_sigma()
+
+    @cached_property
+    def clipped_pattern(self) -> np.ndarray:
+        """F minus its median, clipped to +-6 of its robust sigmas, DN; float32."""
+        reach = np.float32(CLIP * self.pattern_sigma)
+        out = self.pattern - np.float32(self.pattern_centre)
+        return np.clip(out, -reach, reach, out=out)
+
+    @cached_property
+    def temporal_variance(self) -> np.ndarray | None:
+        """Unbiased variance of each pixel over the frames, DN^2, float32; None for one frame."""
+        return self.maps.variance() if self.frames > 1 else None
+
+    @cached_property
+    def difference_sigma(self) -> float:
+        """Robust sigma of all differences, DN; that of the plan where there is one frame."""
+        if self.frames < 2:
+            return self.plan.difference_sigma
+        return self.histograms.differences.robust_sigma()

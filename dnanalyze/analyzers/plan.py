@@ -1,0 +1,85 @@
+"""What is fixed before the streaming pass begins, and what the accumulators see of each frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+CLIP = 6.0  # robust sigmas at which winsorised data are cut
+BANDS = 32  # row bands and column bands of the block grid, where the frame is large enough
+SMALLEST_BAND = 4  # pixels
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Scales of a setting, from its first frames, so that one pass is enough.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns) of the frames.
+    centre : float
+        Median of the first frame, DN.
+    sigma : float
+        Robust sigma (interquartile range / 1.349) of the first frame, DN; never 0.
+    difference_sigma : float
+        Robust sigma of the first difference (y_1 - y_0) / sqrt 2, DN; never 0. ``sigma`` where
+        there is one frame.
+    integer : bool
+        All pixels of the first frame are whole numbers: the data are codes of a converter.
+    """
+
+    shape: tuple[int, int]
+    centre: float
+    sigma: float
+    difference_sigma: float
+    integer: bool
+
+    @property
+    def pixels(self) -> int:
+        """Pixels of a frame."""
+        return self.shape[0] * self.shape[1]
+
+    @cached_property
+    def row_edges(self) -> np.ndarray:
+        """First row of each row band of the block grid, and the end; int64."""
+        return _edges(self.shape[0])
+
+    @cached_property
+    def column_edges(self) -> np.ndarray:
+        """First column of each column band of the block grid, and the end; int64."""
+        return _edges(self.shape[1])
+
+
+def _edges(size: int) -> np.ndarray:
+    bands = max(1, min(BANDS, size // SMALLEST_BAND))
+    return np.arange(bands + 1, dtype=np.int64) * size // bands
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """One frame as the accumulators see it; the arrays are shared and must not be written to.
+
+    Parameters
+    ----------
+    number : int
+        Of the frame in its setting, from 0.
+    frame : ndarray of float32
+        (rows, columns), DN.
+    codes : ndarray of integers or None
+        The frame as read, where it was read as integers.
+    difference : ndarray of float32 or None
+        (this frame - the one before) / sqrt 2, DN; None for the first.
+    clipped : ndarray of float32
+        ``frame`` minus the plan's centre, clipped to +-6 of the plan's sigma, DN.
+    plan : Plan
+    """
+
+    number: int
+    frame: np.ndarray
+    codes: np.ndarray | None
+    difference: np.ndarray | None
+    clipped: np.ndarray
+    plan: Plan

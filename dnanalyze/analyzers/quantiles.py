@@ -1,0 +1,122 @@
+"""Quantiles that mean the same for codes of a converter and for continuous data.
+
+A code c stands for the interval c - 1/2 to c + 1/2; the distribution function at its ends is that of the
+signal before rounding, so interpolating between them is right where no code can be.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+IQR_SIGMA = 1.3489795003921634  # interquartile range of the standard normal
+
+
+def _interval(tight: float, level: float, step: float) -> float:
+    """A spread that is never 0: at least what a constant of that resolution has."""
+    resolution = step / 2 if step else 1e-6 * max(1.0, abs(level))
+    return max(tight, resolution) / IQR_SIGMA
+
+
+class Ordered:
+    """A sample in order.
+
+    Parameters
+    ----------
+    sample : ndarray
+        Any shape; copied.
+    step : float
+        Spacing of the lattice on which the sample lies; 0 for continuous data.
+    """
+
+    def __init__(self, sample: np.ndarray, step: float = 0.0) -> None:
+        self.sorted = np.sort(sample, axis=None)
+        self.step = step
+
+    def quantile(self, p: float | np.ndarray) -> np.ndarray:
+        """Quantiles of the probabilities ``p``, float64."""
+        s, n = self.sorted, self.sorted.size
+        place = np.clip(np.asarray(p, float), 0.0, 1.0) * n
+        if not self.step:
+            place = np.clip(place - 0.5, 0.0, n - 1.0)
+            low = np.minimum(place.astype(np.int64), max(n - 2, 0))
+            high = np.minimum(low + 1, n - 1)
+            weight = place - low
+            return s[low].astype(float) * (1 - weight) + s[high].astype(float) * weight
+        value = s[np.minimum(place.astype(np.int64), n - 1)]
+        below = np.searchsorted(s, value, "left")
+        upto = np.searchsorted(s, value, "right")
+        return value.astype(float) + self.step * ((place - below) / (upto - below) - 0.5)
+
+    def share_below(self, value: float | np.ndarray) -> np.ndarray:
+        """Distribution function at ``value``."""
+        return np.searchsorted(self.sorted, value, "left") / self.sorted.size
+
+    def count_above(self, value: float | np.ndarray) -> np.ndarray:
+        """Number of the sample above ``value``."""
+        return self.sorted.size - np.searchsorted(self.sorted, value, "right")
+
+    def robust_sigma(self) -> float:
+        """Interquartile range / 1.349; never 0."""
+        low, middle, high = self.quantile(np.array([0.25, 0.5, 0.75]))
+        return _interval(high - low, middle, self.step)
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A histogram of equal bins.
+
+    Parameters
+    ----------
+    first : float
+        Centre of the first bin.
+    width : float
+    counts : ndarray of int64
+    """
+
+    first: float
+    width: float
+    counts: np.ndarray
+
+    @cached_property
+    def cumulative(self) -> np.ndarray:
+        """Counts up to the upper end of each bin, from 0 at the lower end of the first."""
+        return np.concatenate(([0], np.cumsum(self.counts)))
+
+    @property
+    def total(self) -> int:
+        """Number of the sample."""
+        return int(self.cumulative[-1])
+
+    @cached_property
+    def centres(self) -> np.ndarray:
+        """Centre of each bin."""
+        return self.first + self.width * np.arange(self.counts.size)
+
+    def quantile(self, p: float | np.ndarray) -> np.ndarray:
+        """Quantiles of the probabilities ``p``, float64."""
+        place = np.clip(np.asarray(p, float), 0.0, 1.0) * self.total
+        k = np.clip(np.searchsorted(self.cumulative, place, "right") - 1, 0, self.counts.size - 1)
+        k = np.minimum(k, np.flatnonzero(self.counts)[-1])
+        inside = (place - self.cumulative[k]) / np.maximum(self.counts[k], 1)
+        return self.first + self.width * (k - 0.5 + np.clip(inside, 0.0, 1.0))
+
+    def share_below(self, value: float | np.ndarray) -> np.ndarray:
+        """Distribution function at ``value``."""
+        place = np.clip((np.asarray(value) - self.first) / self.width + 0.5, 0, self.counts.size)
+        ends = np.arange(self.cumulative.size)
+        return np.interp(place, ends, self.cumulative) / max(self.total, 1)
+
+    def moments(self) -> tuple[float, float, float, float]:
+        """Mean, variance, third and fourth central moment."""
+        x, w = self.centres, self.counts / self.total
+        mean = float(w @ x)
+        d = x - mean
+        return mean, float(w @ d**2), float(w @ d**3), float(w @ d**4)
+
+    def robust_sigma(self) -> float:
+        """Interquartile range / 1.349; never 0."""
+        low, middle, high = self.quantile(np.array([0.25, 0.5, 0.75]))
+        return _interval(high - low, middle, self.width)
