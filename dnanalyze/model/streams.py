@@ -44,6 +44,10 @@ class Stream:
         """Uniform deviates in (0, 1), float32, one a pixel."""
         return draws.uniform(self.key, window, width)
 
+    def uniform_at(self, index: np.ndarray) -> np.ndarray:
+        """Uniform deviates of a few pixels, by index (row x width + column); as in the field."""
+        return draws.uniform_at(self.key, index)
+
     def generator(self) -> np.random.Generator:
         """A NumPy generator for what is not a field of pixels (a handful of tracks, phases)."""
         return np.random.Generator(np.random.Philox(key=self.key))

@@ -8,24 +8,83 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 
 
 @dataclass(frozen=True)
 class ReadNoise(Effect):
-    """y += sigma N(0,1), independent over pixels and frames."""
+    """y += sigma_i N(0,1), independent over pixels and frames; sigma_i = sigma e^(s n_i - s^2)."""
 
     name: ClassVar[str] = "read_noise"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "temporal"
-    fingerprint: ClassVar[tuple[str, ...]] = ("temporal_noise",)
+    summary: ClassVar[str] = "white Gaussian noise of the readout, the same at every temperature"
+    physics: ClassVar[str] = (
+        "The pixel's amplifier and the converter add noise each time a pixel is read: thermal "
+        "noise of the source follower, reset (kTC) noise that correlated double sampling left, "
+        "converter noise. It is new in every frame, white over the field, and does not grow with "
+        "exposure or temperature, so it is what remains in the coldest and shortest frames. In "
+        "DN it grows with the analogue gain. In CMOS sensors each pixel has its own transistor, "
+        "so the sigma itself may spread over pixels (`spread`). Averaging K frames divides it by "
+        "sqrt(K); a higher analogue gain lowers it in electrons."
+    )
+    formula: ClassVar[str] = (
+        "y_i += sigma e^(s n_i - s^2) N(0,1), n_i ~ N(0,1) fixed; rms over pixels = sigma"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "EMVA Standard 1288, release 4.0",
+        "Wei et al., ELD: extreme low-light denoising (read-noise priors)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_noise_core",
+        "temporal_noise",
+        "noise_at_50",
+        "temporal_psd_0.25_0.35",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "dark_shot_noise": (
+            "shot variance grows in proportion to the dark signal; read noise does not move"
+        ),
+        "heavy_tailed_read_noise": (
+            "the temporal kurtosis of single pixels is 0 for Gaussian read noise"
+        ),
+        "rts": "an RTS pixel returns to the same two levels; its squared differences repeat",
+        "quantization": "rounding adds 1/12 DN^2 and leaves integer codes",
+    }
 
     sigma: float = parameter(1.0, "DN", 1e-3, 1e4, "standard deviation at the reference gain")
+    spread: float = parameter(
+        0.0, "1", 0.0, 1.5, "spread over pixels of the log of the standard deviation", "linear"
+    )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the noise."""
-        return signal + np.float32(self.value("sigma", site.point) * site.gain_ratio) * site.normal()
+        sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        spread = np.float32(self.value("spread", site.point))
+        if spread == 0:
+            return signal + sigma * site.normal()
+        each = site.keep("sigma", lambda: sigma * np.exp(spread * (site.fixed_normal() - spread)))
+        return signal + each * site.normal()
 
     def variance(self, point: OperatingPoint) -> float:
-        """sigma^2, DN^2."""
+        """sigma^2, DN^2, at the reference gain; the spread keeps the mean square."""
         return self.value("sigma", point) ** 2
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """From the unexplained temporal variance of the least noisy settings."""
+        if not hints.above(clues, cls.fingerprint):
+            return []
+        gain = hints.gains(clues)
+        lost = hints.unexplained_variance(clues, "temporal_noise_core") / gain**2
+        total = np.asarray(clues.measured("temporal_noise_core"), float) / gain
+        good = lost[np.isfinite(lost) & (lost > 0)]
+        if good.size:
+            sigma = float(np.sqrt(np.median(good)))
+        elif np.isfinite(total).any():
+            sigma = 0.7 * float(np.nanmin(total))
+        else:
+            return []
+        return [cls(**hints.clip(cls, sigma=sigma))]

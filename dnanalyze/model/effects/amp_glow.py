@@ -1,0 +1,149 @@
+"""Light from the readout circuits at a corner or an edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+
+# (row, column) of the source in units of the frame; None: all along that direction
+SOURCES: dict[str, tuple[float | None, float | None]] = {
+    "nw": (0, 0),
+    "n": (0, None),
+    "ne": (0, 1),
+    "e": (None, 1),
+    "se": (1, 1),
+    "s": (1, None),
+    "sw": (1, 0),
+    "w": (None, 0),
+}
+
+
+@dataclass(frozen=True)
+class AmpGlow(Effect):
+    """h += a e^(-r/l), r the distance from a corner, or from an edge."""
+
+    name: ClassVar[str] = "amp_glow"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "glow that fades from a corner or an edge, growing with exposure"
+    physics: ClassVar[str] = (
+        "Transistors under high field (output amplifiers, column circuits) emit near-infrared "
+        "light, and warm ones raise the dark current beside them. The pixels nearest to them "
+        "collect a signal that fades with distance, the same in every frame and proportional to "
+        "the exposure. Emission hardly depends on temperature (activation energy near 0); a glow "
+        "that follows the dark current is heat. It lives below .01 cycles/pixel and in the block "
+        "means. Remedies: switch the amplifier off during the exposure, subtract a dark frame of "
+        "the same exposure."
+    )
+    formula: ClassVar[str] = (
+        "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) a e^(-r/l); r from the corner (nw, ne, se, sw) "
+        "or to the edge (n, e, s, w), l in units of the frame's larger side"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Janesick, Scientific Charge-Coupled Devices, SPIE Press (2001)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "shading_1_0",
+        "shading_0_1",
+        "shading_1_1",
+        "shading_2_0",
+        "shading_0_2",
+        "shading_mid",
+        "pattern_psd_0_0.01",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "dark_gradient": "a temperature map is a low-order surface that follows the dark current",
+        "flicker_fpn": (
+            "a random low-frequency field has no source; its power falls as a power of frequency"
+        ),
+        "column_fpn": "column offsets do not fade along the column",
+    }
+
+    amplitude: float = parameter(
+        10.0, "DN", 1e-3, 1e5, "at the source, at the reference temperature, exposure and gain"
+    )
+    length: float = parameter(
+        0.2, "1", 0.005, 3.0, "fading length over the larger side of the frame"
+    )
+    ea_ev: float = parameter(0.0, "eV", 0.0, 1.6, "activation energy; 0 for light", "linear")
+    location: str = choice("se", "corner or edge of the source", *SOURCES)
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the glow."""
+        return signal + site.keep("map", lambda: self._map(site))
+
+    def _map(self, site: Site) -> np.ndarray:
+        height = self.value("amplitude", site.point) * site.thermal(self.value("ea_ev", site.point))
+        height *= site.exposure_ratio * site.gain_ratio
+        r = distance(self.location, site.row_index, site.column_index, site.shape)
+        return (height * np.exp(-r / self.value("length", site.point))).astype(np.float32)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """The three places and lengths that follow the block means best, in the most shaded setting."""
+        names = [f"shading_{i}_{j}" for i in range(4) for j in range(4) if i or j]
+        seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
+        if not (seen > hints.SIGN).any():
+            return []
+        setting = int(np.argmax((seen**2).sum(0)))
+        try:
+            blocks = np.asarray(clues.curve("block_means", setting), float)
+        except KeyError:
+            return []
+        if blocks.ndim != 2 or blocks.size < 9:
+            return []
+        found = []
+        for place in SOURCES:
+            fits = [(*_fit(place, length, blocks, clues.shape), length) for length in LENGTHS]
+            error, height, length = min(f for f in fits)
+            if height > 0:
+                found.append((error, place, length))
+        found.sort()
+        guesses: list[Effect] = []
+        for _, place, length in found[:3]:
+            heights = np.full(len(clues.points), np.nan)
+            for j in range(heights.size):
+                try:
+                    each = np.asarray(clues.curve("block_means", j), float)
+                except KeyError:
+                    continue
+                heights[j] = _fit(place, length, each, clues.shape)[1]
+            fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
+            if fitted is not None:
+                height, ea = fitted
+                values = hints.clip(cls, amplitude=height, length=length, ea_ev=ea)
+                guesses.append(cls(**values, location=place))
+        return guesses
+
+
+LENGTHS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2)
+
+
+def distance(
+    location: str, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
+) -> np.ndarray:
+    """Distance of each pixel from the source over the frame's larger side."""
+    row, column = SOURCES[location]
+    side = max(shape)
+    y = 0.0 if row is None else rows[:, None] - row * (shape[0] - 1)
+    x = 0.0 if column is None else columns[None, :] - column * (shape[1] - 1)
+    return np.hypot(y, x) / side + np.zeros((rows.size, columns.size))
+
+
+def _fit(
+    place: str, length: float, blocks: np.ndarray, shape: tuple[int, int]
+) -> tuple[float, float]:
+    """(residual mean square, amplitude) of c + a e^(-r/l) on the block means."""
+    rows = (np.arange(blocks.shape[0]) + 0.5) * shape[0] / blocks.shape[0]
+    columns = (np.arange(blocks.shape[1]) + 0.5) * shape[1] / blocks.shape[1]
+    glow = np.exp(-distance(place, rows, columns, shape) / length)
+    glow -= glow.mean()
+    y = blocks - blocks.mean()
+    height = float((glow * y).sum() / max((glow * glow).sum(), 1e-30))
+    return float(np.mean((y - height * glow) ** 2)), height

@@ -1,0 +1,89 @@
+"""Charge or voltage shared with the neighbouring pixels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+
+
+@dataclass(frozen=True)
+class Crosstalk(Effect):
+    """Each pixel gives a share alpha to each edge neighbour and beta to each diagonal one."""
+
+    name: ClassVar[str] = "crosstalk"
+    stage: ClassVar[Stage] = Stage.COUPLING
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = (
+        "each pixel passes a share of its signal to its neighbours (IPC, diffusion)"
+    )
+    physics: ClassVar[str] = (
+        "Neighbouring pixels are coupled by stray capacitance (interpixel capacitance, IPC) or "
+        "by diffusion of charge, so a fixed share of each pixel's signal appears in its "
+        "neighbours, before the readout adds its noise. The share does not depend on amplitude, "
+        "temperature or exposure. Dark current and its shot noise become correlated (correlation "
+        "about 2 alpha), each hot pixel gains a halo of the same relative height, and the "
+        "spectrum falls towards high frequency, down to a plateau when all noise is dark noise; "
+        "read noise, added later, stays white. It lowers the apparent shot noise, so gain from "
+        "photon transfer comes out too small unless corrected."
+    )
+    formula: ClassVar[str] = (
+        "y = k * h, k = alpha on 4 edge neighbours, beta = diagonal x alpha on 4 diagonal ones, "
+        "centre 1 - 4 alpha - 4 beta; K(u,v) = 1 - 4(alpha+beta) + 2 alpha (cos 2 pi u + cos 2 "
+        "pi v) + 4 beta cos 2 pi u cos 2 pi v"
+    )
+    references: ClassVar[tuple[str, ...]] = ("EMVA Standard 1288, release 4.0",)
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_corr_10",
+        "temporal_corr_01",
+        "hot_halo",
+        "pattern_corr_10",
+        "pattern_corr_01",
+        "temporal_corr_11",
+        "pattern_corr_11",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "convolved_lognormal": (
+            "the paper's kernel spreads the pattern alone; crosstalk the shot noise too"
+        ),
+        "denoise": (
+            "a filter after the readout correlates the read noise too, and the most when cold"
+        ),
+        "dpc": "a correction changes only pixels that stand out",
+    }
+    reach: ClassVar[int] = 1
+
+    alpha: float = parameter(2e-3, "1", 1e-6, 0.12, "share given to each edge neighbour")
+    diagonal: float = parameter(0.25, "1", 0.0, 1.0, "diagonal share over alpha", "linear")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Convolve with the 3x3 kernel; at the frame's edge the outer rows and columns are repeated."""
+        a = np.float32(self.value("alpha", site.point))
+        b = a * np.float32(self.value("diagonal", site.point))
+        p = np.pad(signal, 1, mode="edge")
+        line = p[:-2] + p[2:]
+        edges = line[:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:]
+        corners = line[:, :-2] + line[:, 2:]
+        return (1 - 4 * a - 4 * b) * signal + a * edges + b * corners
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Half the unexplained correlation of neighbours in the setting where it is largest."""
+        if not hints.above(clues, cls.fingerprint):
+            return []
+        shares = []
+        for family in ("temporal", "pattern"):
+            edge = [hints.unexplained(clues, f"{family}_corr_{lag}") for lag in ("10", "01")]
+            mean = np.mean(edge, axis=0)
+            shares += [float(v) / 2 for v in mean[np.isfinite(mean)]]
+        halo = np.asarray(hints.unexplained(clues, "hot_halo"), float)
+        shares += [float(v) for v in halo[np.isfinite(halo)]]
+        alpha = max(shares, default=0.0)
+        if alpha <= 0:
+            return []
+        return [cls(**hints.clip(cls, alpha=alpha, diagonal=d)) for d in (0.25, 1.0)]

@@ -1,0 +1,129 @@
+"""A population of pixels with far more dark current than the rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+
+THRESHOLDS = (5, 8, 16, 32, 64, 128)
+
+
+@dataclass(frozen=True)
+class HotPixels(Effect):
+    """A fraction p of the pixels has an extra dark signal, exponential with mean nu."""
+
+    name: ClassVar[str] = "hot_pixels"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "few pixels with much extra dark current, the same ones in every frame"
+    physics: ClassVar[str] = (
+        "Single defects in the silicon (contamination, displacement damage, a high field at a "
+        "junction edge) give a pixel many times the usual dark current. The same pixels stand "
+        "out in every frame, above the log-normal spread of the rest, and their signal grows in "
+        "proportion to exposure. A high field lowers the barrier, so their activation energy is "
+        "often below that of the bulk (.3 to .6 eV against .6 to 1.2 eV): they stand out more "
+        "when cold. Remedies: cooling, dark-frame subtraction, a defect map; their number grows "
+        "with radiation dose."
+    )
+    formula: ClassVar[str] = (
+        "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) nu max(0, ln(p/u)), u ~ U(0,1) fixed: Exp(nu) "
+        "with probability p"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Widenhorn et al. and Dunlap et al. (activation energies of hot pixels)",
+        "Belloir et al., IEEE TED (2017) (radiation damage)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "hot_count_16",
+        "hot_count_8",
+        "hot_count_32",
+        "hot_count_64",
+        "pattern_q0.999",
+        "pattern_q0.9999",
+        "hot_count_5",
+        "hot_repeat",
+        "pattern_noise",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "convolved_lognormal": (
+            "a log-normal tail bends on a semilog plot; an exponential population is straight"
+        ),
+        "hot_clusters": "clustered defects have hot neighbours more often than chance (hot_pairs)",
+        "cosmic_rays": "a hit is in one frame only",
+        "rts": "a blinking pixel has two levels over time",
+        "stuck_pixels": "a stuck pixel has no temporal noise",
+    }
+
+    fraction: float = parameter(1e-3, "1", 1e-7, 0.3, "fraction of pixels that are hot")
+    scale: float = parameter(
+        50.0, "DN", 1e-2, 1e6, "mean extra signal at the reference temperature, exposure and gain"
+    )
+    ea_ev: float = parameter(
+        0.55, "eV", 0.0, 1.6, "activation energy of the extra signal", "linear"
+    )
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the hot pixels."""
+        return signal + site.keep("map", lambda: self._map(site))
+
+    def _map(self, site: Site) -> np.ndarray:
+        scale = self.value("scale", site.point) * site.thermal(self.value("ea_ev", site.point))
+        scale *= site.exposure_ratio * site.gain_ratio
+        hot = np.log(np.float32(self.value("fraction", site.point)) / site.fixed_uniform())
+        return np.float32(scale) * np.maximum(hot, np.float32(0))
+
+    def variance(self, point: OperatingPoint) -> float:
+        """nu^2 (2 p - p^2), DN^2, at the reference temperature, exposure and gain."""
+        p = self.value("fraction", point)
+        return self.value("scale", point) ** 2 * (2 * p - p * p)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Unexplained counts over the threshold: a straight line on a semilog plot."""
+        if not hints.above(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
+            return []
+        found = tail_of_counts(clues)
+        if found is None:
+            return []
+        fraction, amplitude = found
+        fitted = hints.thermal_fit(clues, amplitude / hints.exposure_and_gain(clues), 0.55)
+        if fitted is None:
+            return []
+        scale, ea = fitted
+        return [cls(**hints.clip(cls, fraction=fraction, scale=scale, ea_ev=ea))]
+
+
+def tail_of_counts(clues: Clues) -> tuple[float, np.ndarray] | None:
+    """Fraction and mean amplitude (DN, one a setting) of an exponential tail of unexplained hot pixels.
+
+    N(> k s) = N p e^(-k s/nu), with s the robust sigma of the pattern.
+    """
+    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
+    sigma = np.where(np.isfinite(sigma), sigma, clues.measured("frame_noise_core"))
+    extra = np.array([hints.unexplained(clues, f"hot_count_{k}") for k in THRESHOLDS])
+    pixels = float(np.prod(clues.shape))
+    amplitude = np.full(sigma.size, np.nan)
+    fractions = []
+    for j in range(sigma.size):
+        good = np.isfinite(extra[:, j]) & (extra[:, j] >= 2)
+        if not good.any() or not np.isfinite(sigma[j]):
+            continue
+        level = np.array(THRESHOLDS)[good] * sigma[j]
+        count = extra[good, j]
+        if good.sum() == 1:
+            amplitude[j] = level[0]
+        else:
+            # line through the logs, each weighed by its count (the variance of a Poisson log)
+            slope = np.polyfit(level, np.log(count), 1, w=np.sqrt(count))[0]
+            amplitude[j] = -1.0 / slope if slope < 0 else 4 * level[-1]
+        fractions.append((count[0], count[0] / pixels * np.exp(min(20.0, level[0] / amplitude[j]))))
+    if not fractions:
+        return None
+    return float(max(fractions)[1]), amplitude

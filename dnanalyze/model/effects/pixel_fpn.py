@@ -1,0 +1,82 @@
+"""A fixed Gaussian offset of each pixel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+
+
+@dataclass(frozen=True)
+class PixelFpn(Effect):
+    """y += sigma n_i, the same in every frame."""
+
+    name: ClassVar[str] = "pixel_fpn"
+    stage: ClassVar[Stage] = Stage.PIXEL_READ
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "fixed offset of each pixel, the same in every frame"
+    physics: ClassVar[str] = (
+        "Transistor thresholds differ from pixel to pixel, and what correlated double sampling "
+        "leaves of the difference is an offset that every frame repeats. It is white over the "
+        "field and symmetric, does not grow with exposure or temperature, and scales with the "
+        "analogue gain; averaging frames does not reduce it. It is what the pattern shows in the "
+        "coldest, shortest frames. Subtracting a master bias frame removes it."
+    )
+    formula: ClassVar[str] = "y_i += sigma n_i, n_i ~ N(0,1) fixed in the silicon"
+    references: ClassVar[tuple[str, ...]] = (
+        "EMVA Standard 1288, release 4.0",
+        "El Gamal et al., SPIE 3301 (1998)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "pattern_noise_core",
+        "pattern_q0.01",
+        "pattern_q0.1",
+        "pattern_psd_0.25_0.35",
+        "frame_noise_core",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "convolved_lognormal": (
+            "the spread of the dark current grows with temperature and exposure and is skewed"
+        ),
+        "column_fpn": "column offsets put their power on the v = 0 axis",
+        "read_noise": "read noise is new in every frame",
+    }
+
+    sigma: float = parameter(1.0, "DN", 1e-3, 1e4, "standard deviation at the reference gain")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the offsets."""
+        sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        return signal + sigma * site.fixed_normal()
+
+    def variance(self, point: OperatingPoint) -> float:
+        """sigma^2, DN^2, at the reference gain."""
+        return self.value("sigma", point) ** 2
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """From the unexplained pattern variance of the settings with the least pattern."""
+        low = ("pattern_q0.01", "pattern_q0.1")
+        high = tuple(n for n in cls.fingerprint if n not in low)
+        if not (hints.above(clues, high) or hints.below(clues, low)):
+            return []
+        gain = hints.gains(clues)
+        name = "pattern_noise_core"
+        if not np.isfinite(clues.measured(name)).any():
+            name = "frame_noise_core"
+        lost = hints.unexplained_variance(clues, name) / gain**2
+        total = np.asarray(clues.measured(name), float) / gain
+        good = lost[np.isfinite(lost) & (lost > 0)]
+        if good.size:
+            sigma = float(np.sqrt(np.median(good)))
+        elif np.isfinite(total).any():
+            sigma = 0.7 * float(np.nanmin(total))
+        else:
+            return []
+        return [cls(**hints.clip(cls, sigma=sigma))]

@@ -1,0 +1,77 @@
+"""Rounding to the converter's codes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice
+
+
+@dataclass(frozen=True)
+class Quantization(Effect):
+    """y = clip(q round(y / q), 0, 2^bits - 1)."""
+
+    name: ClassVar[str] = "quantization"
+    stage: ClassVar[Stage] = Stage.CONVERTER
+    varies: ClassVar[str] = "temporal"
+    summary: ClassVar[str] = "rounding to whole codes and the converter's two ends"
+    physics: ClassVar[str] = (
+        "The converter gives whole codes. As long as the noise before it exceeds about .4 DN the "
+        "rounding error is white, independent of the signal, and has variance 1/12 DN^2; below "
+        "that, frames repeat the same few codes, temporal noise and small offsets vanish or are "
+        "exaggerated, and averaging no longer recovers them. Signals outside the range are "
+        "clipped. Higher analogue gain or dither restores linearity."
+    )
+    formula: ClassVar[str] = "y = min(max(q round(y/q), 0), 2^bits - 1); error variance q^2/12"
+    references: ClassVar[tuple[str, ...]] = ("EMVA Standard 1288, release 4.0",)
+    fingerprint: ClassVar[tuple[str, ...]] = ("lattice", "unused_codes", "code_roughness")
+    confused_with: ClassVar[dict[str, str]] = {
+        "digital_gain": (
+            "a gain after the converter leaves gaps or doubled codes at a regular period"
+        ),
+        "missing_codes": "unequal code widths make the histogram rough, rounding alone does not",
+        "read_noise": "rounding adds 1/12 DN^2 and no more",
+    }
+
+    bits: int = choice(16, "codes run from 0 to 2^bits - 1", *range(1, 33))
+    step: int = choice(1, "distance of the codes, DN", *(2**n for n in range(17)))
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Round and clip."""
+        step = np.float32(self.step)
+        codes = np.rint(signal / step) * step
+        return np.clip(codes, np.float32(0), np.float32(2.0**self.bits - 1), out=codes)
+
+    def variance(self, point: OperatingPoint) -> float:
+        """q^2 / 12, DN^2, where the noise before it exceeds .4 q."""
+        return self.step**2 / 12.0
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Integer frames where the model's are not; range and step from the codes that occur."""
+        if not hints.above(clues, ("lattice",)):
+            return []
+        top, step = 0, 0
+        for setting in range(len(clues.points)):
+            try:
+                codes = np.asarray(clues.curve("histogram_codes", setting), float)
+                counts = np.asarray(clues.curve("histogram_counts", setting), float)
+            except KeyError:
+                continue
+            seen = codes[: counts.size][counts[: codes.size] > 0]
+            if seen.size == 0 or not np.all(seen == np.rint(seen)):
+                continue
+            top = max(top, int(seen.max()))
+            step = int(np.gcd.reduce(np.r_[step, seen.astype(np.int64)]))
+        # a top code of all ones is the converter's end; any other says nothing of the range
+        bits = top.bit_length() if top >= 255 and top & (top + 1) == 0 else 16
+        while 2**bits <= top:
+            bits += 1
+        power = step & -step if step else 1
+        return [cls(bits=bits, step=power if power in cls.parameters()["step"].choices else 1)]

@@ -1,0 +1,103 @@
+"""What effects share when they guess their own strength from the unexplained part of the statistics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
+
+SIGN = 2.5  # a statistic this many floors off is a sign worth trying
+
+
+def above(clues: Clues, names: Sequence[str], least: float = SIGN) -> bool:
+    """Whether the measurement exceeds the model by ``least`` floors anywhere."""
+    return any(bool(np.any(np.nan_to_num(clues.z(name)) > least)) for name in names)
+
+
+def below(clues: Clues, names: Sequence[str], least: float = SIGN) -> bool:
+    """Whether the model exceeds the measurement by ``least`` floors anywhere."""
+    return any(bool(np.any(np.nan_to_num(clues.z(name)) < -least)) for name in names)
+
+
+def unexplained(clues: Clues, name: str) -> np.ndarray:
+    """Measured minus simulated, one a setting."""
+    return np.asarray(clues.measured(name), float) - np.asarray(clues.simulated(name), float)
+
+
+def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
+    """Measured minus simulated square of a standard deviation, DN^2, one a setting."""
+    return (
+        np.asarray(clues.measured(name), float) ** 2 - np.asarray(clues.simulated(name), float) ** 2
+    )
+
+
+def exposure_and_gain(clues: Clues) -> np.ndarray:
+    """Exposure times gain over the reference's, one a setting; 1 where unknown."""
+    ratios = []
+    for point in clues.points:
+        ratio = 1.0
+        for here, there in (
+            (point.exposure_s, clues.reference.exposure_s),
+            (point.gain, clues.reference.gain),
+        ):
+            if here is not None and there:
+                ratio *= here / there
+        ratios.append(ratio)
+    return np.array(ratios)
+
+
+def gains(clues: Clues) -> np.ndarray:
+    """Gain over the reference's, one a setting; 1 where unknown."""
+    there = clues.reference.gain
+    return np.array([p.gain / there if p.gain and there else 1.0 for p in clues.points])
+
+
+def thermal_fit(
+    clues: Clues, amplitude: np.ndarray, default_ev: float = 0.6
+) -> tuple[float, float] | None:
+    """Amplitude at the reference and activation energy from one amplitude a setting.
+
+    Parameters
+    ----------
+    amplitude : ndarray
+        Already over exposure and gain; settings without a positive finite one are left out.
+        The larger ones weigh more, for they stand farther above their noise.
+    default_ev : float
+        Activation energy where the settings cannot tell it, eV.
+
+    Returns
+    -------
+    tuple of float, or None
+        (amplitude at the reference temperature, eV in 0 to 1.5); None without any usable setting.
+    """
+    good = np.isfinite(amplitude) & (amplitude > 0)
+    if not good.any():
+        return None
+    temperature = [p.temperature_c for p in clues.points]
+    origin = clues.reference.temperature_c
+    if origin is None or any(t is None for t, g in zip(temperature, good, strict=True) if g):
+        return float(np.median(amplitude[good])), default_ev
+    inverse = np.array([0.0 if t is None else 1.0 / (t + KELVIN) for t in temperature])
+    x = -(inverse - 1.0 / (origin + KELVIN))[good] / BOLTZMANN_EV
+    y = np.log(amplitude[good])
+    w = np.exp(0.5 * (y - y.max()))
+    centre = np.average(x, weights=w)
+    spread = np.average((x - centre) ** 2, weights=w)
+    if spread < 1e-6:
+        ea = default_ev
+    else:
+        ea = float(np.average((x - centre) * y, weights=w) / spread)
+    ea = min(max(ea, 0.0), 1.5)
+    return float(np.exp(np.average(y, weights=w) - ea * centre)), ea
+
+
+def clip(cls: type, **values: float) -> dict[str, float]:
+    """The values kept inside the bounds of the effect's parameters."""
+    known = cls.parameters()  # type: ignore[attr-defined]
+    return {
+        name: float(min(max(value, known[name].lower), known[name].upper))
+        for name, value in values.items()
+    }
