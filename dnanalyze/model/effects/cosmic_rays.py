@@ -1,0 +1,134 @@
+"""Tracks of charged particles, each in one frame only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.special import pdtrik
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+
+SPACING = 0.25  # of the points along a track, pixels
+
+
+@dataclass(frozen=True)
+class CosmicRays(Effect):
+    """A Poisson number of straight tracks a frame, each with an exponential length and energy."""
+
+    name: ClassVar[str] = "cosmic_rays"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    varies: ClassVar[str] = "temporal"
+    summary: ClassVar[str] = "hits of particles: bright, elongated, in one frame only"
+    physics: ClassVar[str] = (
+        "Muons (about one per square centimetre and minute at sea level), natural radioactivity "
+        "of the packaging, and in space protons leave thousands of electrons along a straight "
+        "track. A hit is in one frame only, lights one pixel or a line of them, and the number "
+        "of hits grows with exposure and area but not with temperature. The median of several "
+        "frames removes them; single frames need a detector of sharp edges."
+    )
+    formula: ClassVar[str] = (
+        "number ~ Pois(rate x Mpx x exposure); each: uniform place and direction, length Exp(l), "
+        "charge Exp(E) spread evenly along it and bilinearly over the pixels; mean added a pixel "
+        "rate x exposure x E / 1e6"
+    )
+    references: ClassVar[tuple[str, ...]] = ("Groom, Experimental Astronomy 14 (2002)",)
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "transient_high",
+        "transient_adjacent",
+        "temporal_q0.999",
+        "temporal_kurtosis",
+        "hot_repeat",
+        "temporal_noise",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "rts": "a blinking pixel comes back to its upper level; a hit does not come back",
+        "heavy_tailed_read_noise": "heavy tails go both ways and hit single pixels",
+        "hot_pixels": "a hot pixel is in every frame",
+    }
+
+    rate: float = parameter(
+        1.0,
+        "1/(Mpx s)",
+        1e-6,
+        1e5,
+        "hits per million pixels and second; per frame if the exposure is unknown",
+    )
+    energy: float = parameter(1000.0, "DN", 1.0, 1e7, "mean charge of a hit at the reference gain")
+    length: float = parameter(2.0, "pixel", 0.05, 200.0, "mean length of a track")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the tracks of this frame that cross the window."""
+        y, x, charge = self._points(site)
+        out = np.zeros(signal.shape)
+        top, left = np.floor(y).astype(int), np.floor(x).astype(int)
+        fy, fx = y - top, x - left
+        for dy, dx, share in (
+            (0, 0, (1 - fy) * (1 - fx)),
+            (0, 1, (1 - fy) * fx),
+            (1, 0, fy * (1 - fx)),
+            (1, 1, fy * fx),
+        ):
+            r, c = top + dy - site.window.top, left + dx - site.window.left
+            inside = (r >= 0) & (r < out.shape[0]) & (c >= 0) & (c < out.shape[1])
+            np.add.at(out, (r[inside], c[inside]), (charge * share)[inside])
+        return signal + out.astype(np.float32)
+
+    def _points(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Row, column (pixel centres are whole) and charge, DN, of the points of all tracks.
+
+        A higher rate adds tracks and leaves the others as they are.
+        """
+        rows, columns = site.shape
+        exposure = site.point.exposure_s
+        mean = self.value("rate", site.point) * rows * columns * 1e-6
+        mean *= 1.0 if exposure is None else exposure
+        random = site.moment.generator()
+        number = poisson_quantile(random.random(), mean)
+        u = random.random((number, 5))
+        length = -self.value("length", site.point) * np.log1p(-u[:, 3])
+        energy = -self.value("energy", site.point) * site.gain_ratio * np.log1p(-u[:, 4])
+        steps = np.ceil(length / SPACING).astype(int) + 1
+        track = np.repeat(np.arange(number), steps)
+        along = np.arange(track.size) - np.repeat(np.cumsum(steps) - steps, steps)
+        offset = (along / np.maximum(steps - 1, 1)[track] - 0.5) * length[track]
+        angle = 2 * np.pi * u[track, 2]
+        y = u[track, 0] * rows - 0.5 + offset * np.sin(angle)
+        x = u[track, 1] * columns - 0.5 + offset * np.cos(angle)
+        return y, x, energy[track] / steps[track]
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Rate from the pixels that stand out in one frame; how many of them touch tells the length."""
+        if not hints.above(clues, ("transient_high", "transient_adjacent")):
+            return []
+        hits = np.maximum(hints.unexplained(clues, "transient_high"), 0)
+        touching = np.maximum(hints.unexplained(clues, "transient_adjacent"), 0)
+        good = np.isfinite(hits) & (hits > 0)
+        if not good.any():
+            return []
+        share = float(np.nansum(touching[good]) / np.sum(hits[good]))
+        length = 0.5 if share < 0.3 else 1.0 + 4.0 * share
+        pixels_a_hit = 1.5 + length
+        seconds = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in clues.points])
+        # transients are counted over all frames of a setting; take eight, within a factor of a few
+        seen = np.sum(hits[good]) / pixels_a_hit / (8 * np.sum(seconds[good]))
+        rate = seen / (np.prod(clues.shape) * 1e-6)
+        noise = np.asarray(clues.measured("temporal_noise_core"), float)
+        energy = 30.0 * float(np.nanmedian(noise / hints.gains(clues))) * pixels_a_hit
+        return [
+            cls(**hints.clip(cls, rate=rate, energy=energy * f, length=length)) for f in (1, 10)
+        ]
+
+    def variance(self, point: OperatingPoint) -> float | None:
+        """None: it depends on how a track falls on the pixels."""
+        return None
+
+
+def poisson_quantile(u: float, mean: float) -> int:
+    """Smallest count whose distribution function reaches ``u``: grows with the mean, one by one."""
+    return max(0, int(np.ceil(pdtrik(u, mean)))) if u > np.exp(-mean) else 0

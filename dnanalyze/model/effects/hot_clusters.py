@@ -1,0 +1,129 @@
+"""Hot pixels that come in clusters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import hints
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effects.hot_pixels import tail_of_counts
+
+REACH = 8
+MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
+
+
+@dataclass(frozen=True)
+class HotClusters(Effect):
+    """Neyman-Scott process: parents at random, each with a Poisson number of hot pixels around it."""
+
+    name: ClassVar[str] = "hot_clusters"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "hot pixels in clusters: more hot neighbours than chance allows"
+    physics: ClassVar[str] = (
+        "A dislocation, a particle or a cascade of displaced atoms damages several pixels at "
+        "once, so hot pixels come in groups a few pixels wide, with irregular amplitudes. Like "
+        "single hot pixels they are the same in every frame, grow with exposure and follow an "
+        "Arrhenius law. The pair correlation of hot pixels exceeds 1 within the radius of a "
+        "cluster. Defect correction that looks at the 8 neighbours fails on them: use a defect "
+        "map with interpolation from farther away, or a dark frame."
+    )
+    formula: ClassVar[str] = (
+        "parents: Poisson, density d a pixel; offspring of each: Pois(m), uniform within radius "
+        "r; each adds Exp(nu) t/t_ref e^(-Ea/k (1/T - 1/T_ref))"
+    )
+    references: ClassVar[tuple[str, ...]] = ("Neyman and Scott, J. R. Stat. Soc. B 20 (1958)",)
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "hot_pairs",
+        "hot_halo",
+        "hot_halo_2",
+        "hot_count_8",
+        "hot_count_16",
+        "pattern_q0.999",
+        "pattern_psd_0.04_0.08",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "hot_pixels": "single defects have hot neighbours only by chance",
+        "crosstalk": "a halo by crosstalk has the same relative height around every hot pixel",
+        "cosmic_rays": "a hit is in one frame only",
+    }
+    reach: ClassVar[int] = REACH
+
+    density: float = parameter(2e-4, "1/pixel", 1e-8, 0.05, "clusters per pixel of the field")
+    members: float = parameter(4.0, "1", 0.1, 25.0, "mean number of hot pixels in a cluster")
+    radius: float = parameter(1.5, "pixel", 0.5, float(REACH - 1), "radius of a cluster")
+    scale: float = parameter(
+        50.0, "DN", 1e-2, 1e6, "mean extra signal at the reference temperature, exposure and gain"
+    )
+    ea_ev: float = parameter(
+        0.55, "eV", 0.0, 1.6, "activation energy of the extra signal", "linear"
+    )
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the clusters."""
+        return signal + site.keep("map", lambda: self._map(site))
+
+    def _map(self, site: Site) -> np.ndarray:
+        at = np.flatnonzero(site.fixed_uniform("parent") < self.value("density", site.point))
+        row, column = np.divmod(at, site.window.shape[1])
+        index = (row + site.window.top) * site.shape[1] + column + site.window.left
+        stream = site.silicon.child("offspring")
+        # arrival times of a unit Poisson process: the number before ``members`` is Pois(members),
+        # and a change of ``members`` adds or removes only the last ones
+        arrival = np.zeros(index.size)
+        scale = self.value("scale", site.point) * site.thermal(self.value("ea_ev", site.point))
+        scale *= site.exposure_ratio * site.gain_ratio
+        out = np.zeros(site.window.shape)
+        for n in range(MOST):
+            arrival -= np.log(stream.child(n, "arrival").uniform_at(index))
+            alive = arrival < self.value("members", site.point)
+            if not alive.any():
+                break
+            index, row, column, arrival = (a[alive] for a in (index, row, column, arrival))
+            far = self.value("radius", site.point) * np.sqrt(stream.child(n, "r").uniform_at(index))
+            angle = 2 * np.pi * stream.child(n, "angle").uniform_at(index)
+            y = row + np.rint(far * np.sin(angle)).astype(int)
+            x = column + np.rint(far * np.cos(angle)).astype(int)
+            hot = -scale * np.log(stream.child(n, "amplitude").uniform_at(index))
+            inside = (y >= 0) & (y < out.shape[0]) & (x >= 0) & (x < out.shape[1])
+            np.add.at(out, (y[inside], x[inside]), hot[inside])
+        return out.astype(np.float32)
+
+    def variance(self, point: OperatingPoint) -> float:
+        """DN^2 at the reference: d nu^2 (2 m + m^2 s), s = the chance that two offspring share a pixel."""
+        d, m = self.value("density", point), self.value("members", point)
+        return d * self.value("scale", point) ** 2 * (2 * m + m * m * self._shared(point))
+
+    def _shared(self, point: OperatingPoint) -> float:
+        """Chance that two offspring of a parent fall on the same pixel, by quadrature over the disc."""
+        n = 400
+        r = self.value("radius", point)
+        far = r * np.sqrt((np.arange(n) + 0.5) / n)[:, None]
+        angle = 2 * np.pi * (np.arange(n) + 0.5)[None, :] / n
+        y = np.rint(far * np.sin(angle)).astype(int) + REACH
+        x = np.rint(far * np.cos(angle)).astype(int) + REACH
+        share = np.bincount((y * (2 * REACH + 1) + x).ravel()) / n**2
+        return float((share**2).sum())
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """The tail of the unexplained hot pixels, split into small and large clusters."""
+        if not hints.above(clues, ("hot_pairs", "hot_halo_2")):
+            return []
+        found = tail_of_counts(clues)
+        if found is None:
+            return []
+        fraction, amplitude = found
+        fitted = hints.thermal_fit(clues, amplitude / hints.exposure_and_gain(clues), 0.55)
+        if fitted is None:
+            return []
+        scale, ea = fitted
+        return [
+            cls(**hints.clip(cls, density=fraction / m, members=m, radius=r, scale=scale, ea_ev=ea))
+            for m, r in ((3.0, 1.2), (8.0, 2.5))
+        ]
