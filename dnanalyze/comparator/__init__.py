@@ -1,1 +1,1 @@
-"""."""
+"""Two Statistics to discrepancies, floor and error."""

@@ -1,0 +1,153 @@
+"""Hold a model against measured captures: discrepancies, error, and where it fails in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import infos
+from dnanalyze.analyzers.statistics import Scale, Statistics
+from dnanalyze.comparator.error import family_errors, pooled
+from dnanalyze.comparator.words import failures
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import fit
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.start import gaussian_model, moments
+from dnanalyze.fitting.vectors import prediction
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.noise_model import NoiseModel
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model held against a measurement, on the half of the field that no fit saw.
+
+    Parameters
+    ----------
+    captures : str
+    model : NoiseModel
+    error : float
+        1 = as close as a second sensor of the same make.
+    baselines : dict
+        "gaussian" and "paper": the errors of the plain Gaussian and of the paper's model.
+    families : dict
+        Error of each family.
+    statistics : list of dict
+        One row a statistic and operating point; see the contract.
+    failures : list of str
+        Where the model fails, worst first.
+    measured, simulated, gaussian : Statistics
+        Of the judged half, with their curves.
+    """
+
+    captures: str
+    model: NoiseModel
+    error: float
+    baselines: dict[str, float]
+    families: dict[str, float]
+    statistics: list[dict[str, Any]]
+    failures: list[str]
+    measured: Statistics
+    simulated: Statistics
+    gaussian: Statistics
+
+
+def compare(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    held: Bench | None = None,
+    tell: Callable[[State], None] = lambda _: None,
+) -> Comparison:
+    """Hold a model against dark frames.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    model : NoiseModel, optional
+        Taken as it is. Without one the paper's model is fitted first.
+    held : Bench, optional
+        Statistics taken earlier.
+    tell : callable
+        Called with every better state of the fit of the paper's model.
+    """
+    held = held or bench(design(captures))
+    paper = fit(captures, held=held, replicates=0, tell=tell).state
+    m = moments(Readings(held.measured[0]), captures.sensor.black_level)
+    plain = held.statistics(gaussian_model(m))
+    made = held.statistics(model or paper.model)
+    z = held.test.z(prediction(made, 1, held.test))
+    baselines = {
+        "gaussian": error_of(held, plain),
+        "paper": pooled(paper.test, held.test.families),
+    }
+    rows = table(held, made)
+    return Comparison(
+        captures.name,
+        model or paper.model,
+        pooled(z, held.test.families),
+        baselines,
+        family_errors(z, held.test.families),
+        rows,
+        failures(rows),
+        held.measured[1],
+        made[1],
+        plain[1],
+    )
+
+
+def error_of(held: Bench, made: list[Statistics]) -> float:
+    """Error of simulated statistics on the judged half."""
+    return pooled(held.test.z(prediction(made, 1, held.test)), held.test.families)
+
+
+def table(held: Bench, made: list[Statistics]) -> list[dict[str, Any]]:
+    """One row a number: measured, simulated, floor and discrepancy, in the contract's keys."""
+    known = infos()
+    target = held.test
+    simulated = prediction(made, 1, target)
+    z = target.z(simulated)
+    rows = []
+    for i, key in enumerate(target.keys):
+        point = held.plan.settings[key.setting][0]
+        info = known[key.name]
+        value = _plain(info.scale, simulated[i])
+        rows.append(
+            {
+                "name": key.name,
+                "family": info.family,
+                "temperature_c": point.temperature_c,
+                "exposure_s": point.exposure_s,
+                "gain": point.gain,
+                "channel": point.channel,
+                "plane": key.plane,
+                "unit": info.unit,
+                "scale": str(info.scale),
+                "measured": float(target.values[i]),
+                "simulated": value,
+                "floor": float(target.floor[i]),
+                "discrepancy": float(z[i]),
+                "relative": _relative(float(target.values[i]), value),
+            }
+        )
+    return rows
+
+
+def _plain(scale: Scale, coordinate: float) -> float:
+    if scale is Scale.LOG:
+        return float(np.exp(coordinate))
+    if scale is Scale.ROOT:
+        return float((coordinate / 2.0) ** 2 - 0.375)
+    return float(coordinate)
+
+
+def _relative(measured: float, simulated: float) -> float | None:
+    """(measured - simulated) / |simulated|; None where that has no meaning."""
+    if not np.isfinite(simulated) or abs(simulated) < 1e-12:
+        return None
+    return (measured - simulated) / abs(simulated)

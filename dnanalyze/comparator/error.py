@@ -1,0 +1,29 @@
+"""The error: how far a model is from the measurement, in units of what a second sensor would differ by."""
+
+from __future__ import annotations
+
+import numpy as np
+
+SATURATION = 1e4  # a difference counts up to this many floors, so that the error stays finite
+
+
+def family_errors(z: np.ndarray, families: np.ndarray) -> dict[str, float]:
+    """Root mean square of the differences of each family.
+
+    Parameters
+    ----------
+    z : ndarray
+        Differences over floors.
+    families : ndarray of str
+        Family of each.
+    """
+    z = np.clip(z, -SATURATION, SATURATION)
+    return {
+        str(f): float(np.sqrt(np.mean(z[families == f] ** 2))) for f in np.unique(families)
+    }
+
+
+def pooled(z: np.ndarray, families: np.ndarray) -> float:
+    """Mean of the family errors: 1 is as close as a second sensor of the same make would be."""
+    errors = family_errors(z, families)
+    return float(np.mean(list(errors.values()))) if errors else 0.0

@@ -1,0 +1,175 @@
+"""Which effect is missing: every candidate tried, ranked by what the unseen half says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from dnanalyze.diagnosis.adequacy import adequacy
+from dnanalyze.diagnosis.confidence import confidences, rivals, significant
+from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
+from dnanalyze.diagnosis.trial import Trial, error_of, trial
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE, catalogue
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that may be missing.
+
+    Parameters
+    ----------
+    effect : str
+    error_after : float
+        Error on the unseen half once it is in and everything is refitted.
+    explained : float
+        Share of the error above 1 that it removes, 0 to 1.
+    confidence : float
+        Probability that this is the effect to add next.
+    confused_with : list of str
+    evidence : list of str
+    """
+
+    effect: str
+    error_after: float
+    explained: float
+    confidence: float
+    confused_with: list[str]
+    evidence: list[str]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing in a model.
+
+    Parameters
+    ----------
+    captures : str
+    error : float
+    verdict : str
+        "adequate", "missing" or "unexplained".
+    candidates : list of Candidate
+        Best first.
+    unexplained : list of str
+        Statistics that no candidate explains.
+    detection_limits : dict
+        Effect to a sentence: below which strength it would not be seen in these captures.
+    next_capture : list of str
+        What to capture next to settle what is open.
+    model : NoiseModel
+        The model as refitted.
+    trials : list of Trial
+    """
+
+    captures: str
+    error: float
+    verdict: str
+    candidates: list[Candidate]
+    unexplained: list[str]
+    detection_limits: dict[str, str] = field(default_factory=dict)
+    next_capture: list[str] = field(default_factory=list)
+    model: NoiseModel | None = None
+    trials: list[Trial] = field(default_factory=list)
+
+
+def diagnose(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    exclude: Sequence[str] = (),
+    known: dict[str, type[Effect]] | None = None,
+    held: Bench | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
+    """Say which effect is missing in a model.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    model : NoiseModel, optional
+        The paper's model by default. It is refitted first, so that only what no parameter can
+        reach counts as missing.
+    exclude : sequence of str
+        Effects not to consider.
+    known : dict, optional
+        Effects by name; the built-in catalogue by default.
+    held : Bench, optional
+        Statistics taken earlier.
+    tell : callable
+        Called with a line of progress.
+    """
+    held = held or bench(design(captures))
+    model = model or paper_start(held)
+    state = minimise(held, start(held, model, knobs_of(model)))
+    known = catalogue() if known is None else known
+    tried = trials_of(held, state, known, exclude, tell)
+    return judge(captures.name, held, state, tried, known)
+
+
+def trials_of(
+    held: Bench,
+    state: State,
+    known: dict[str, type[Effect]],
+    exclude: Sequence[str] = (),
+    tell: Callable[[str], None] = lambda _: None,
+) -> list[Trial]:
+    """Try every effect that is not in the model and shows any sign; best gain first."""
+    tried = []
+    for name, effect in known.items():
+        if name == BASE or name in exclude or state.model.get(name) is not None:
+            continue
+        tell(name)
+        made = trial(held, state, effect)
+        if made is not None:
+            tried.append(made)
+    return sorted(tried, key=lambda t: -t.gain)
+
+
+def judge(
+    name: str, held: Bench, state: State, tried: list[Trial], known: dict[str, type[Effect]]
+) -> Diagnosis:
+    """The verdict, with candidates in the order of what they explain."""
+    from dnanalyze.diagnosis.advice import detection_limits, next_capture
+
+    error = error_of(held, state)
+    chances = confidences(tried)
+    kept = [t for t in tried if t.gain > 0]
+    candidates = []
+    for t, chance in zip(tried, chances, strict=False):
+        if t.gain <= 0:
+            continue
+        against = kept[1] if t is kept[0] and len(kept) > 1 else kept[0]
+        words = evidence_for(held, state, t.state, known[t.effect])
+        if t is kept[0] and against is not t:
+            more = evidence_against(held, against.state, t.state, against.effect, t.effect)
+            words += [more] if more else []
+        candidates.append(
+            Candidate(
+                t.effect,
+                t.error,
+                _explained(error, t.error),
+                float(chance),
+                rivals(t, kept),
+                words,
+            )
+        )
+    missing = bool(tried) and significant(tried[0])
+    rest = adequacy(held, tried[0].state if missing else state)
+    verdict = "missing" if missing else ("adequate" if rest.adequate else "unexplained")
+    made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
+    return replace(
+        made,
+        detection_limits=detection_limits(held, state, known),
+        next_capture=next_capture(held, made),
+    )
+
+
+def _explained(before: float, after: float) -> float:
+    return min(1.0, max(0.0, (before - after) / max(before - 1.0, 1e-6))) if before > after else 0.0

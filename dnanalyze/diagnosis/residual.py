@@ -1,0 +1,85 @@
+"""What a model leaves unexplained, as an effect sees it when it guesses its own strength."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import infos
+from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.loaders.captures import OperatingPoint
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Measured against simulated statistics of the train half (implements ``Clues``).
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+    """
+
+    bench: Bench
+    state: State
+
+    @property
+    def points(self) -> Sequence[OperatingPoint]:
+        """Operating points."""
+        return [p for p, _ in self.bench.plan.settings]
+
+    @property
+    def reference(self) -> OperatingPoint:
+        """Where the model's numbers are stated."""
+        return self.state.model.reference
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Full frame."""
+        return self.bench.plan.shape
+
+    @cached_property
+    def _readings(self) -> tuple[Readings, Readings]:
+        return Readings(self.bench.measured[0]), Readings(self.bench.measured[1])
+
+    def measured(self, name: str) -> np.ndarray:
+        """Measured value, one a setting; values that are given for information alone too."""
+        held = self._over_settings(name, self.bench.train.values)
+        return held if np.isfinite(held).any() else self._readings[0].value(name)
+
+    def simulated(self, name: str) -> np.ndarray:
+        """The model's value, one a setting."""
+        train = self.bench.train
+        coordinates = train.coordinates - self.state.train * train.floor
+        found = self._over_settings(name, coordinates)
+        info = infos().get(name)
+        if info is None:
+            return found
+        if info.scale is Scale.LOG:
+            return np.exp(found)
+        return (found / 2) ** 2 - 0.375 if info.scale is Scale.ROOT else found
+
+    def z(self, name: str) -> np.ndarray:
+        """Difference in floors, one a setting."""
+        return self._over_settings(name, self.state.train)
+
+    def curve(self, name: str, setting: int) -> np.ndarray:
+        """A measured curve; block means cover the whole field."""
+        left, right = (r.curve(name, setting) for r in self._readings)
+        if name == "block_means" and left.ndim == 2 and right.ndim == 2:
+            return np.concatenate([left, right], axis=1)
+        return left
+
+    def _over_settings(self, name: str, values: np.ndarray) -> np.ndarray:
+        train = self.bench.train
+        here = train.names == name
+        out = np.full(len(self.points), np.nan)
+        for s in np.unique(train.setting[here]):
+            out[s] = np.mean(values[here & (train.setting == s)])
+        return out

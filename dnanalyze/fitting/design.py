@@ -1,0 +1,96 @@
+"""What of a capture set the fit looks at, and what it leaves to judge the fit by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Setting, Window
+
+BUDGET_PIXELS = 12_000_000
+MOST_SETTINGS = 8
+MOST_FRAMES = 8
+
+
+@dataclass(frozen=True)
+class Design:
+    """Settings and frames that enter, and the two halves of the field.
+
+    The fit sees ``train``, the left half; the error is measured on ``test``, the right half. Large-scale
+    shading, which has only one realisation over the field, is split by a checkerboard of blocks.
+    """
+
+    captures: CaptureSet
+    train: Window
+    test: Window
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Full frame."""
+        return self.captures.sensor.shape
+
+    @property
+    def windows(self) -> tuple[Window, Window]:
+        """(train, test)."""
+        return self.train, self.test
+
+    @property
+    def settings(self) -> list[tuple[OperatingPoint, int]]:
+        """Operating points with their number of frames."""
+        return [(s.point, len(s.frames)) for s in self.captures.settings]
+
+
+def design(
+    captures: CaptureSet, budget: int = BUDGET_PIXELS, most_settings: int = MOST_SETTINGS
+) -> Design:
+    """Choose settings, frames and halves within a budget of pixels.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    budget : int
+        Pixels over all frames; large captures are thinned: settings first, then frames, then area.
+    most_settings : int
+        Settings kept, spread over the operating points.
+    """
+    chosen = _spread(captures.settings, most_settings)
+    rows, cols = captures.sensor.shape
+    per_frame = budget / (len(chosen) * rows * cols)
+    count = int(min(MOST_FRAMES, max(3, per_frame)))
+    thinned = tuple(Setting(s.point, s.frames[:count]) for s in chosen)
+    frames = sum(len(s.frames) for s in thinned)
+    shrink = min(1.0, np.sqrt(budget / (frames * rows * cols)))
+    step = 4 if captures.sensor.cfa else 2
+    high = max(step, int(rows * shrink) // step * step) if rows >= step else rows
+    half = max(step, int(cols * shrink) // (2 * step) * step) if cols >= 2 * step else cols
+    top = (rows - high) // 2 // step * step
+    left = max(0, (cols - 2 * half) // 2 // step * step)
+    train = Window(top, top + high, left, left + half)
+    right = min(cols, left + 2 * half)
+    test = Window(top, top + high, right - half, right)
+    kept = CaptureSet(captures.name, captures.sensor, thinned, captures.notes)
+    return Design(kept, train, test)
+
+
+def _spread(settings: tuple[Setting, ...], most: int) -> tuple[Setting, ...]:
+    """Settings far from one another in temperature and log exposure; those with frames to spare first."""
+    if len(settings) <= most:
+        return settings
+    place = np.array([_place(s.point) for s in settings])
+    span = np.ptp(place, axis=0)
+    place = place / np.where(span > 0, span, 1)
+    several = np.array([min(len(s.frames), 3) for s in settings], float)
+    picked = [int(np.argmax(several + 0.5 * place[:, 0]))]
+    while len(picked) < most:
+        far = np.min(np.linalg.norm(place[:, None] - place[picked], axis=2), axis=1)
+        score = far * several
+        score[picked] = -1
+        picked.append(int(np.argmax(score)))
+    return tuple(settings[i] for i in sorted(picked))
+
+
+def _place(point: OperatingPoint) -> tuple[float, float, float, float]:
+    exposure = np.log10(max(point.exposure_s or 1e-6, 1e-6)) if point.exposure_s is not None else 0.0
+    channel = float(sum(map(ord, point.channel or "")))
+    return point.temperature_c or 0.0, exposure, float(point.gain or 0.0), channel

@@ -1,0 +1,166 @@
+"""The free numbers of a model as one vector."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import ArrheniusLaw, Law, TableLaw
+from dnanalyze.model.noise_model import NoiseModel
+
+PEDESTAL = "pedestal"
+EA_STEP_EV = 0.02
+
+
+@dataclass(frozen=True)
+class Knob:
+    """One free number.
+
+    Parameters
+    ----------
+    effect : str
+        Effect, or "pedestal".
+    parameter : str
+    part : str
+        "value", "ea_ev" of an Arrhenius law, or the number of a table's row.
+    log : bool
+        Moved on a log scale.
+    lower, upper : float
+        Bounds in plain units.
+    unit : str
+    """
+
+    effect: str
+    parameter: str
+    part: str
+    log: bool
+    lower: float
+    upper: float
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """Such as ``read_noise.sigma`` or ``convolved_lognormal.mu[2]``."""
+        base = self.effect if self.effect == PEDESTAL else f"{self.effect}.{self.parameter}"
+        if self.part == "value":
+            return base
+        return f"{base}[{self.part}]" if self.part.isdigit() else f"{base}.{self.part}"
+
+    @property
+    def group(self) -> str:
+        """Rows of one table form a group: each moves other settings, so one simulation serves all."""
+        return f"{self.effect}.{self.parameter}[]" if self.part.isdigit() else self.name
+
+    def inside(self, position: float) -> float:
+        """A position on the knob's scale, moved within its bounds."""
+        low, high = (self.position(b) for b in (self.lower, self.upper))
+        return min(max(position, low), high)
+
+    def position(self, value: float) -> float:
+        """Plain value to the knob's scale."""
+        if not self.log:
+            return value
+        return math.log(max(value, self.lower, 1e-30))
+
+    def plain(self, position: float) -> float:
+        """The knob's scale to the plain value, within bounds."""
+        value = math.exp(min(position, 700.0)) if self.log else position
+        return min(max(value, self.lower), self.upper)
+
+
+def knobs_of(model: NoiseModel, frozen: Sequence[str] = ()) -> list[Knob]:
+    """Every number that a fit may move, in the order of the model.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    frozen : sequence of str
+        Names to hold, as ``effect.parameter`` or ``pedestal``.
+    """
+    found = []
+    if PEDESTAL not in frozen:
+        found += _of_law(PEDESTAL, "", model.pedestal, False, -1e6, 1e6, "DN")
+    for effect in model.effects:
+        for name, info in effect.parameters().items():
+            if info.scale == "choice" or f"{effect.name}.{name}" in frozen:
+                continue
+            law = getattr(effect, name)
+            log = info.scale == "log"
+            found += _of_law(effect.name, name, law, log, info.lower, info.upper, info.unit)
+    return found
+
+
+def _of_law(
+    effect: str, name: str, law: Law, log: bool, lower: float, upper: float, unit: str
+) -> list[Knob]:
+    if log and not isinstance(law, (TableLaw, ArrheniusLaw)) and law <= lower:
+        return []  # an amplitude at its lower bound is switched off
+    if isinstance(law, TableLaw):
+        rows = range(len(law.values))
+        return [Knob(effect, name, str(i), log, lower, upper, unit) for i in rows]
+    knobs = [Knob(effect, name, "value", log, lower, upper, unit)]
+    if isinstance(law, ArrheniusLaw):
+        knobs.append(Knob(effect, name, "ea_ev", False, 0.0, 2.0, "eV"))
+    return knobs
+
+
+def positions(model: NoiseModel, knobs: Sequence[Knob]) -> np.ndarray:
+    """Where the knobs of a model stand."""
+    return np.array([k.position(_read(_law(model, k), k.part)) for k in knobs])
+
+
+def turned(model: NoiseModel, knobs: Sequence[Knob], where: np.ndarray) -> NoiseModel:
+    """The model with its knobs at ``where``."""
+    changed: dict[tuple[str, str], Law] = {}
+    for knob, position in zip(knobs, where, strict=True):
+        address = knob.effect, knob.parameter
+        law = changed.get(address, _law(model, knob))
+        changed[address] = _write(law, knob.part, knob.plain(float(position)))
+    if (PEDESTAL, "") in changed:
+        model = replace(model, pedestal=changed.pop((PEDESTAL, "")))
+    effects = []
+    for effect in model.effects:
+        new = {p: law for (e, p), law in changed.items() if e == effect.name}
+        effects.append(replace(effect, **new) if new else effect)  # type: ignore[arg-type]
+    return replace(model, effects=tuple(effects))
+
+
+def settings_of(
+    knob: Knob, model: NoiseModel, settings: Sequence[tuple[OperatingPoint, int]]
+) -> np.ndarray:
+    """Which settings a row of a table moves (all, for other knobs)."""
+    law = _law(model, knob)
+    if not isinstance(law, TableLaw):
+        return np.ones(len(settings), bool)
+    row = int(knob.part)
+    marks = TableLaw(law.points, tuple(float(i == row) for i in range(len(law.values))))
+    return np.array([marks.at(point) > 0 for point, _ in settings])
+
+
+def _law(model: NoiseModel, knob: Knob) -> Law:
+    if knob.effect == PEDESTAL:
+        return model.pedestal
+    effect = model.get(knob.effect)
+    assert effect is not None
+    return getattr(effect, knob.parameter)
+
+
+def _read(law: Law, part: str) -> float:
+    if isinstance(law, TableLaw):
+        return law.values[int(part)]
+    if isinstance(law, ArrheniusLaw):
+        return law.ea_ev if part == "ea_ev" else law.value
+    return float(law)
+
+
+def _write(law: Law, part: str, value: float) -> Law:
+    if isinstance(law, TableLaw):
+        row = int(part)
+        return replace(law, values=(*law.values[:row], value, *law.values[row + 1 :]))
+    if isinstance(law, ArrheniusLaw):
+        return replace(law, ea_ev=value) if part == "ea_ev" else replace(law, value=value)
+    return value

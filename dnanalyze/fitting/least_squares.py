@@ -1,0 +1,213 @@
+"""Levenberg-Marquardt on simulated statistics, with few simulations.
+
+The derivative of a group of knobs costs one simulation; between iterations it is kept up to date by
+Broyden's rank-one formula instead of being taken anew. A pseudo-Huber loss keeps a few statistics that
+the model cannot reach from bending all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.noise_model import NoiseModel
+
+HUBER = 6.0
+SMALLEST, LARGEST = 2.0, 60.0  # useful size of a derivative step, in floors (Euclidean)
+
+
+@dataclass(frozen=True)
+class State:
+    """A model with what it predicts and how that moves with its knobs.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    knobs : list of Knob
+    train, test : ndarray
+        Differences in floors.
+    jacobian : ndarray
+        d train / d knob, (numbers, knobs); NaN columns are not known yet.
+    """
+
+    model: NoiseModel
+    knobs: list[Knob]
+    train: np.ndarray
+    test: np.ndarray
+    jacobian: np.ndarray
+
+    @property
+    def loss(self) -> float:
+        """Pseudo-Huber loss over the train numbers (a sum of squares for small ones)."""
+        return loss(self.train)
+
+
+def loss(z: np.ndarray) -> float:
+    """Sum of 2 c^2 (sqrt(1 + (z/c)^2) - 1), about z^2 below c and 2 c |z| above."""
+    return float(2 * HUBER**2 * np.sum(np.sqrt(1 + (z / HUBER) ** 2) - 1))
+
+
+def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
+    """Simulate a model; take over derivatives from a like model where knobs agree."""
+    train, test = bench.z(model)
+    jacobian = np.full((len(train), len(knobs)), np.nan)
+    if like is not None:
+        known = {k.name: i for i, k in enumerate(like.knobs)}
+        for i, knob in enumerate(knobs):
+            if knob.name in known:
+                jacobian[:, i] = like.jacobian[:, known[knob.name]]
+    return State(model, knobs, train, test, jacobian)
+
+
+def derive(bench: Bench, state: State, only: Callable[[Knob], bool] = lambda _: True) -> State:
+    """Take the derivatives that are not known yet, one simulation a group of knobs."""
+    jacobian = state.jacobian.copy()
+    groups: dict[str, list[int]] = {}
+    for i, knob in enumerate(state.knobs):
+        if np.isnan(jacobian[:, i]).any() and only(knob):
+            groups.setdefault(knob.group, []).append(i)
+    for members in groups.values():
+        jacobian[:, members] = _difference(bench, state, members)
+    return replace(state, jacobian=jacobian)
+
+
+def _difference(bench: Bench, state: State, members: list[int]) -> np.ndarray:
+    """Columns of one group, by a one-sided step that is sized to be seen but not large."""
+    here = positions(state.model, state.knobs)
+    step = np.array([_first_step(state.knobs[i], here[i]) for i in members])
+    masks = [
+        settings_of(state.knobs[i], state.model, bench.plan.settings)[bench.train.setting]
+        for i in members
+    ]
+    columns = np.zeros((len(state.train), len(members)))
+    for _ in range(3):
+        there = here.copy()
+        for i, h in zip(members, step, strict=True):
+            there[i] = state.knobs[i].inside(here[i] + h)
+            if there[i] == here[i]:  # at its upper bound: step down
+                there[i] = state.knobs[i].inside(here[i] - h)
+        moved, _ = bench.z(turned(state.model, state.knobs, there))
+        change = moved - state.train
+        size = np.array([np.linalg.norm(change[m]) for m in masks])
+        taken = there[members] - here[members]
+        for j, mask in enumerate(masks):
+            columns[:, j] = np.where(mask, change, 0) / (taken[j] or 1.0)
+        factor = np.where(size < SMALLEST, 5.0, np.where(size > LARGEST, 0.2, 1.0))
+        if np.all(factor == 1.0):
+            break
+        step = step * factor
+    return columns
+
+
+def _first_step(knob: Knob, position: float) -> float:
+    if knob.log:
+        return 0.08
+    if knob.part == "ea_ev":
+        return 0.02
+    return 0.05 * max(abs(position), 0.02)
+
+
+def minimise(
+    bench: Bench,
+    state: State,
+    iterations: int = 8,
+    tolerance: float = 0.01,
+    tell: Callable[[State], None] = lambda _: None,
+) -> State:
+    """Move the knobs until the loss no longer falls.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+        Where to begin.
+    iterations : int
+        Simulations of whole steps at most.
+    tolerance : float
+        Stop when a step is expected to lower the loss by less than this share of it.
+    tell : callable
+        Called with every state that is better.
+    """
+    if not state.knobs:
+        return state
+    state = derive(bench, state)
+    damping, stale = 1e-2, False
+    for _ in range(iterations):
+        step, expected = _step(state, damping)
+        if expected < tolerance * state.loss + 0.5:
+            break
+        here = positions(state.model, state.knobs)
+        there = np.array(
+            [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
+        )
+        model = turned(state.model, state.knobs, there)
+        train, test = bench.z(model)
+        jacobian = _broyden(state.jacobian, train - state.train, there - here)
+        if loss(train) < state.loss:
+            gained = state.loss - loss(train)
+            state = State(model, state.knobs, train, test, jacobian)
+            tell(state)
+            damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
+            stale = False
+        else:
+            damping *= 8.0
+            state = replace(state, jacobian=jacobian)
+            if stale and damping > 50:
+                break
+            stale = True
+    return state
+
+
+def _weights(z: np.ndarray) -> np.ndarray:
+    """Square roots of the weights that make least squares the pseudo-Huber loss."""
+    return (1 + (z / HUBER) ** 2) ** -0.25
+
+
+def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
+    """Damped step and the fall of the loss that it promises, within the bounds of the knobs."""
+    w = _weights(state.train)
+    a = state.jacobian * w[:, None]
+    b = state.train * w
+    size = np.sqrt(np.sum(a * a, axis=0))
+    usable = size > 1e-6
+    here = positions(state.model, state.knobs)
+    step = np.zeros(len(here))
+    for _ in range(3):  # a knob pushed against its bound is held there
+        scaled = a[:, usable] / size[usable]
+        normal = scaled.T @ scaled + damping * np.eye(int(usable.sum()))
+        step[:] = 0
+        step[usable] = np.linalg.solve(normal, -scaled.T @ b) / size[usable]
+        step = np.clip(step, *_longest(state.knobs, here))
+        held = np.array(
+            [
+                (k.inside(x + s) == x and abs(s) > 0)
+                for k, x, s in zip(state.knobs, here, step, strict=True)
+            ]
+        )
+        if not (held & usable).any():
+            break
+        usable = usable & ~held
+    promised = float(b @ b - np.sum((b + a @ step) ** 2))
+    return step, promised
+
+
+def _longest(knobs: Sequence[Knob], here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Longest step: a factor of 4 on a log scale, .15 eV, or a few times a linear value."""
+    reach = np.array(
+        [
+            1.4 if k.log else 0.15 if k.part == "ea_ev" else 2 * abs(x) + 0.5
+            for k, x in zip(knobs, here, strict=True)
+        ]
+    )
+    return -reach, reach
+
+
+def _broyden(jacobian: np.ndarray, change: np.ndarray, step: np.ndarray) -> np.ndarray:
+    norm = float(step @ step)
+    if norm == 0:
+        return jacobian
+    return jacobian + np.outer(change - jacobian @ step, step) / norm

@@ -1,0 +1,70 @@
+"""Low-order shading over the whole field, from one colour of a checkerboard of blocks.
+
+Shading has one realisation a sensor, so it cannot be split into halves of the field as the rest is: the fit
+sees the even blocks of the whole field and is judged on the odd ones.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from dnanalyze.analyzers.statistics import SettingStatistics, Value
+
+ORDER = 4
+WIDE = 8
+
+
+@lru_cache(maxsize=32)
+def _basis(rows: int, cols: int, parity: int) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
+    """Cosine surfaces of order < WIDE at the blocks of one colour, low orders first."""
+    top = min(WIDE, rows // 2, cols // 2)
+    orders = sorted(
+        ((i, j) for i in range(top) for j in range(top)), key=lambda o: (max(o), o[0] + o[1], o)
+    )
+    y = np.cos(np.pi * np.outer(np.arange(rows) + 0.5, np.arange(top)) / rows)
+    x = np.cos(np.pi * np.outer(np.arange(cols) + 0.5, np.arange(top)) / cols)
+    r, c = np.nonzero((np.add.outer(np.arange(rows), np.arange(cols)) % 2) == parity)
+    scale = [(np.sqrt(2) if i else 1) * (np.sqrt(2) if j else 1) for i, j in orders]
+    design = np.stack([y[r, i] * x[c, j] * s for (i, j), s in zip(orders, scale, strict=True)], 1)
+    return design, r * cols + c, orders
+
+
+def shading_values(
+    left: SettingStatistics, right: SettingStatistics, parity: int
+) -> dict[str, Value]:
+    """Low-order coefficients, DN rms over the field, with their errors.
+
+    Parameters
+    ----------
+    left, right : SettingStatistics
+        Halves of the field; their curve ``block_means`` in DN.
+    parity : int
+        Which colour of the checkerboard.
+
+    Returns
+    -------
+    dict
+        shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the power of
+        the next orders: a random low-frequency field shows there, and a second sensor would draw it anew.
+    """
+    if "block_means" not in left.curves or "block_means" not in right.curves:
+        return {}
+    blocks = np.concatenate([left.curves["block_means"], right.curves["block_means"]], axis=1)
+    if min(blocks.shape) < 2 * ORDER or not np.isfinite(blocks).all():
+        return {}
+    design, where, orders = _basis(*blocks.shape, parity)
+    low = [k for k, o in enumerate(orders) if max(o) < ORDER]
+    next_up = [k for k, o in enumerate(orders) if max(o) >= ORDER]
+    coefficient, *_ = np.linalg.lstsq(design, blocks.ravel()[where], rcond=None)
+    residue = blocks.ravel()[where] - design @ coefficient
+    freedom = max(1, len(where) - len(orders))
+    white = residue @ residue / freedom / len(where)
+    next_power = np.mean(coefficient[next_up] ** 2) if next_up else white
+    se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
+    return {
+        f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se, 1e-4))
+        for k in low
+        if orders[k] != (0, 0)
+    }

@@ -1,0 +1,185 @@
+"""Closed-form first guesses: the plain Gaussian, the paper's model, and the ordinary sensor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.laws import TableLaw, arrhenius
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+
+ROUNDING_VARIANCE = 1.0 / 12.0
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Mean and variances over the operating points, DN and DN^2, and what they say at a glance.
+
+    ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are variances;
+    where a point has one frame, its whole variance counts as pattern.
+    """
+
+    points: list[OperatingPoint]
+    pedestal: float
+    signal: np.ndarray
+    temporal: np.ndarray
+    pattern: np.ndarray
+
+    @property
+    def reference(self) -> OperatingPoint:
+        """The middle of the temperatures, the longest exposure, the first gain."""
+        known = sorted(p.temperature_c for p in self.points if p.temperature_c is not None)
+        exposures = [p.exposure_s for p in self.points if p.exposure_s]
+        gains = [p.gain for p in self.points if p.gain]
+        return OperatingPoint(
+            known[len(known) // 2] if known else None,
+            max(exposures) if exposures else None,
+            gains[0] if gains else None,
+        )
+
+    @property
+    def total(self) -> np.ndarray:
+        """Variance of a single frame."""
+        return self.temporal + self.pattern
+
+
+def moments(readings: Readings, black_level: float | None) -> Moments:
+    """Read the moments off the statistics."""
+    mean = readings.value("mean")
+    frames = readings.frames
+    temporal = np.nan_to_num(readings.value("temporal_noise"), nan=0.0) ** 2
+    stack = readings.value("pattern_noise") ** 2 - temporal / frames
+    single = readings.value("frame_noise_core") ** 2
+    pattern = np.where(frames > 1, np.maximum(stack, 1e-4), single)
+    pedestal = pedestal_guess(readings.points, mean, black_level)
+    least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
+    return Moments(readings.points, pedestal, np.maximum(mean - pedestal, least), temporal, pattern)
+
+
+def pedestal_guess(
+    points: list[OperatingPoint], mean: np.ndarray, black_level: float | None
+) -> float:
+    """Black level from the series: mean = pedestal + A t exp(-Ea/k (1/T - 1/T0)), best Ea on a grid.
+
+    Parameters
+    ----------
+    points : list of OperatingPoint
+    mean : ndarray
+        DN, one a point.
+    black_level : float, optional
+        What the files state; used where the series cannot tell.
+    """
+    lowest = float(np.min(mean))
+    growths = [
+        np.array(
+            [
+                (p.exposure_s if p.exposure_s is not None else 1.0)
+                * arrhenius(p.temperature_c, 25.0, ea)
+                for p in points
+            ]
+        )
+        for ea in np.arange(0.3, 1.3, 0.02)
+    ]
+    varied = np.ptp(growths[0]) > 1e-6 * np.max(growths[0])
+    if len(points) < 3 or not varied:
+        return min(black_level, lowest) if black_level is not None else lowest - 0.05
+    weight = 1.0 / (0.03 * (mean - lowest) + 0.05)
+    best, pedestal = math.inf, lowest
+    for growth in growths:
+        design = np.stack([np.ones_like(mean), growth / np.max(growth)], 1) * weight[:, None]
+        (level, _), misfit = nnls(design, mean * weight)
+        if misfit < best:
+            best, pedestal = misfit, float(level)
+    return min(pedestal, lowest)
+
+
+def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
+    return TableLaw(tuple(points), tuple(float(v) for v in values))
+
+
+def gaussian_model(m: Moments) -> NoiseModel:
+    """White Gaussian noise of the measured mean and spread, new in every frame."""
+    read = built_in()["read_noise"]
+    noise = read(sigma=_table(m.points, np.sqrt(m.total)))  # type: ignore[call-arg]
+    return NoiseModel((noise,), _table(m.points, m.pedestal + m.signal), m.reference)
+
+
+def paper_model(m: Moments) -> NoiseModel:
+    """The paper's model by moments, every parameter a table over the operating points."""
+    spread = np.sqrt(np.log1p(np.minimum(m.pattern / m.signal**2, np.exp(6.0))))
+    spread = np.maximum(spread, 0.02)
+    square = m.signal**2 * np.exp(spread**2)
+    sigma = np.sqrt(np.maximum(m.temporal, 1e-6) / (9.0 * square))
+    base = _base(
+        m,
+        mu=_table(m.points, np.log(m.signal) - spread**2 / 2),
+        delta=_table(m.points, spread),
+        phi=_table(m.points, np.full(len(m.points), 2e-3)),
+        sigma=_table(m.points, np.clip(sigma, 1e-5, 1e5)),
+        exposure="none",
+    )
+    return NoiseModel((base,), m.pedestal, m.reference)
+
+
+def ordinary_model(m: Moments) -> NoiseModel:
+    """The paper's seed with the four effects that every sensor has, by moments.
+
+    The seed's mean follows a table over temperature, its spread and kernel are constant; shot and read
+    noise are slope and intercept of temporal variance over signal, pixel offsets what remains of
+    the pattern where there is no signal.
+    """
+    known = built_in()
+    weight = 1.0 / np.maximum(m.total, 1e-6)
+    (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
+    (offsets, relative), _ = nnls(_two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight)
+    delta = math.sqrt(math.log1p(min(max(relative, 1e-3), 50.0)))
+    lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
+    reference = m.reference
+    ratio = np.array(
+        [
+            p.exposure_s / reference.exposure_s if p.exposure_s and reference.exposure_s else 1.0
+            for p in m.points
+        ]
+    )
+    rate = m.signal / ratio
+    mu = np.log(np.maximum(rate, 1e-4)) - delta**2 / 2
+    base = _base(m, mu=_by_temperature(m.points, mu, lit), delta=delta, phi=1e-3, sigma=1e-6)
+    effects = (
+        base,
+        known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
+        known["read_noise"](sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01))),  # type: ignore[call-arg]
+        known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
+        known["quantization"](),
+    )
+    return NoiseModel(effects, m.pedestal, reference)
+
+
+def _two(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    return np.stack([a, b], 1) * weight[:, None]
+
+
+def _by_temperature(points: list[OperatingPoint], mu: np.ndarray, lit: list[int]) -> TableLaw:
+    """One row a temperature (and gain, channel), from its longest exposure."""
+    rows: dict[OperatingPoint, tuple[float, float]] = {}
+    for i in lit:
+        p = points[i]
+        key = OperatingPoint(p.temperature_c, None, p.gain, p.channel)
+        exposure = p.exposure_s or 1.0
+        if key not in rows or exposure > rows[key][0]:
+            rows[key] = exposure, float(mu[i])
+    if not rows:
+        rows[OperatingPoint()] = 1.0, float(np.median(mu))
+    return TableLaw(tuple(rows), tuple(v for _, v in rows.values()))
+
+
+def _base(m: Moments, **values: object) -> Effect:
+    from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
+
+    return ConvolvedLognormal(**values)  # type: ignore[arg-type]

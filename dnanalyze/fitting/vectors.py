@@ -1,0 +1,132 @@
+"""Statistics as vectors: what is compared, on which scale, and with which floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import infos
+from dnanalyze.analyzers.statistics import SettingStatistics, StatisticInfo, Statistics
+from dnanalyze.fitting.shading import shading_values
+
+
+@dataclass(frozen=True)
+class Key:
+    """Address of a number: setting, colour plane, statistic."""
+
+    setting: int
+    plane: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Target:
+    """The measured numbers that a model is held against.
+
+    Parameters
+    ----------
+    keys : tuple of Key
+    values : ndarray
+        Plain units.
+    coordinates : ndarray
+        On the statistic's own scale.
+    floor : ndarray
+        What two independent captures would differ by, on that scale: sqrt(2) times the standard error.
+    families : ndarray of str
+    """
+
+    keys: tuple[Key, ...]
+    values: np.ndarray
+    coordinates: np.ndarray
+    floor: np.ndarray
+    families: np.ndarray
+
+    @cached_property
+    def index(self) -> dict[Key, int]:
+        """Key to position."""
+        return {k: i for i, k in enumerate(self.keys)}
+
+    @cached_property
+    def names(self) -> np.ndarray:
+        """Statistic of each number."""
+        return np.array([k.name for k in self.keys])
+
+    @cached_property
+    def setting(self) -> np.ndarray:
+        """Setting of each number."""
+        return np.array([k.setting for k in self.keys])
+
+    def z(self, predicted: np.ndarray) -> np.ndarray:
+        """(measured - predicted) / floor; 0 where the prediction lacks the statistic."""
+        return np.nan_to_num((self.coordinates - predicted) / self.floor, nan=0.0)
+
+
+def target(statistics: list[Statistics], part: int) -> Target:
+    """Measured numbers of one half.
+
+    Parameters
+    ----------
+    statistics : list of Statistics
+        Of the left and the right half, in this order.
+    part : int
+        0 train, 1 test.
+    """
+    known = infos()
+    keys, values, coordinates, floor, families = [], [], [], [], []
+    for k, (value, se, info) in _numbers(statistics, part, known).items():
+        c = info.scale.coordinate(value)
+        if np.isfinite(c) and np.isfinite(se) and se > 0:
+            keys.append(k)
+            values.append(value)
+            coordinates.append(c)
+            floor.append(np.sqrt(2.0) * se)
+            families.append(info.family)
+    return Target(
+        tuple(keys), np.array(values), np.array(coordinates), np.array(floor), np.array(families)
+    )
+
+
+def prediction(statistics: list[Statistics], part: int, held: Target) -> np.ndarray:
+    """Simulated coordinates in the order of ``held``; NaN where the simulation lacks one."""
+    known = infos()
+    out = np.full(len(held.keys), np.nan)
+    for k, (value, _, info) in _numbers(statistics, part, known).items():
+        i = held.index.get(k)
+        if i is not None:
+            out[i] = info.scale.coordinate(value)
+    return out
+
+
+def _numbers(
+    statistics: list[Statistics], part: int, known: dict[str, StatisticInfo]
+) -> dict[Key, tuple[float, float, StatisticInfo]]:
+    found = {}
+    for index, setting in enumerate(statistics[part].settings):
+        where = _order(statistics[part], index), setting.plane
+        for name, v in setting.values.items():
+            info = known.get(name)
+            if info is not None and _compared(info, setting):
+                found[Key(*where, name)] = (v.value, v.se, info)
+        left, right = (s.settings[index] for s in statistics)
+        for name, v in shading_values(left, right, part).items():
+            found[Key(*where, name)] = (v.value, v.se, known[name])
+    return found
+
+
+def _order(statistics: Statistics, index: int) -> int:
+    """Number of the operating point: planes of one point share it."""
+    seen: list[object] = []
+    for s in statistics.settings[: index + 1]:
+        if s.point not in seen:
+            seen.append(s.point)
+    return seen.index(statistics.settings[index].point)
+
+
+def _compared(info: StatisticInfo, setting: SettingStatistics) -> bool:
+    if not info.compared or (info.family == "shading" and info.name.count("_") == 2):
+        return False  # low-order shading is taken over the whole field, see shading.py
+    if info.family in ("distribution", "spectrum", "level") and info.name.startswith("frame_"):
+        return setting.frames == 1
+    return True

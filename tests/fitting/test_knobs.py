@@ -1,0 +1,56 @@
+"""The free numbers of a model as a vector."""
+
+import numpy as np
+
+from dnanalyze.fitting.knobs import knobs_of, positions, settings_of, turned
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import ArrheniusLaw, TableLaw
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+
+COLD, HOT = OperatingPoint(25.0, 0.1), OperatingPoint(65.0, 0.1)
+
+
+def model() -> NoiseModel:
+    known = built_in()
+    mu = TableLaw((OperatingPoint(25.0), OperatingPoint(65.0)), (0.5, 2.5))
+    sigma = ArrheniusLaw(1.5, 25.0, 0.1)
+    effects = (
+        known["convolved_lognormal"](mu=mu, delta=0.4, sigma=1e-6),
+        known["read_noise"](sigma=sigma),
+    )
+    return NoiseModel(effects, 64.0)
+
+
+def test_every_free_number_is_named_once_and_what_is_off_is_left_out():
+    names = [k.name for k in knobs_of(model())]
+    assert len(set(names)) == len(names)
+    assert {"pedestal", "convolved_lognormal.mu[0]", "convolved_lognormal.mu[1]"} <= set(names)
+    assert {"read_noise.sigma", "read_noise.sigma.ea_ev"} <= set(names)
+    assert "convolved_lognormal.sigma" not in names  # at its lower bound: off
+    assert "pedestal" not in [k.name for k in knobs_of(model(), ("pedestal",))]
+
+
+def test_turning_to_the_present_positions_changes_nothing():
+    knobs = knobs_of(model())
+    again = turned(model(), knobs, positions(model(), knobs))
+    np.testing.assert_allclose(positions(again, knobs), positions(model(), knobs), rtol=1e-12)
+
+
+def test_turning_moves_what_it_names_and_stays_within_bounds():
+    knobs = knobs_of(model())
+    where = positions(model(), knobs)
+    i = [k.name for k in knobs].index("read_noise.sigma")
+    where[i] += np.log(2.0)
+    assert np.isclose(turned(model(), knobs, where).get("read_noise").value("sigma", COLD), 3.0)
+    where[i] = 1e3
+    assert turned(model(), knobs, where).get("read_noise").sigma.value == 1e4
+
+
+def test_rows_of_a_table_move_their_own_settings():
+    knobs = {k.name: k for k in knobs_of(model())}
+    settings = [(COLD, 4), (HOT, 4)]
+    row = knobs["convolved_lognormal.mu[1]"]
+    assert settings_of(row, model(), settings).tolist() == [False, True]
+    assert settings_of(knobs["pedestal"], model(), settings).tolist() == [True, True]
+    assert row.group == knobs["convolved_lognormal.mu[0]"].group

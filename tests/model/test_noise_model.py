@@ -1,0 +1,80 @@
+"""The model and its file."""
+
+import pytest
+import yaml
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model, model_from_plain
+from dnanalyze.model.registry import built_in
+
+
+def ordinary() -> NoiseModel:
+    known = built_in()
+    table = TableLaw((OperatingPoint(25.0), OperatingPoint(65.0)), (0.5, 2.5))
+    effects = (
+        known["quantization"](),
+        known["read_noise"](sigma=1.5),
+        known["convolved_lognormal"](mu=table, delta=0.4),
+        known["dark_shot_noise"](dn_per_e=0.5),
+    )
+    return NoiseModel(effects, 64.0, OperatingPoint(45.0, 0.1, 1.0), 7)
+
+
+def test_model_survives_its_file(tmp_path):
+    path = tmp_path / "m.yaml"
+    path.write_text(dump_model(ordinary()))
+    assert load_model(path) == ordinary()
+
+
+def test_chain_follows_the_signal_not_the_file():
+    assert [e.name for e in ordinary().chain] == [
+        "convolved_lognormal",
+        "dark_shot_noise",
+        "read_noise",
+        "quantization",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("effects: 3", "not a model file"),
+        ("[]", "not a model file"),
+        ("effects: [nonsense]", "valid names"),
+        ("effects: [{read_noise: {sgima: 1}}]", "valid: sigma"),
+        ("effects: [{read_noise: {sigma: -1}}]", "outside"),
+        ("effects: [{read_noise: {sigma: .nan}}]", "no law"),
+        ("effects: [read_noise, read_noise]", "twice"),
+        ("effects: [read_noise]\ncolour: 1", "unknown key"),
+        ("effects: [7]", "malformed"),
+        ("effects: [", "not YAML"),
+        ("effects: !!python/object/apply:os.getcwd []", "not YAML"),
+    ],
+)
+def test_bad_model_files_give_one_line_that_names_the_file(tmp_path, text, says):
+    path = tmp_path / "m.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=says) as caught:
+        load_model(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_adding_replacing_and_removing_effects():
+    model = ordinary()
+    known = built_in()
+    more = model.with_effect(known["pixel_fpn"](sigma=2.0))
+    assert more.names == [*model.names, "pixel_fpn"]
+    assert more.with_effect(known["pixel_fpn"](sigma=3.0)).get("pixel_fpn").sigma == 3.0
+    assert more.without("pixel_fpn") == model
+
+
+def test_missing_file_is_one_line(tmp_path):
+    with pytest.raises(InputError, match="No such file"):
+        load_model(tmp_path / "none.yaml")
+
+
+def test_plain_form_is_plain_yaml():
+    assert model_from_plain(yaml.safe_load(yaml.safe_dump(ordinary().to_plain())), "x") == ordinary()
