@@ -33,8 +33,12 @@ class Stage(IntEnum):
     PIXEL_READ = 40  # noise and offsets of the pixel's own amplifier
     LINE_READ = 50  # columns, rows, taps, clocks
     PEDESTAL = 60  # the black level is added here
-    CONVERTER = 70  # rounding, clipping, code widths
-    DIGITAL = 80  # gains and filters on codes
+    CODE_WIDTHS = 65  # unequal steps of the converter, before its rounding
+    CONVERTER = 70  # rounding, clipping
+    DIGITAL = 80  # gains and replaced codes
+    CORRECTION = 90  # defect pixels replaced
+    SPATIAL_FILTER = 100  # smoothing within a frame
+    TEMPORAL_FILTER = 110  # smoothing over frames
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,10 @@ def choice(default: Any, doc: str, *choices: Any) -> Any:
     return field(default=default, metadata={"info": info})
 
 
+def _no_calibration(number: int) -> np.ndarray:
+    raise NotImplementedError("this site has no frames before the effect")
+
+
 @dataclass(frozen=True)
 class Site:
     """Where and when an effect acts, and its random numbers.
@@ -87,6 +95,9 @@ class Site:
         ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
     field : callable
         ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
+    calibration : callable
+        ``calibration(n)`` is frame n, whole, at the reference point as it is before this effect: what
+        a factory would have seen of this silicon. Negative n are frames of no capture.
     """
 
     shape: tuple[int, int]
@@ -98,6 +109,7 @@ class Site:
     moment: Stream
     keep: Callable[[str, Callable[[], Any]], Any]
     field: Callable[[Stream, str], np.ndarray]
+    calibration: Callable[[int], np.ndarray] = _no_calibration
 
     def fixed_normal(self, name: str = "") -> np.ndarray:
         """Standard normal field of the silicon over the window, float32."""
@@ -212,6 +224,10 @@ class Effect:
         Several where the effect has kinds (each is tried).
         """
         return [cls()]
+
+    def idle(self) -> tuple[str, ...]:
+        """Parameters that change nothing under the present choices; a fit leaves them alone."""
+        return ()
 
     def value(self, name: str, point: OperatingPoint) -> float:
         """A parameter's value at an operating point, whatever its law."""

@@ -85,7 +85,12 @@ class Simulator:
             signal = np.stack(past)
         else:
             signal = self._after(count - 1, chain, point, number, grown)
-        signal = effect.apply(signal, self._site(effect, point, number, grown))
+
+        def calibration(n: int) -> np.ndarray:
+            whole = Window.whole(self.shape)
+            return self._after(count - 1, chain, self.model.reference, n, whole)
+
+        signal = effect.apply(signal, self._site(effect, point, number, grown, calibration))
         if effect.reach:
             signal = signal[window.within(grown)]
         last_before = count == len(chain) or chain[count].stage > Stage.PEDESTAL
@@ -96,7 +101,14 @@ class Simulator:
     def _pedestal(self, point: OperatingPoint) -> float:
         return value_at(self.model.pedestal, point)
 
-    def _site(self, effect: Effect, point: OperatingPoint, number: int, window: Window) -> Site:
+    def _site(
+        self,
+        effect: Effect,
+        point: OperatingPoint,
+        number: int,
+        window: Window,
+        calibration: Callable[[int], np.ndarray],
+    ) -> Site:
         root = Stream.from_seed(self.model.seed).child(effect.name)
         moment = root.child("moment", repr(point), number)
 
@@ -111,7 +123,7 @@ class Simulator:
 
         return Site(
             self.shape, window, point, self.model.reference, number,
-            root.child("silicon"), moment, keep, draw,
+            root.child("silicon"), moment, keep, draw, calibration,
         )  # fmt: skip
 
 

@@ -1,0 +1,112 @@
+"""Fixed offsets of the columns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import (
+    LINE_BANDS,
+    band_excess,
+    bounded,
+    centre,
+    line_sigma,
+    named,
+    shows,
+    typical,
+)
+
+
+@dataclass(frozen=True)
+class ColumnFpn(Effect):
+    """y += c_j; c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma n_j, the same in every frame."""
+
+    name: ClassVar[str] = "column_fpn"
+    stage: ClassVar[Stage] = Stage.LINE_READ
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "Fixed vertical stripes: every column has its own offset."
+    physics: ClassVar[str] = (
+        "In a CMOS sensor all pixels of a column share one amplifier and one converter, whose offsets "
+        "differ from column to column. The stripes stand still from frame to frame. They do not grow "
+        "with temperature or exposure, since they are made after the pixel, but follow the analogue "
+        "gain where the offset sits before the gain stage. Neighbouring columns that share bias lines "
+        "have like offsets (rho > 0); column pairs that share a circuit may alternate (rho < 0). Cure: "
+        "subtract the column means of optically black rows, or of a master dark; correlated double "
+        "sampling in the column circuit or digital in the converter."
+    )
+    formula: ClassVar[str] = "y_ij += c_j;  c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma N(0,1)"
+    references: ClassVar[tuple[str, ...]] = (
+        "El Gamal, Fowler, Min, Liu, Modeling and estimation of FPN components in CMOS image "
+        "sensors, SPIE 3301 (1998)",
+        "EMVA 1288 release 4.0 (DSNU1288.col)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = named("pattern_columns", reversed(LINE_BANDS))
+    confused_with: ClassVar[dict[str, str]] = {
+        "column_noise": "new offsets in every frame: the stripes show in differences of frames",
+        "column_gain": "stripes that grow with the signal, so with temperature and exposure",
+        "column_taps": "stripes that repeat with a short period, or a few wide blocks",
+        "defect_lines": "a few columns far off the others, not a Gaussian spread of all",
+        "dark_gradient": "power below .02 cycles/pixel alone, in rows too, that grows with exposure",
+    }
+
+    sigma: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation of the column offsets")
+    rho: float = parameter(0.0, "1", -0.95, 0.99, "correlation of neighbouring columns", "linear")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the offsets."""
+        sigma = self.value("sigma", site.point) * site.gain_ratio
+        signal += np.float32(sigma) * self._offsets(site)
+        return signal
+
+    def _offsets(self, site: Site) -> np.ndarray:
+        """Unit offsets of the window's columns; the recursion runs over the whole row."""
+        rho = self.value("rho", site.point)
+        stream = site.silicon.child("columns")
+        if rho == 0.0:
+            return site.columns(stream)
+        return site.keep("offsets", lambda: autoregressive(stream, site, rho))
+
+    def variance(self, point: OperatingPoint) -> float:
+        """sigma^2, DN^2."""
+        return self.value("sigma", point) ** 2
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """sigma from the unexplained power of the v = 0 axis, rho from its slope."""
+        if not shows(clues, cls.fingerprint):
+            return []
+        sigma = line_sigma(clues, "pattern_columns", clues.shape[0])
+        power = [typical(row) for row in band_excess(clues, "pattern_columns")]
+        rho = _correlation(power[1], power[3])
+        return [cls(bounded(cls, "sigma", sigma), rho)]
+
+
+def autoregressive(stream: object, site: Site, rho: float) -> np.ndarray:
+    """First-order autoregressive line of unit variance over the frame's columns, cut to the window."""
+    from scipy.signal import lfilter
+
+    width = site.shape[1]
+    white = stream.normal(Window(0, 1, 0, width), width)[0].astype(float)  # type: ignore[attr-defined]
+    white[1:] *= math.sqrt(1.0 - rho * rho)
+    line = lfilter([1.0], [1.0, -rho], white)
+    return line[site.window.left : site.window.right].astype(np.float32)
+
+
+def _correlation(low: float, high: float) -> float:
+    """rho whose spectrum (1 - rho^2) / |1 - rho e^(i w)|^2 has this ratio between two bands."""
+    if low <= 0 or high <= 0 or 0.5 < low / high < 2.0:
+        return 0.0
+    rho = np.linspace(-0.9, 0.95, 371)
+    ratio = _shape(rho, centre("0.3_0.5")) / _shape(rho, centre("0.02_0.1"))
+    return float(rho[np.argmin(np.abs(np.log(ratio) - math.log(low / high)))])
+
+
+def _shape(rho: np.ndarray, frequency: float) -> np.ndarray:
+    """|1 - rho e^(2 pi i f)|^2."""
+    return 1.0 - 2.0 * rho * math.cos(2.0 * math.pi * frequency) + rho * rho

@@ -1,0 +1,130 @@
+"""Smoothing within a frame, linear or edge-preserving."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import bounded, shows, typical
+
+_GAUSSIAN_RADIUS = 6
+_BILATERAL_RADIUS = 2
+_NLM_PATCH, _NLM_DISTANCE = 2, 5
+
+
+@dataclass(frozen=True)
+class Denoise(Effect):
+    """y += strength (filter(y) - y)."""
+
+    name: ClassVar[str] = "denoise"
+    stage: ClassVar[Stage] = Stage.SPATIAL_FILTER
+    varies: ClassVar[str] = "digital"
+    summary: ClassVar[str] = "Spatial denoise: neighbours averaged before the file is written."
+    physics: ClassVar[str] = (
+        "Noise reduction averages neighbours, so the noise is no longer white: the power at high frequencies "
+        "falls, extremes become rare. A Gaussian blurs everything, as crosstalk does. A median removes "
+        "isolated pixels. Edge-preserving filters average only what is alike: bilateral (pixels within "
+        "range of each other), non-local means (pixels with like patches), wavelet shrinkage (coefficients "
+        "below range are dropped); they smooth the read noise of a cold frame and leave the large dark "
+        "signal of a hot one alone, so high frequencies return with temperature. Strength below 1 mixes "
+        "the filtered frame with the original. Numbers such as the read noise are then too good, and detail is "
+        "lost. Cure: switch it off; it cannot be undone."
+    )
+    formula: ClassVar[str] = (
+        "y -> (1 - strength) y + strength filter(y);  bilateral weight exp(-d^2/2 space^2 - (dy)^2/2 range^2)"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Tomasi, Manduchi, Bilateral filtering for gray and color images, ICCV 1998",
+        "Buades, Coll, Morel, A non-local algorithm for image denoising, CVPR 2005",
+        "Coifman, Donoho, Translation-invariant de-noising, 1995",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "temporal_pmax8", "frame_pmax8",
+        "temporal_corr_10", "temporal_corr_01", "temporal_corr_11", "local_variance_cv", "hh_kurtosis",
+        "pattern_psd_0.5_0.71",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "crosstalk": "leaves the read noise white: high frequencies are lost in the hot pattern only, and "
+        "every hot pixel has a halo of the same share. A Gaussian after readout smooths the noise too",
+        "dpc": "touches outliers only: the core of the noise stays white",
+        "temporal_denoise": "frames are correlated in time, the frame itself stays white",
+    }
+    reach: ClassVar[int] = 2 * max(_GAUSSIAN_RADIUS, 7, _NLM_PATCH + _NLM_DISTANCE)
+
+    strength: float = parameter(1.0, "1", 0.0, 1.0, "share of the filtered frame", "linear")
+    range: float = parameter(
+        4.0, "DN", 0.01, 1e4, "difference up to which pixels are averaged (bilateral, nlm, wavelet)"
+    )
+    space: float = parameter(0.7, "pixel", 0.2, 2.0, "sigma of the Gaussian weight (gaussian, bilateral)")
+    kind: str = choice("bilateral", "filter", "gaussian", "median", "bilateral", "nlm", "wavelet")
+    spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
+
+    def idle(self) -> tuple[str, ...]:
+        """What the present kind does not use."""
+        used = {
+            "gaussian": ("space",),
+            "median": (),
+            "bilateral": ("range", "space"),
+            "nlm": ("range",),
+            "wavelet": ("range",),
+        }[self.kind]
+        return tuple(n for n in ("range", "space") if n not in used)
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Mix the frame with its filtered copy; codes stay codes."""
+        from dnanalyze.model import filters
+
+        strength = np.float32(self.value("strength", site.point))
+        smooth = filters.planewise(lambda p: self._filtered(p, site), signal, self.spacing)
+        return filters.rounded_like(signal, signal + strength * (smooth - signal))
+
+    def _filtered(self, plane: np.ndarray, site: Site) -> np.ndarray:
+        from dnanalyze.model import filters
+
+        range_dn, space = self.value("range", site.point), self.value("space", site.point)
+        if self.kind == "gaussian":
+            return filters.gaussian(plane, space, _GAUSSIAN_RADIUS)
+        if self.kind == "median":
+            return filters.median3(plane)
+        if self.kind == "bilateral":
+            return filters.bilateral(plane, range_dn, space, _BILATERAL_RADIUS)
+        if self.kind == "nlm":
+            return filters.nonlocal_means(plane, range_dn, 0.0, _NLM_PATCH, _NLM_DISTANCE)
+        return filters.wavelet(plane, range_dn)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Each kind, scaled to the noise; spacing 2 where pixels two apart are more alike than neighbours."""
+        high = ("temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "pattern_psd_0.5_0.71")
+        alike = ("temporal_corr_10", "temporal_corr_01", "temporal_corr_20", "temporal_corr_02")
+        signs = (
+            shows(clues, (*high, "temporal_pmax8", "frame_pmax8"), -1)
+            or shows(clues, (*alike, "local_variance_cv", "hh_kurtosis"))
+        )  # fmt: skip
+        if not signs:
+            return []
+        noise = _noise(clues)
+        near, far = (typical(np.asarray(clues.measured(f"temporal_corr_{k}"), float)) for k in ("10", "20"))
+        spacing = 2 if far > max(near, 0.0) + 0.02 else 1
+        lag1 = max(near, far, 0.01)
+        space = 1.0 / math.sqrt(2.0 * math.log(2.0 / min(lag1, 0.9)))  # lag 1 of a narrow kernel ~ 2 w
+        made = {
+            "bilateral": cls(1.0, 1.5 * noise, 0.8, "bilateral", spacing),
+            "median": cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
+            "gaussian": cls(1.0, space=bounded(cls, "space", space), kind="gaussian", spacing=spacing),
+            "wavelet": cls(1.0, noise, kind="wavelet", spacing=spacing),
+            "nlm": cls(1.0, 0.8 * noise, kind="nlm", spacing=spacing),
+        }
+        return list(made.values())
+
+
+def _noise(clues: Clues) -> float:
+    """Temporal noise where it is least, DN, within the bounds of ``range``."""
+    noise = np.asarray(clues.simulated("temporal_noise_core"), float)
+    noise = noise[np.isfinite(noise)]
+    return min(max(float(noise.min()) if noise.size else 1.0, 0.02), 5e3)

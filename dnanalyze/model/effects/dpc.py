@@ -1,0 +1,143 @@
+"""Defect-pixel correction: outlying pixels replaced by what their neighbours say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import bounded, excess, shows, typical_positive
+
+_CALIBRATION_FRAMES = 2
+_EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
+
+
+@dataclass(frozen=True)
+class Dpc(Effect):
+    """Replaces pixels that stand out from their 8 (or 24) neighbours, or those on a fixed list."""
+
+    name: ClassVar[str] = "dpc"
+    stage: ClassVar[Stage] = Stage.CORRECTION
+    varies: ClassVar[str] = "digital"
+    summary: ClassVar[str] = "Defect-pixel correction: hot pixels are hidden in the 'raw' data."
+    physics: ClassVar[str] = (
+        "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction compares "
+        "every pixel with its neighbours in each frame: kind 'median' replaces it by their median (or mean) "
+        "where it stands above that by more than a threshold, 'clamp' caps it at the largest neighbour (the "
+        "'star eater' of astronomers), 'ratio' replaces it where its net signal is a multiple of the "
+        "largest neighbour's. A 'static' correction replaces the pixels of a list made in the factory, hot or "
+        "not. The true tail of the dark current is cut, the more the hotter the sensor, so the dark signal "
+        "looks better than it is and faint stars vanish. In a mosaic the neighbours are those of the same "
+        "colour (spacing 2). What to do: switch it off (a register, a raw mode), or model it; the tail "
+        "above the threshold cannot be recovered from corrected frames."
+    )
+    formula: ClassVar[str] = (
+        "median: y -> m where y > m + threshold; clamp: y -> max8 where y > max8 + threshold; "
+        "ratio: y -> m where y - black > factor (max8 - black) + threshold; static: y -> m on a list"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Shelley, Sony star eater (pixel against the neighbours' maximum)",
+        "Clark, raw filtering tests",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "ties_max8", "excess_8", "excess_16", "excess_4", "frame_pmax8", "pattern_pmax8", "temporal_pmax8",
+        "hot_count_16", "hot_count_32",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "denoise": "moves pixels that do not stand out too: the cold frames lose high frequencies, "
+        "minima are as rare as maxima",
+        "crosstalk": "spreads every hot pixel alike, by a constant share; none is cut",
+        "hot_pixels": "the opposite: a tail beyond the model's, isolated pixels kept",
+    }
+    reach: ClassVar[int] = 4
+
+    threshold: float = parameter(8.0, "DN", 0.01, 1e5, "by how much a pixel must stand out")
+    factor: float = parameter(2.0, "1", 1.0, 100.0, "multiple of the largest neighbour (ratio)")
+    black: float = parameter(0.0, "DN", -1e5, 1e5, "level of no signal (ratio)", "linear")
+    fraction: float = parameter(5e-4, "1", 1e-6, 0.05, "share of pixels on the list (static)")
+    kind: str = choice("median", "rule", "median", "clamp", "ratio", "static")
+    sides: str = choice("hot", "which outliers", "hot", "both")
+    replacement: str = choice("median", "what of the neighbours takes its place", "median", "mean")
+    unit: str = choice("DN", "of the threshold (median): DN or spread of the neighbours", "DN", "local")
+    neighbours: int = choice(8, "how many are looked at (clamp, ratio)", 8, 24)
+    spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
+
+    def idle(self) -> tuple[str, ...]:
+        """What the present kind does not use."""
+        used = {
+            "median": ("threshold",),
+            "clamp": ("threshold",),
+            "ratio": ("threshold", "factor", "black"),
+            "static": ("fraction",),
+        }[self.kind]
+        return tuple(n for n in ("threshold", "factor", "black", "fraction") if n not in used)
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Replace what stands out; codes stay codes."""
+        from dnanalyze.model import filters
+
+        corrected = filters.planewise(lambda p: self._correct(p, site), signal, self.spacing)
+        if self.kind == "static":
+            corrected = np.where(self._listed(site), corrected, signal)
+        return filters.rounded_like(signal, corrected)
+
+    def _correct(self, plane: np.ndarray, site: Site) -> np.ndarray:
+        from dnanalyze.model import filters
+
+        threshold = self.value("threshold", site.point)
+        replacement = filters.MEAN if self.replacement == "mean" else filters.MEDIAN
+        both = self.sides == "both"
+        radius = 1 if self.neighbours == 8 else 2
+        if self.kind == "median":
+            local = self.unit == "local"
+            return filters.replace_outliers(plane, threshold, local, both, replacement)
+        if self.kind == "clamp":
+            return filters.clamp_to_neighbours(plane, threshold, both, radius)
+        if self.kind == "ratio":
+            factor, black = self.value("factor", site.point), self.value("black", site.point)
+            return filters.replace_by_ratio(plane, factor, threshold, black, radius, replacement)
+        return filters.neighbour_centre(plane, replacement)
+
+    def _listed(self, site: Site) -> np.ndarray:
+        """Where the window has pixels of the list."""
+
+        def make() -> np.ndarray:
+            frames = [site.calibration(-1 - n) for n in range(_CALIBRATION_FRAMES)]
+            steady = np.minimum.reduce(frames)  # what is bright once only is not on the list
+            count = round(self.value("fraction", site.reference) * steady.size)
+            listed = np.zeros(steady.size, bool)
+            if count:
+                listed[np.argpartition(steady.reshape(-1), -count)[-count:]] = True
+            return np.packbits(listed)
+
+        whole = np.unpackbits(site.keep("list", make), count=site.shape[0] * site.shape[1])
+        return whole.reshape(site.shape)[site.window.slices].astype(bool)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Threshold from the smallest excess over the neighbours' maximum that is rarer than modelled."""
+        rare = [k for name, k in _EXCESS if shows(clues, [name], -1)]
+        tied = shows(clues, ["ties_max8"])
+        ranks = shows(clues, ["frame_pmax8", "pattern_pmax8", "temporal_pmax8"], -1)
+        sparse = shows(clues, ["hot_count_16", "hot_count_32", "hot_count_64"], -1)
+        if not (rare or tied or ranks or sparse):
+            return []
+        noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
+        threshold = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
+        found: list[Effect] = []
+        if rare or ranks or tied:
+            found.append(cls(threshold, kind="median"))
+            found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
+        if rare:
+            level = np.asarray(clues.measured("median"), float)
+            level = level[np.isfinite(level)]
+            black = float(level.min()) if level.size else 0.0
+            found.append(cls(threshold, 2.0, black, kind="ratio"))
+        if sparse and not ranks:
+            lost = -excess(clues, "hot_count_16")
+            share = typical_positive(lost) / (clues.shape[0] * clues.shape[1])
+            found.append(cls(fraction=bounded(cls, "fraction", share), kind="static"))
+        return found

@@ -1,0 +1,102 @@
+"""1/f noise of the readout chain, in the order in which pixels are read."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model import pink
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import (
+    LINE_BANDS,
+    bounded,
+    centre,
+    excess,
+    power_law,
+    shows,
+    typical,
+)
+
+_ALONG_ROW = ("0_0.03", "0.03_0.1", "0.1_0.3", "0.3_0.5")
+
+
+@dataclass(frozen=True)
+class FlickerNoise(Effect):
+    """Temporal noise with power f^-alpha, f counted along the raster scan."""
+
+    name: ClassVar[str] = "flicker_noise"
+    stage: ClassVar[Stage] = Stage.LINE_READ
+    varies: ClassVar[str] = "temporal"
+    summary: ClassVar[str] = "1/f noise of the amplifier chain: smooth along the scan, new in every frame."
+    physics: ClassVar[str] = (
+        "Traps in transistors of the output amplifier catch and free carriers at all rates, which gives "
+        "noise whose power falls as 1/f^alpha in time, alpha near 1. Pixels are read row after row, so "
+        "time runs along the row: neighbours in a row are alike, and successive rows drift together as "
+        "soft horizontal bands. It depends on the readout, not on exposure, follows the analogue gain "
+        "and hardly the temperature. Cure: faster double sampling, reference pixels read along with "
+        "the image, subtraction of row means of black pixels for the part slower than a row."
+    )
+    formula: ClassVar[str] = "S(f) = C f^-alpha, f = k/(rows x columns) of the raster; sum of S over f = rms^2"
+    references: ClassVar[tuple[str, ...]] = (
+        "Rauscher, Teledyne H1RG, H2RG and H4RG noise generator (NGHXRG), PASP 127, 1144 (2015)",
+        "Janesick, Photon Transfer, SPIE Press (2007)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_u_first", "temporal_rows_0_0.02", "temporal_rows_0.02_0.1", "temporal_row_lag1",
+        "temporal_u_0_0.03", "temporal_u_0.03_0.1", "temporal_rows_0.1_0.3", "temporal_corr_10",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "row_noise": "rows are independent of each other, and pixels within a row are white",
+        "flicker_fpn": "the same in every frame, and as smooth across rows as along them",
+        "offset_drift": "whole frames move, nothing within a frame",
+        "dark_gradient": "fixed, grows with exposure",
+    }
+
+    rms: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation over a frame")
+    alpha: float = parameter(1.0, "1", 0.3, 2.5, "exponent of the power spectrum", "linear")
+    overhead: int = choice(0, "pixel periods between two rows")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the noise of this frame."""
+        period = site.shape[1] + max(0, int(self.overhead))
+        whole = Window(0, site.shape[0], 0, period)
+        if site.window == whole:
+            white = site.normal("raster")
+        else:
+            white = site.moment.child("raster").normal(whole, period)
+        alpha = self.value("alpha", site.point)
+        weights = site.keep("weights", lambda: pink.raster_weights(white.size, alpha))
+        rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
+        signal += rms * pink.raster(white, weights)[site.window.slices]
+        return signal
+
+    def variance(self, point: OperatingPoint) -> float:
+        """rms^2, DN^2."""
+        return self.value("rms", point) ** 2
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """A power law through the unexplained power of rows (f = v / columns) and along rows (f = u)."""
+        if not shows(clues, cls.fingerprint):
+            return []
+        rows, columns = clues.shape
+        bands = [("temporal_rows", b, centre(b) / columns) for b in LINE_BANDS]
+        bands += [("temporal_u", b, centre(b)) for b in _ALONG_ROW]
+        names = [f"{prefix}_{band}" for prefix, band, _ in bands] + ["temporal_u_first"]
+        f = np.array([*(f for _, _, f in bands), 2.0 / columns])
+        power = np.array([typical(excess(clues, name)) for name in names])
+        significant = np.array([shows(clues, [name], 1, 1.5) for name in names], float)
+        constant, alpha = power_law(f, power, significant)
+        if constant <= 0:
+            return []
+        alpha = bounded(cls, "alpha", alpha if significant.sum() > 2 else 1.0)
+        pivot = int(np.argmax(significant * np.where(power > 0, power, 0)))
+        constant = power[pivot] * f[pivot] ** alpha
+        k = np.arange(1, rows * columns // 2 + 1) / (rows * columns)
+        rms = math.sqrt(2.0 * constant * float(np.sum(k**-alpha)) / (rows * columns))
+        return [cls(bounded(cls, "rms", rms), alpha)]

@@ -1,0 +1,57 @@
+"""Fixed offsets of the rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import LINE_BANDS, bounded, line_sigma, named, shows
+
+
+@dataclass(frozen=True)
+class RowFpn(Effect):
+    """y += r_i, the same in every frame."""
+
+    name: ClassVar[str] = "row_fpn"
+    stage: ClassVar[Stage] = Stage.LINE_READ
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "Fixed horizontal stripes: every row has its own offset."
+    physics: ClassVar[str] = (
+        "Rows are addressed one after the other. A row whose drivers, supply or timing differ a little "
+        "from those of the others gets the same offset in every frame. Being made at readout, it does "
+        "not grow with temperature or exposure; it follows the analogue gain. Cure: subtract the mean of "
+        "the row's optically black pixels (which also removes row noise), or a master dark."
+    )
+    formula: ClassVar[str] = "y_ij += r_i;  r_i ~ N(0, sigma^2), once for the sensor"
+    references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (DSNU1288.row)",)
+    fingerprint: ClassVar[tuple[str, ...]] = named("pattern_rows", reversed(LINE_BANDS))
+    confused_with: ClassVar[dict[str, str]] = {
+        "row_noise": "new in every frame: it shows in differences of frames, and a mean over K frames "
+        "keeps only 1/K of its power",
+        "dark_gradient": "power below .02 cycles/pixel alone, that grows with exposure",
+        "defect_lines": "a few rows far off the others",
+    }
+
+    sigma: float = parameter(0.3, "DN", 1e-4, 1e3, "standard deviation of the row offsets")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the offsets."""
+        sigma = self.value("sigma", site.point) * site.gain_ratio
+        signal += np.float32(sigma) * site.rows(site.silicon.child("rows"))[:, None]
+        return signal
+
+    def variance(self, point: OperatingPoint) -> float:
+        """sigma^2, DN^2."""
+        return self.value("sigma", point) ** 2
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Sigma from the unexplained power of the u = 0 axis of the pattern."""
+        if not shows(clues, cls.fingerprint):
+            return []
+        return [cls(bounded(cls, "sigma", line_sigma(clues, "pattern_rows", clues.shape[1])))]

@@ -1,0 +1,129 @@
+"""What a first guess asks of the clues: is there a sign, how much is unexplained, which curve shows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from dnanalyze.model.clues import Clues
+
+SIGN = 2.5
+"""A statistic this many floors off, in any setting, is a sign worth a guess."""
+
+BANDS = ("0_0.01", "0.01_0.02", "0.02_0.04", "0.04_0.08", "0.08_0.16", "0.16_0.25", "0.25_0.35",
+         "0.35_0.5", "0.5_0.71")  # fmt: skip
+"""Radial frequencies, cycles/pixel."""
+
+LINE_BANDS = ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")
+"""Frequencies along an axis, cycles/pixel."""
+
+
+def edges(band: str) -> tuple[float, float]:
+    """Ends of a band in cycles/pixel, from its name."""
+    low, high = band.split("_")
+    return float(low), float(high)
+
+
+def centre(band: str) -> float:
+    """Geometric mean frequency of a band; a band from zero counts from a fifth of its end."""
+    low, high = edges(band)
+    return math.sqrt(max(low, high / 5) * high)
+
+
+def named(prefix: str, bands: Iterable[str]) -> tuple[str, ...]:
+    """Names of the statistics of a set of bands."""
+    return tuple(f"{prefix}_{band}" for band in bands)
+
+
+def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:
+    """Whether any of the statistics is above (+1), below (-1) or off (0) the model in any setting."""
+    for name in names:
+        z = np.asarray(clues.z(name), float)
+        z = np.abs(z) if direction == 0 else direction * z
+        if np.any(z[np.isfinite(z)] > level):
+            return True
+    return False
+
+
+def excess(clues: Clues, name: str) -> np.ndarray:
+    """Measured minus simulated, one a setting, plain units; NaN where either is absent."""
+    return np.asarray(clues.measured(name), float) - np.asarray(clues.simulated(name), float)
+
+
+def band_excess(clues: Clues, prefix: str, bands: Sequence[str] = LINE_BANDS) -> np.ndarray:
+    """Unexplained power, DN^2, shape (bands, settings)."""
+    return np.stack([excess(clues, name) for name in named(prefix, bands)])
+
+
+def mean_power(power: np.ndarray, bands: Sequence[str] = LINE_BANDS) -> np.ndarray:
+    """Mean over frequency of a line spectrum given in bands, one a setting; absent bands are left out."""
+    width = np.array([b - a for a, b in map(edges, bands)])[:, None]
+    held = np.where(np.isfinite(power), width, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.nansum(power * width, axis=0) / held.sum(axis=0)
+
+
+def typical(values: np.ndarray) -> float:
+    """Median of what is known; 0 where nothing is."""
+    known = np.asarray(values, float)
+    known = known[np.isfinite(known)]
+    return float(np.median(known)) if known.size else 0.0
+
+
+def typical_positive(values: np.ndarray) -> float:
+    """Median where that is positive, else the largest value; 0 where none is positive."""
+    middle = typical(values)
+    if middle > 0:
+        return middle
+    known = np.asarray(values, float)
+    known = known[np.isfinite(known)]
+    return max(0.0, float(known.max())) if known.size else 0.0
+
+
+def line_sigma(clues: Clues, prefix: str, length: int) -> float:
+    """Standard deviation of line offsets, DN, from unexplained power on an axis of the spectrum.
+
+    Offsets of variance s^2 on lines of ``length`` pixels have the power length s^2 there.
+    """
+    power = mean_power(band_excess(clues, prefix))
+    return math.sqrt(typical_positive(power) / length)
+
+
+def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
+    """A measured curve, or None where these captures have none."""
+    try:
+        found = clues.curve(name, setting)
+    except (KeyError, IndexError):
+        return None
+    return None if found is None or np.size(found) == 0 else np.asarray(found)
+
+
+def strongest(clues: Clues, names: Iterable[str]) -> int | None:
+    """The setting in which one of the statistics is farthest off the model, of those that have one."""
+    z = np.stack([np.abs(np.asarray(clues.z(name), float)) for name in names])
+    z = np.where(np.isfinite(z), z, -1.0).max(axis=0)
+    return int(np.argmax(z)) if z.size and z.max() >= 0 else None
+
+
+def bounded(effect: type, name: str, number: float) -> float:
+    """A number moved within the bounds of an effect's parameter."""
+    info = effect.parameters()[name]  # type: ignore[attr-defined]
+    return min(max(float(number), info.lower), info.upper)
+
+
+def power_law(frequency: np.ndarray, power: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+    """Least squares of power = C f^-alpha on log scales over its positive part: (C, alpha).
+
+    (0, 0) where fewer than two points are positive.
+    """
+    good = np.isfinite(power) & (power > 0) & (weight > 0)
+    if good.sum() < 2:
+        return 0.0, 0.0
+    x, y, w = np.log(frequency[good]), np.log(power[good]), weight[good]
+    mx, my = np.average(x, weights=w), np.average(y, weights=w)
+    slope = np.sum(w * (x - mx) * (y - my)) / max(np.sum(w * (x - mx) ** 2), 1e-12)
+    return float(np.exp(my - slope * mx)), float(-slope)

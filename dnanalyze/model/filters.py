@@ -1,0 +1,349 @@
+"""Filters within a frame: defect-pixel correction and denoise, on the whole frame or within a colour.
+
+Every filter mirrors the frame at its edges (the edge pixel itself is not repeated) and returns float32.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit
+
+WAVELET_LEVELS = 3
+
+
+def planewise(
+    function: Callable[[np.ndarray], np.ndarray], image: np.ndarray, spacing: int
+) -> np.ndarray:
+    """Apply a filter to each of the spacing x spacing interleaved planes of a mosaic by itself."""
+    if spacing == 1:
+        return function(image)
+    result = np.empty_like(image)
+    for dy in range(spacing):
+        for dx in range(spacing):
+            plane = np.ascontiguousarray(image[dy::spacing, dx::spacing])
+            result[dy::spacing, dx::spacing] = function(plane)
+    return result
+
+
+def rounded_like(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """``after`` in float32, rounded to whole numbers where ``before`` is all whole numbers."""
+    if np.array_equal(before, np.rint(before)):
+        return np.rint(after).astype(np.float32, copy=False)
+    return after.astype(np.float32, copy=False)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _mirror(i: int, n: int) -> int:
+    """Index mirrored into 0 ... n - 1."""
+    if n == 1:
+        return 0
+    while i < 0 or i >= n:
+        if i < 0:
+            i = -i
+        if i >= n:
+            i = 2 * n - 2 - i
+    return i
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _gather(image: np.ndarray, r: int, c: int, radius: int, values: np.ndarray) -> int:
+    """Neighbours of (r, c) out to ``radius`` in both axes, without the pixel itself."""
+    rows, columns = image.shape
+    count = 0
+    for dy in range(-radius, radius + 1):
+        y = _mirror(r + dy, rows)
+        for dx in range(-radius, radius + 1):
+            if dy == 0 and dx == 0:
+                continue
+            values[count] = image[y, _mirror(c + dx, columns)]
+            count += 1
+    return count
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _sort(values: np.ndarray, count: int) -> None:
+    """Insertion sort: the fastest for so few."""
+    for i in range(1, count):
+        v = values[i]
+        j = i - 1
+        while j >= 0 and values[j] > v:
+            values[j + 1] = values[j]
+            j -= 1
+        values[j + 1] = v
+
+
+MEDIAN, MEAN, MAXIMUM = 0, 1, 2
+
+
+@njit(cache=True, nogil=True)
+def replace_outliers(
+    image: np.ndarray, threshold: float, local: bool, both: bool, replacement: int
+) -> np.ndarray:
+    """Replace a pixel that lies beyond a threshold off the median or mean of its 8 neighbours.
+
+    Parameters
+    ----------
+    image : ndarray, shape (rows, columns), float32
+    threshold : float
+        DN, or with ``local`` in units of the neighbours' own spread (their range over 2.85, which
+        is the standard deviation of eight Gaussian deviates).
+    local : bool
+        See ``threshold``.
+    both : bool
+        Also pixels below.
+    replacement : int
+        ``MEDIAN`` or ``MEAN`` of the neighbours: what a pixel is held against and replaced by.
+    """
+    rows, columns = image.shape
+    result = image.copy()
+    for r in range(rows):
+        values = np.empty(8, np.float32)
+        for c in range(columns):
+            _gather(image, r, c, 1, values)
+            _sort(values, 8)
+            if replacement == MEDIAN:
+                reference = np.float32(0.5) * (values[3] + values[4])
+            else:
+                reference = values.mean()
+            limit = threshold
+            if local:
+                limit *= (values[7] - values[0]) / 2.847
+            off = image[r, c] - reference
+            if off > limit or (both and -off > limit):
+                result[r, c] = reference
+    return result
+
+
+@njit(cache=True, nogil=True)
+def clamp_to_neighbours(image: np.ndarray, threshold: float, both: bool, radius: int) -> np.ndarray:
+    """Cap a pixel that exceeds the largest neighbour by a threshold (DN) at that neighbour.
+
+    With ``both`` a pixel below the smallest is raised to it. ``radius`` 1: 8 neighbours; 2: 24.
+    """
+    rows, columns = image.shape
+    result = image.copy()
+    for r in range(rows):
+        values = np.empty(24, np.float32)
+        for c in range(columns):
+            n = _gather(image, r, c, radius, values)
+            high, low = values[0], values[0]
+            for k in range(1, n):
+                high, low = max(high, values[k]), min(low, values[k])
+            if image[r, c] > high + threshold:
+                result[r, c] = high
+            elif both and image[r, c] < low - threshold:
+                result[r, c] = low
+    return result
+
+
+@njit(cache=True, nogil=True)
+def replace_by_ratio(
+    image: np.ndarray, factor: float, threshold: float, black: float, radius: int, replacement: int
+) -> np.ndarray:
+    """Replace where y - black > factor (largest neighbour - black) + threshold.
+
+    ``replacement``: ``MEDIAN``, ``MEAN`` or ``MAXIMUM`` of the neighbours; ``radius`` as for
+    `clamp_to_neighbours`. Where the largest neighbour is below black it counts as black.
+    """
+    rows, columns = image.shape
+    result = image.copy()
+    for r in range(rows):
+        values = np.empty(24, np.float32)
+        for c in range(columns):
+            n = _gather(image, r, c, radius, values)
+            high = values[0]
+            for k in range(1, n):
+                high = max(high, values[k])
+            if image[r, c] - black > factor * max(high - black, 0.0) + threshold:
+                if replacement == MAXIMUM:
+                    result[r, c] = high
+                elif replacement == MEAN:
+                    result[r, c] = values[:n].mean()
+                else:
+                    _sort(values, n)
+                    result[r, c] = np.float32(0.5) * (values[n // 2 - 1] + values[n // 2])
+    return result
+
+
+@njit(cache=True, nogil=True)
+def neighbour_centre(image: np.ndarray, replacement: int) -> np.ndarray:
+    """``MEDIAN`` or ``MEAN`` of the 8 neighbours of every pixel."""
+    rows, columns = image.shape
+    result = np.empty_like(image)
+    for r in range(rows):
+        values = np.empty(8, np.float32)
+        for c in range(columns):
+            _gather(image, r, c, 1, values)
+            if replacement == MEAN:
+                result[r, c] = values.mean()
+            else:
+                _sort(values, 8)
+                result[r, c] = np.float32(0.5) * (values[3] + values[4])
+    return result
+
+
+@njit(cache=True, nogil=True)
+def median3(image: np.ndarray) -> np.ndarray:
+    """Median of the 3x3 window, the pixel included."""
+    rows, columns = image.shape
+    result = np.empty_like(image)
+    for r in range(rows):
+        values = np.empty(9, np.float32)
+        for c in range(columns):
+            _gather(image, r, c, 1, values)
+            values[8] = image[r, c]
+            _sort(values, 9)
+            result[r, c] = values[4]
+    return result
+
+
+@njit(cache=True, nogil=True)
+def bilateral(image: np.ndarray, range_dn: float, space: float, radius: int) -> np.ndarray:
+    """Mean of the window, weighted by distance and by likeness.
+
+    w = exp(-d^2 / 2 space^2 - (y_k - y)^2 / 2 range^2)  (Tomasi and Manduchi, ICCV 1998).
+
+    Parameters
+    ----------
+    image : ndarray, shape (rows, columns), float32
+    range_dn : float
+        DN.
+    space : float
+        Pixels.
+    radius : int
+        Half width of the window, pixels.
+    """
+    rows, columns = image.shape
+    result = np.empty_like(image)
+    near = np.empty((2 * radius + 1, 2 * radius + 1), np.float32)
+    for dy in range(-radius, radius + 1):
+        for dx in range(-radius, radius + 1):
+            near[dy + radius, dx + radius] = math.exp(-(dy * dy + dx * dx) / (2 * space * space))
+    like = np.float32(-0.5 / (range_dn * range_dn))
+    for r in range(rows):
+        for c in range(columns):
+            y = image[r, c]
+            total, weight = np.float32(0.0), np.float32(0.0)
+            for dy in range(-radius, radius + 1):
+                a = _mirror(r + dy, rows)
+                for dx in range(-radius, radius + 1):
+                    off = image[a, _mirror(c + dx, columns)] - y
+                    w = near[dy + radius, dx + radius] * np.float32(math.exp(like * off * off))
+                    total += w * off
+                    weight += w
+            result[r, c] = y + total / weight
+    return result
+
+
+def gaussian(image: np.ndarray, sigma: float, radius: int) -> np.ndarray:
+    """Gaussian smoothing, sigma in pixels, cut off at ``radius``."""
+    from scipy.ndimage import correlate1d
+
+    x = np.arange(-radius, radius + 1)
+    kernel = np.exp(-0.5 * (x / sigma) ** 2)
+    kernel /= kernel.sum()
+    once = correlate1d(image, kernel, axis=0, mode="mirror", output=np.float32)
+    return correlate1d(once, kernel, axis=1, mode="mirror", output=np.float32)
+
+
+def wavelet(image: np.ndarray, threshold: float, levels: int = WAVELET_LEVELS) -> np.ndarray:
+    """Soft shrinkage of Haar coefficients, averaged over all shifts of the grid.
+
+    The mean over shifts of the orthonormal transform is the undecimated transform
+    (Coifman and Donoho, Translation-invariant de-noising, 1995).
+
+    Parameters
+    ----------
+    image : ndarray, shape (rows, columns), float32
+    threshold : float
+        DN, on the orthonormal scale, where white noise of s DN has coefficients of s DN.
+    levels : int
+        Scales, each twice the one before.
+    """
+    margin = 2**levels - 1
+    padded = np.pad(image, margin, mode="reflect").astype(np.float32)
+    return _shrink(padded, threshold, 0, levels)[margin:-margin, margin:-margin]
+
+
+def _shrink(smooth: np.ndarray, threshold: float, level: int, levels: int) -> np.ndarray:
+    if level == levels:
+        return smooth
+    step = 2**level
+    low, high = _split(smooth, step, 0)
+    bands = [*_split(low, step, 1), *_split(high, step, 1)]
+    limit = np.float32(threshold / 2 ** (level + 1))  # coefficients shrink by 2 a level
+    details = [np.sign(b) * np.maximum(np.abs(b) - limit, 0) for b in bands[1:]]
+    smooth = _shrink(bands[0], threshold, level + 1, levels)
+    low = _join(smooth, details[0], step, 1)
+    high = _join(details[1], details[2], step, 1)
+    return _join(low, high, step, 0)
+
+
+def _split(a: np.ndarray, step: int, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """Half sum and half difference of a[i] and a[i + step], around the end."""
+    b = np.roll(a, -step, axis)
+    return 0.5 * (a + b), 0.5 * (a - b)
+
+
+def _join(low: np.ndarray, high: np.ndarray, step: int, axis: int) -> np.ndarray:
+    """Mean of the two reconstructions of every sample."""
+    return 0.5 * (low + high + np.roll(low - high, step, axis))
+
+
+@njit(cache=True, nogil=True)
+def nonlocal_means(
+    image: np.ndarray, h: float, sigma: float, patch: int, distance: int
+) -> np.ndarray:
+    """Mean of the pixels around, weighted by how alike their patches are.
+
+    w = exp(-max(D - 2 sigma^2, 0) / h^2), D the mean squared difference of two patches, over
+    (2 distance + 1)^2 places (Buades, Coll, Morel, CVPR 2005, in the form of scikit-image's fast mode).
+
+    Parameters
+    ----------
+    image : ndarray, shape (rows, columns), float32
+    h, sigma : float
+        Strength, and the noise that differences are allowed for free; DN.
+    patch, distance : int
+        Half widths of the patch and of the search window, pixels.
+    """
+    rows, columns = image.shape
+    margin = patch + distance
+    padded = np.empty((rows + 2 * margin, columns + 2 * margin), np.float32)
+    for r in range(rows + 2 * margin):
+        a = _mirror(r - margin, rows)
+        for c in range(columns + 2 * margin):
+            padded[r, c] = image[a, _mirror(c - margin, columns)]
+    result = np.empty_like(image)
+    size = (2 * patch + 1) ** 2
+    scale = np.float32(-1.0 / (size * h * h))
+    free = np.float32(2.0 * sigma * sigma * size)
+    for r in range(rows):
+        total = np.zeros(columns, np.float32)
+        weight = np.zeros(columns, np.float32)
+        line = np.empty(columns + 2 * patch, np.float32)
+        for dy in range(-distance, distance + 1):
+            for dx in range(-distance, distance + 1):
+                for c in range(columns + 2 * patch):
+                    s = np.float32(0.0)
+                    for k in range(2 * patch + 1):
+                        a = padded[r + distance + k, c + distance]
+                        d = a - padded[r + distance + k + dy, c + distance + dx]
+                        s += d * d
+                    line[c] = s
+                for c in range(columns):
+                    s = np.float32(0.0)
+                    for k in range(2 * patch + 1):
+                        s += line[c + k]
+                    s = scale * max(s - free, np.float32(0.0))
+                    if s < -5.0:  # weights below e^-5 count as none, as in scikit-image
+                        continue
+                    w = np.float32(math.exp(s))
+                    total[c] += w * padded[r + margin + dy, c + margin + dx]
+                    weight[c] += w
+        for c in range(columns):
+            result[r, c] = total[c] / weight[c]
+    return result
