@@ -38,7 +38,8 @@ def generate(
 
     The charge of a pixel is Poisson about its log-normal, Arrhenius dark current times the
     exposure; Gaussian read noise and a fixed offset follow, the gain, the pedestal, rounding.
-    Every part has random numbers of its own, so a hidden effect leaves those of the rest alone.
+    Every part has random numbers of its own, so a hidden effect leaves those of the rest alone
+    (the shot noise of charge that it changes apart).
 
     Parameters
     ----------
