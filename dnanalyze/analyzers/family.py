@@ -9,7 +9,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
-from dnanalyze.analyzers.quantiles import Ordered
+from dnanalyze.analyzers.quantiles import Counted, Ordered
 from dnanalyze.analyzers.statistics import StatisticInfo, Value
 
 
@@ -83,7 +83,12 @@ class Accumulated:
     @cached_property
     def pattern_ordered(self) -> Ordered:
         """The pixels of F in order."""
-        return Ordered(self.pattern, 1.0 / self.frames if self.plan.integer else 0.0)
+        return Ordered(self.pattern, self.pattern_step)
+
+    @cached_property
+    def pattern_step(self) -> float:
+        """Spacing of the lattice on which F lies, DN; 0 for continuous data."""
+        return 1.0 / self.frames if self.plan.integer else 0.0
 
     @cached_property
     def pattern_centre(self) -> float:
@@ -103,13 +108,53 @@ class Accumulated:
         return np.clip(out, -reach, reach, out=out)
 
     @cached_property
+    def end_frames(self) -> tuple[np.ndarray, ...]:
+        """The first frame and the last, or the only one, DN, float32."""
+        head, tail = self.maps.head, self.maps.tail
+        return (head[0], tail[-1]) if self.frames > 1 else (head[0],)
+
+    @cached_property
+    def end_differences(self) -> tuple[np.ndarray, ...]:
+        """The first difference (y_1 - y_0) / sqrt 2 and the last, or the only one; () for one frame."""
+        head, tail = self.maps.head, self.maps.tail
+        if self.frames < 2:
+            return ()
+        half = np.float32(np.sqrt(0.5))
+        pairs = [head] if self.frames == 2 else [head, tail]
+        return tuple((b - a) * half for a, b in pairs)
+
+    @property
+    def difference_repeats(self) -> float:
+        """Independent differences that tell as much of a variance as these successive ones.
+
+        Squares of Gaussian differences that share a frame are correlated by 1/4.
+        """
+        n = self.frames - 1
+        return n / (1 + 0.5 * (n - 1) / n) if n else 0.0
+
+    @cached_property
+    def drift_variance(self) -> float:
+        """Variance of the frame means, DN^2; 0 for one frame."""
+        return float(np.var(self.frame_means, ddof=1)) if self.frames > 1 else 0.0
+
+    @cached_property
     def temporal_variance(self) -> np.ndarray | None:
         """Unbiased variance of each pixel over the frames, DN^2, float32; None for one frame."""
         return self.maps.variance() if self.frames > 1 else None
+
+    @cached_property
+    def values(self) -> Counted:
+        """Histogram of the values over all frames."""
+        return self.histograms.values()
+
+    @cached_property
+    def differences(self) -> Counted:
+        """Histogram of the differences over all frames; empty for one frame."""
+        return self.histograms.differences()
 
     @cached_property
     def difference_sigma(self) -> float:
         """Robust sigma of all differences, DN; that of the plan where there is one frame."""
         if self.frames < 2:
             return self.plan.difference_sigma
-        return self.histograms.differences.robust_sigma()
+        return self.differences.robust_sigma()

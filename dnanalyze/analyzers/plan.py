@@ -27,6 +27,8 @@ class Plan:
     difference_sigma : float
         Robust sigma of the first difference (y_1 - y_0) / sqrt 2, DN; never 0. ``sigma`` where
         there is one frame.
+    low, high : float
+        Smallest and largest value of the first frame, DN.
     integer : bool
         All pixels of the first frame are whole numbers: the data are codes of a converter.
     """
@@ -35,6 +37,8 @@ class Plan:
     centre: float
     sigma: float
     difference_sigma: float
+    low: float
+    high: float
     integer: bool
 
     @property

@@ -1,0 +1,219 @@
+"""Captures to Statistics: each frame is read once, whatever the number of windows and planes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import FAMILIES
+from dnanalyze.analyzers.family import Accumulated
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.analyzers.streaming import Accumulation, make_plan, read_ahead
+from dnanalyze.analyzers.trends import trends
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting, Window
+
+Progress = Callable[[int, int], None]
+SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
+LEAST = 8  # rows and columns of the smallest plane that can be analysed
+
+
+def analyze(
+    captures: CaptureSet,
+    *,
+    window: Window | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Statistics:
+    """Every statistic of every setting and colour plane, each with its standard error.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    window : Window, optional
+        Part of the frame to analyse; on a mosaic its edges are moved inwards to even numbers.
+    workers : int, optional
+        Threads; the number of processors by default. The result does not depend on it.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+
+    Raises
+    ------
+    InputError
+        A window outside the frame, or too small; frames of another shape than the sensor's.
+    """
+    return analyze_windows(captures, (window,), workers=workers, progress=progress)[0]
+
+
+def analyze_windows(
+    captures: CaptureSet,
+    windows: Sequence[Window | None],
+    *,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> list[Statistics]:
+    """`analyze` for several windows of the same frames, each frame read once.
+
+    ``None`` among the windows stands for the whole frame.
+    """
+    placed = [_placed(window, captures.sensor) for window in windows]
+    outer = _outer(placed)
+    settings: list[list[SettingStatistics]] = [[] for _ in placed]
+    total, done = captures.frame_count, 0
+    with ExitStack() as stack:
+        pool = _pool(workers, outer, stack)
+        for setting in captures.settings:
+            parts = [_Part(w, plane) for w in placed for plane in _planes(w, captures.sensor)]
+            for number, frame in enumerate(_frames(setting, outer)):
+                for part in parts:
+                    part.add(part.cut(frame, outer), number, pool)
+                done += 1
+                if progress is not None:
+                    progress(done, total)
+            for part in parts:
+                where = placed.index(part.window)
+                settings[where].append(part.finish(setting.point))
+    return [
+        Statistics(captures.name, captures.sensor, tuple(each), trends(each, captures.sensor))
+        for each in settings
+    ]
+
+
+def _pool(workers: int | None, outer: Window, stack: ExitStack) -> ThreadPoolExecutor | None:
+    rows, columns = outer.shape
+    if workers == 1 or rows * columns <= SMALL:
+        return None
+    return stack.enter_context(ThreadPoolExecutor(workers))
+
+
+def _placed(window: Window | None, sensor: Sensor) -> Window:
+    """The window inside the frame, on a mosaic at whole blocks of the colour filter."""
+    whole = Window.whole(sensor.shape)
+    if window is None:
+        window = whole
+    elif window != window.grown(0, sensor.shape) or min(window.shape) < 1:
+        raise InputError(
+            f"window {window.top}:{window.bottom}, {window.left}:{window.right}: it must lie within "
+            f"rows 0:{sensor.shape[0]} and columns 0:{sensor.shape[1]}"
+        )
+    least = LEAST
+    if sensor.cfa is not None:
+        window = Window(
+            window.top + window.top % 2, window.bottom - window.bottom % 2,
+            window.left + window.left % 2, window.right - window.right % 2,
+        )  # fmt: skip
+        least = 2 * LEAST
+    if min(window.shape) < least:
+        rows, columns = window.shape
+        raise InputError(
+            f"{rows} x {columns} pixels are too few to analyse; {least} x {least} is the least"
+        )
+    return window
+
+
+def _outer(windows: Sequence[Window]) -> Window:
+    return Window(
+        min(w.top for w in windows), max(w.bottom for w in windows),
+        min(w.left for w in windows), max(w.right for w in windows),
+    )  # fmt: skip
+
+
+def _frames(setting: Setting, outer: Window) -> Iterator[np.ndarray]:
+    """The frames of a setting, the next one being read while one is in use."""
+
+    def reader(frame):  # type: ignore[no-untyped-def]
+        def read() -> np.ndarray:
+            pixels = frame.read(outer)
+            if pixels.shape != outer.shape:
+                raise InputError(
+                    f"{frame.name}: its shape is not that of the other frames; "
+                    "give the frames of each shape a folder of their own"
+                )
+            return pixels
+
+        return read
+
+    reads = [reader(frame) for frame in setting.frames]
+    rows, columns = outer.shape
+    yield from (read() for read in reads) if rows * columns <= SMALL else read_ahead(reads)
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """A colour plane: its name and its place in the 2 x 2 block."""
+
+    name: str = ""
+    row: int = 0
+    column: int = 0
+    step: int = 1
+
+
+def _planes(window: Window, sensor: Sensor) -> list[_Plane]:
+    if sensor.cfa is None:
+        return [_Plane()]
+    if len(sensor.cfa) != 2 or any(len(row) != 2 for row in sensor.cfa):
+        raise InputError(f"colour filter {sensor.cfa}: only 2 x 2 mosaics can be analysed")
+    return [
+        _Plane(_plane_name(sensor.cfa, r, c), r, c, 2) for r in range(2) for c in range(2)
+    ]
+
+
+def _plane_name(cfa: tuple[tuple[str, ...], ...], row: int, column: int) -> str:
+    """Gr and Gb for the greens beside red and beside blue, else the filter's own name."""
+    name = cfa[row][column]
+    if name == "G":
+        return {"R": "Gr", "B": "Gb"}.get(cfa[row][1 - column], "G")
+    return name
+
+
+@dataclass
+class _Part:
+    """One window and plane of the setting being read."""
+
+    window: Window
+    plane: _Plane
+    accumulation: Accumulation | None = None
+    waiting: list[np.ndarray] = field(default_factory=list)
+
+    def cut(self, frame: np.ndarray, outer: Window) -> np.ndarray:
+        rows, columns = self.window.within(outer)
+        plane = frame[rows, columns][self.plane.row :: self.plane.step, self.plane.column :: self.plane.step]
+        return np.ascontiguousarray(plane)
+
+    def add(self, frame: np.ndarray, number: int, pool: ThreadPoolExecutor | None) -> None:
+        """The plan needs two frames, so that the first waits for the second."""
+        if number == 0:
+            self.waiting.append(frame)
+            return
+        if self.accumulation is None:
+            self._begin(self.waiting[0], frame, pool)
+        assert self.accumulation is not None
+        self.accumulation.add(frame, number)
+
+    def _begin(
+        self, first: np.ndarray, second: np.ndarray | None, pool: ThreadPoolExecutor | None
+    ) -> None:
+        self.accumulation = Accumulation(make_plan(first, second), pool)
+        self.accumulation.add(first, 0)
+        self.waiting = []
+
+    def finish(self, point: OperatingPoint) -> SettingStatistics:
+        if self.accumulation is None:
+            self._begin(self.waiting[0], None, None)
+        assert self.accumulation is not None
+        return finish(self.accumulation.finish(), point, self.plane.name)
+
+
+def finish(acc: Accumulated, point: OperatingPoint, plane: str = "") -> SettingStatistics:
+    """The families' values of accumulated frames."""
+    out = SettingStatistics(point, plane, acc.frames, acc.plan.shape, {})
+    for family in FAMILIES:
+        result = family.finish(acc)
+        out.values.update(result.values)
+        out.curves.update(result.curves)
+        out.missing.update(result.missing)
+    return out

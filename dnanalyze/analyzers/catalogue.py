@@ -1,0 +1,34 @@
+"""Every statistic by name, over all families."""
+
+from __future__ import annotations
+
+import difflib
+from functools import cache
+
+from dnanalyze.analyzers import codes, distribution, level, tails, time
+from dnanalyze.analyzers.family import Family
+from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.errors import InputError
+
+FAMILIES: tuple[Family, ...] = (level, distribution, tails, time, codes)  # in the order of reports
+
+
+@cache
+def catalogue() -> dict[str, StatisticInfo]:
+    """What each statistic is, by name, in the order of reports."""
+    return {info.name: info for family in FAMILIES for info in family.INFOS}
+
+
+def find(name: str) -> StatisticInfo:
+    """What the statistic ``name`` is.
+
+    Raises
+    ------
+    InputError
+        There is none of that name; the message lists near ones.
+    """
+    known = catalogue()
+    if name in known:
+        return known[name]
+    near = difflib.get_close_matches(name, known, 5) or list(known)[:5]
+    raise InputError(f"no statistic is called {name!r}; near names: {', '.join(near)}")

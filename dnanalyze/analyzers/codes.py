@@ -1,0 +1,166 @@
+"""The codes of the converter: gaps, combs, spikes at the ends."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.quantiles import Counted
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
+
+CENTRAL = 0.98  # share of a histogram that counts as its body
+OVERUSED = 5.0  # standard errors above its neighbours
+
+INFOS = (
+    StatisticInfo(
+        "lattice", "codes", "1", "values lie on whole numbers",
+        high="the values are whole codes, and the model's are not",
+        low="the model's values are whole codes, and the measured ones are not",
+    ),
+    StatisticInfo(
+        "unused_codes", "codes", "1", "share of codes that never occur",
+        high="codes are missing: {measured} of those in the body of the histogram never occur",
+        low="the model leaves codes unused that the sensor gives",
+    ),
+    StatisticInfo(
+        "code_roughness", "codes", "1", "roughness of the histogram of codes", Scale.LOG,
+        high="neighbouring codes occur unequally often, {ratio} times as much so as in the model",
+        low="neighbouring codes occur more equally often than in the model",
+    ),
+    StatisticInfo(
+        "code_comb", "codes", "1", "strongest period of that roughness", Scale.LOG,
+        high="the histogram of codes has a comb {ratio} times as strong as the model's",
+        low="the histogram of codes lacks the comb of the model",
+    ),
+    StatisticInfo(
+        "low_spike", "codes", "1", "pile-up at the lowest code", Scale.LOG,
+        high="values pile up at the lowest code: the black level is clipped",
+        low="the model piles up values at the lowest code, the sensor does not",
+    ),
+    StatisticInfo(
+        "high_spike", "codes", "1", "pile-up at the highest code", Scale.LOG,
+        high="values pile up at the highest code: it saturates",
+        low="the model piles up values at the highest code, the sensor does not",
+    ),
+    StatisticInfo("code_comb_period", "codes", "DN", "period of the comb", compared=False),
+    StatisticInfo("effective_bits", "codes", "bits", "entropy of the histogram", compared=False),
+    StatisticInfo("clipped_low", "codes", "1", "share at the lowest code", compared=False),
+    StatisticInfo("clipped_high", "codes", "1", "share at the highest code", compared=False),
+    StatisticInfo("lowest_code", "codes", "DN", "lowest code", compared=False),
+    StatisticInfo("highest_code", "codes", "DN", "highest code", compared=False),
+    StatisticInfo("overused_codes", "codes", "codes", "over-used codes", Scale.ROOT, compared=False),
+)  # fmt: skip
+
+
+def finish(acc: Accumulated) -> FamilyResult:
+    """Statistics of the histogram of codes over all frames."""
+    out = FamilyResult()
+    if not acc.plan.integer:
+        out.values["lattice"] = Value(lattice(acc.end_frames[0]), 0.05)
+        reason = "the values are not whole codes"
+        out.missing.update(dict.fromkeys((i.name for i in INFOS[1:]), reason))
+        return out
+    out.values["lattice"] = Value(1.0, 0.05)
+    counts = acc.values
+    repeats = _overdispersion(acc)
+    _ends(counts, repeats, acc, out)
+    _body(counts, repeats, out)
+    return out
+
+
+def lattice(frame: np.ndarray) -> float:
+    """|mean exp(2 pi i y)|: 1 for whole numbers, near 0 for continuous values."""
+    phase = 2 * np.pi * (frame - np.rint(frame))
+    return float(np.hypot(np.cos(phase).mean(dtype=float), np.sin(phase).mean(dtype=float)))
+
+
+def _overdispersion(acc: Accumulated) -> float:
+    """Variance of a code's count over Poisson's: pixels that stay in their code count K times."""
+    if acc.frames == 1:
+        return 1.0
+    p = acc.values.counts / acc.values.total
+    chance = float(p @ p)
+    same = float(acc.differences.share_below(0.3) - acc.differences.share_below(-0.3))
+    stays = min(max((same - chance) / max(1 - chance, 1e-9), 0.0), 1.0)
+    return 1 + (acc.frames - 1) * stays
+
+
+def _ends(counts: Counted, repeats: float, acc: Accumulated, out: FamilyResult) -> None:
+    n, total = counts.counts, counts.total
+    p = n[n > 0] / total
+    entropy = -float(p @ np.log2(p))
+    spread = float(p @ np.log2(p) ** 2) - entropy**2
+    values = out.values
+    se = math.sqrt(max(spread, 1e-6) / acc.plan.pixels)
+    values["effective_bits"] = Value(max(entropy, 0.0), se)
+    values["lowest_code"] = Value(float(counts.centres[0]), 1.0)
+    values["highest_code"] = Value(float(counts.centres[-1]), 1.0)
+    for name, at in (("clipped_low", 0), ("clipped_high", -1)):
+        values[name] = Value(n[at] / total, math.sqrt(repeats * (n[at] + 1)) / total)
+    if n.size < 3:
+        reason = "fewer than three codes occur"
+        out.missing.update(dict.fromkeys(("low_spike", "high_spike"), reason))
+        return
+    for name, end, next_to in (("low_spike", n[0], n[1]), ("high_spike", n[-1], n[-2])):
+        ratio = (end + 1) / (next_to + 1)
+        # Poisson, with one count more: that the code is the last one seen is itself chance
+        se = math.sqrt(repeats * (1 / (end + 2) + 1 / (next_to + 2)))
+        values[name] = Value(float(ratio), max(se, 0.02))
+
+
+def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:
+    low, high = np.searchsorted(
+        counts.cumulative[1:], counts.total * np.array([(1 - CENTRAL) / 2, (1 + CENTRAL) / 2])
+    )
+    body = counts.counts[low : high + 1].astype(float)
+    names = ("unused_codes", "code_roughness", "code_comb", "code_comb_period", "overused_codes")
+    if body.size < 5:
+        reason = "fewer than five codes make up the body of the histogram"
+        out.missing.update(dict.fromkeys(names, reason))
+        return
+    unused = float(np.sum(body == 0))
+    se = math.sqrt(max(unused, 1.0) * max(1 - unused / body.size, 1 / body.size)) / body.size
+    out.values["unused_codes"] = Value(unused / body.size, se)
+    width = int(min(max(5, 2 * (body.size // 8) + 1), 129))
+    smooth = smoothed(counts.counts.astype(float), width)[low : high + 1]
+    rough = body / smooth - 1
+    noise = repeats / smooth
+    power = float(np.mean(rough**2))
+    spread = math.sqrt(float(np.mean(4 * rough**2 * noise) + 2 * np.mean(noise**2)) / body.size)
+    least = 0.02
+    if power <= 0:
+        out.missing["code_roughness"] = "the histogram of codes is perfectly smooth"
+    else:
+        out.values["code_roughness"] = Value(math.sqrt(power), max(spread / power / 2, least))
+    _comb(rough, noise, out)
+    over = float(np.sum(rough > OVERUSED * np.sqrt(noise)))
+    out.values["overused_codes"] = Value(over, 1.0)
+
+
+def _comb(rough: np.ndarray, noise: np.ndarray, out: FamilyResult) -> None:
+    """Largest amplitude of a period of 2 codes or more in the ratio to the smooth histogram."""
+    n = rough.size
+    amplitude = 2 * np.abs(np.fft.rfft(rough)) / n
+    if n % 2 == 0:
+        amplitude[-1] /= 2
+    best = 2 + int(np.argmax(amplitude[2:])) if amplitude.size > 3 else amplitude.size - 1
+    value = float(amplitude[best])
+    if value <= 0:
+        out.missing["code_comb"] = out.missing["code_comb_period"] = "the histogram has no period"
+        return
+    extreme = 0.64 / (math.log(max(amplitude.size - 2, 2)) + 0.577)  # Gumbel, half for an amplitude
+    direct = math.sqrt(2 * float(noise.mean()) / n) / value
+    out.values["code_comb"] = Value(value, max(min(extreme, direct), 0.02))
+    out.values["code_comb_period"] = Value(n / best, (n / best) ** 2 / n / 2)
+
+
+def smoothed(counts: np.ndarray, width: int) -> np.ndarray:
+    """Cubic Savitzky-Golay smooth on the root scale, where counts have constant variance; > 0."""
+    from scipy.signal import savgol_coeffs
+
+    half = width // 2
+    root = np.pad(np.sqrt(counts + 0.375), half)
+    smooth = np.convolve(root, savgol_coeffs(width, 3), "valid")
+    return np.maximum(smooth**2 - 0.125, 0.5)

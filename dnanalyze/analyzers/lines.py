@@ -1,0 +1,237 @@
+"""Columns and rows: outliers, periods, readout taps, and noise beyond what the pixels explain."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import scipy.ndimage
+from scipy import stats
+
+from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.lines_infos import INFOS
+from dnanalyze.analyzers.spectra_accumulator import Spectra
+from dnanalyze.analyzers.statistics import Value
+
+__all__ = ["INFOS", "finish"]
+
+PERIODS = {"column": (2, 3, 4, 8), "row": (2,)}
+TAPS = (2, 4, 8)
+OUTLIER_SIGMAS = 6.0
+FEWEST = 16  # lines
+_MEDIAN_WINDOW = 15  # lines
+_TREND_WINDOW = 24  # lines: every period above divides it, so that the periods pass the filter unchanged
+_TREND_DEGREE = 3
+_LAGS = 64
+_SLOW_MODES = 3  # lowest frequencies of the line means, which are shading
+_GUMBEL_SD = math.pi / math.sqrt(6)
+
+
+def finish(acc: Accumulated) -> FamilyResult:
+    """Values and curves of the means of columns and rows."""
+    result = FamilyResult()
+    means = {
+        "column": acc.clipped_pattern.mean(axis=0, dtype=float),
+        "row": acc.clipped_pattern.mean(axis=1, dtype=float),
+    }
+    for kind, mean in means.items():
+        mean = mean - mean.mean()
+        result.curves[f"{kind}_mean"] = mean
+        result.curves[f"acf_{kind}s"] = autocorrelation(mean)
+        if mean.size < FEWEST:
+            result.missing[kind] = f"statistics of lines need {FEWEST} {kind}s"
+            continue
+        _outliers(kind, mean, result)
+        flat = detrended(mean)
+        result.values[f"{kind}_kurtosis"] = _kurtosis(flat)
+        for period in PERIODS[kind]:
+            result.values[f"{kind}_periodic_{period}"] = share_of_period(flat, period)
+    if means["column"].size >= FEWEST:
+        for taps in TAPS:
+            result.values[f"column_taps_{taps}"] = share_of_taps(means["column"], taps)
+    _beyond_pixels(acc, result)
+    return result
+
+
+def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
+    apart = np.abs(mean - scipy.ndimage.median_filter(mean, _MEDIAN_WINDOW, mode="reflect"))
+    sigma = 1.4826 * float(np.median(apart))
+    if sigma <= 1e-6 * max(1.0, float(apart.max())) and not apart.any():
+        why = f"all {kind}s are alike"
+        result.missing |= {f"{kind}_outliers": why, f"{kind}_extreme": why}
+        return
+    # where most lines equal their neighbours the spread of the rest is the scale
+    sigma = sigma or float(np.sqrt(np.mean(apart**2)))
+    sigmas = apart / sigma
+    beyond = sigmas[sigmas > OUTLIER_SIGMAS]
+    result.values[f"{kind}_outliers"] = Value(float(beyond.size), 1.0)
+    result.values[f"{kind}_extreme"] = Value(
+        float(sigmas.max()), _extreme_error(mean.size, beyond / OUTLIER_SIGMAS)
+    )
+
+
+def _extreme_error(lines: int, beyond: np.ndarray) -> float:
+    """Standard error of the log of the largest of many deviations.
+
+    Gumbel's law for Gaussian lines; where there are outliers, that of the largest of a Pareto tail with
+    their Hill exponent: another sensor of the type has other defects.
+    """
+    expected = float(stats.norm.isf(0.5 / lines))
+    hazard = float(stats.norm.pdf(expected)) * 2 * lines
+    chance = _GUMBEL_SD / (expected * hazard)
+    if not beyond.size:
+        return chance
+    return max(chance, _GUMBEL_SD * float(np.mean(np.log(beyond))))
+
+
+def detrended(mean: np.ndarray) -> np.ndarray:
+    """Line means less their running mean over 24 lines (half weight at both ends), and without outliers.
+
+    Any pattern of a period that divides 24 has the same running mean everywhere and is kept.
+    """
+    kernel = np.ones(_TREND_WINDOW + 1)
+    kernel[[0, -1]] = 0.5
+    half = _TREND_WINDOW // 2
+    if mean.size > 2 * _TREND_WINDOW:
+        smooth = np.convolve(mean, kernel / kernel.sum(), mode="valid")
+        flat = mean[half:-half] - smooth
+    else:
+        x = np.linspace(-1, 1, mean.size)
+        flat = mean - np.polyval(np.polyfit(x, mean, 1), x)
+    middle = float(np.median(flat))
+    reach = OUTLIER_SIGMAS * 1.4826 * float(np.median(np.abs(flat - middle)))
+    return np.clip(flat, middle - reach, middle + reach) if reach else flat
+
+
+def share_of_period(mean: np.ndarray, period: int) -> Value:
+    """Share of the variance of line means that a pattern of this period explains (adjusted R^2)."""
+    phase = np.arange(mean.size) % period
+    each = np.bincount(phase, mean, period) / np.bincount(phase, minlength=period)
+    return _share(mean - mean.mean(), (each - mean.mean())[phase], period - 1, 1)
+
+
+def share_of_taps(mean: np.ndarray, taps: int) -> Value:
+    """Share that steps between equal contiguous taps explain beyond a cubic trend (adjusted R^2)."""
+    trend, steps = _tap_basis(mean.size, taps)
+    rest = mean - trend @ (trend.T @ mean)
+    return _share(rest, steps @ (steps.T @ rest), steps.shape[1], trend.shape[1])
+
+
+@lru_cache(maxsize=64)
+def _tap_basis(size: int, taps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal bases of the trend, and of the steps less their trend: (size, n)."""
+    x = np.linspace(-1, 1, size)
+    trend, _ = np.linalg.qr(np.vander(x, _TREND_DEGREE + 1))
+    tap = (np.arange(size) * taps // size)[:, None] == np.arange(1, taps)
+    steps = tap - trend @ (trend.T @ tap)
+    basis, weight, _ = np.linalg.svd(steps, full_matrices=False)
+    return trend, basis[:, weight > 1e-6]
+
+
+def _share(total: np.ndarray, explained: np.ndarray, freedom: int, removed: int) -> Value:
+    """Adjusted R^2 and its standard error, for lines that are otherwise independent."""
+    n = total.size - removed
+    all_of_it = float(total @ total)
+    noise = math.sqrt(2.0 * freedom / n) / math.sqrt(n)
+    if all_of_it <= 1e-24 * n:
+        return Value(0.0, noise)
+    raw = float(explained @ explained) / all_of_it
+    share = 1.0 - (1.0 - raw) * n / (n - freedom)
+    inside = min(max(share, 0.0), 1.0)
+    return Value(share, math.sqrt(noise**2 * (1 - inside) ** 2 + 4 * inside * (1 - inside) ** 2 / n + 1e-8))
+
+
+def autocorrelation(mean: np.ndarray) -> np.ndarray:
+    """Autocorrelation of line means at lags 0 to 63."""
+    n = mean.size
+    x = mean - mean.mean()
+    size = min(_LAGS, n)
+    power = np.abs(np.fft.rfft(x, 2 * n)) ** 2
+    covariance = np.fft.irfft(power)[:size] / (n - np.arange(size))
+    return covariance / covariance[0] if covariance[0] > 0 else np.zeros(size)
+
+
+def _kurtosis(x: np.ndarray) -> Value:
+    d = x - x.mean()
+    variance = float(np.mean(d**2))
+    excess = float(np.mean(d**4)) / variance**2 - 3 if variance > 0 else 0.0
+    return Value(excess, math.sqrt(24 / x.size))
+
+
+def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
+    """Line noise against the pixels', and its correlation from line to line, from the spectra."""
+    spectra: Spectra = acc.spectra
+    if not spectra.useful:
+        result.missing["lines"] = "the frame is too small for line noise"
+        return
+    rows, columns = spectra.shape
+    single = _axis_powers(spectra.frame_power())
+    parts = [("", single, 1.0)]
+    if acc.frames > 1:
+        fixed = _image_axis_powers(spectra.sum / spectra.frames)
+        k = acc.frames / (acc.frames - 1.0)
+        temporal = tuple(
+            np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True)
+        )
+        parts.append(("temporal_", temporal, acc.frames - 1.0))
+    for prefix, (by_column, by_row, pixels), repeats in parts:
+        for kind, power, length in (("column", by_column, rows), ("row", by_row, columns)):
+            _line_noise(f"{prefix}{kind}", power, float(pixels), length, repeats, result)
+            if prefix:
+                name = f"temporal_{kind}_lag1"
+                value = _lag_one(power, repeats)
+                if value is None:
+                    result.missing[name] = f"the means of the {kind}s do not change in time"
+                else:
+                    result.values[name] = value
+
+
+def _axis_powers(power: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Power of (u > 0, v = 0), of (u = 0, v > 0), and the mean power off the axes, DN^2."""
+    rows, half = power.shape
+    inner = power[1:, 1:-1].sum() + power[1:, -1].sum() / 2
+    return power[0, 1:], power[1 : rows // 2 + 1, 0], inner / ((rows - 1) * (half - 1.5))
+
+
+def _image_axis_powers(image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`_axis_powers` of an image, by one-dimensional transforms and Parseval's theorem."""
+    rows, columns = image.shape
+    by_column, by_row = image.mean(axis=0), image.mean(axis=1)
+    middle = by_row.mean()
+    on_columns = np.abs(np.fft.rfft(by_column - middle))[1:] ** 2 * (rows / columns)
+    on_rows = np.abs(np.fft.rfft(by_row - middle))[1:] ** 2 * (columns / rows)
+    flat = image.ravel()
+    total = float(np.vdot(flat, flat)) / image.size - middle**2
+    rest = total - by_column.var() - by_row.var()
+    return on_columns, on_rows, rest * image.size / ((rows - 1) * (columns - 1))
+
+
+def _line_noise(
+    name: str, power: np.ndarray, pixels: float, length: int, repeats: float, result: FamilyResult
+) -> None:
+    """Standard deviation of line means over what independent pixels explain, and in DN."""
+    fast = power[_SLOW_MODES:]
+    level = float(fast.mean()) if fast.size else 0.0
+    if not (pixels > 0 and level > 0):
+        result.missing[f"{name}_noise"] = "the frames are constant"
+        return
+    relative = 0.5 / math.sqrt(fast.size * repeats)
+    result.values[f"{name}_noise"] = Value(math.sqrt(level / pixels), relative)
+    result.values[f"{name}_mean_sd"] = Value(math.sqrt(level / length), relative)
+
+
+def _lag_one(power: np.ndarray, repeats: float) -> Value | None:
+    """Correlation of neighbouring line means, from their power spectrum (Wiener and Khinchin)."""
+    modes = power.size
+    lines = 2 * modes
+    weight = np.where(np.arange(1, modes + 1) == modes, 0.5, 1.0)
+    total = float(weight @ power)
+    if not total > 0 or modes < 4:
+        return None
+    cosine = np.cos(np.pi * np.arange(1, modes + 1) / modes)
+    correlation = float((weight * cosine) @ power) / total
+    # the mean over the lines was removed, which takes 1 / (lines - 1) off every correlation
+    value = correlation + (1 + correlation) / (lines - 1) * (1 - abs(correlation))
+    error = math.sqrt(max(1 - value**2, 0.05) / (lines * repeats))
+    return Value(value, error)

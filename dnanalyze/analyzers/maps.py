@@ -1,0 +1,154 @@
+"""What is kept of each pixel over the frames: sums, products, extremes."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+
+from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+
+BATCH = 8  # frames that go over the sums together, to spare memory traffic
+HOT_SIGMAS = 5.0
+BLINK_CUT = 64.0  # squared differences are cut at this many times their scale
+
+
+class PixelMaps:
+    """Per-pixel sums over the frames, and the frame sums that cost nothing beside them.
+
+    Attributes are complete after `flush`. Sums are of the value less ``origin``, float64.
+    ``scalars`` has a row for each frame, see `kernels.add_frames`. ``ends`` holds the first two and
+    the last two frames, for what needs independent pairs.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.frames = 0
+        self.origin = float(round(plan.centre)) if plan.integer else plan.centre
+        self.head: list[np.ndarray] = []
+        self.tail: list[np.ndarray] = []
+        self.scalars = np.empty((0, 6))
+        self._waiting: list[np.ndarray] = []
+        self._last: np.ndarray | None = None
+        self._start = 0
+        self._sums: tuple[np.ndarray, ...] | None = None
+
+    def add(self, view: FrameView) -> None:
+        """Take in the next frame."""
+        if not self.frames:
+            self._start = view.number
+        self.frames += 1
+        if len(self.head) < 2:
+            self.head.append(view.frame)
+        self.tail = [*self.tail[-1:], view.frame]
+        self._waiting.append(view.frame)
+        if len(self._waiting) == BATCH:
+            self.flush()
+
+    def flush(self) -> None:
+        """Bring the sums up to date."""
+        if self._waiting:
+            self._add(self._waiting)
+            self._last = self._waiting[-1]
+            self._waiting = []
+
+    def merge(self, later: Self, seam: FrameView) -> None:
+        """Take in the frames that follow mine."""
+        self.flush()
+        later.flush()
+        mine, last = self._arrays(), self._last
+        assert last is not None
+        before = last.ravel().astype(float) - self.origin
+        here = seam.frame.ravel().astype(float) - self.origin
+        for k in (0, 1, 2, 3, 4):
+            mine[k][:] += later._arrays()[k]
+        mine[2][:] += before * here
+        if seam.number % 2:
+            pairs = mine[3] if seam.number % 4 == 1 else mine[4]
+            pairs += np.minimum((here - before) ** 2, self._blink_limit)
+        high, high_at, low = mine[5:]
+        more = later._arrays()[5] > high
+        high[more] = later._arrays()[5][more]
+        high_at[more] = later._arrays()[6][more]
+        np.minimum(low, later._arrays()[7], out=low)
+        first = later.scalars[0].copy()
+        reach = CLIP * self.plan.sigma
+        c, limit = np.float32(self.plan.centre), np.float32(reach)
+        a = np.clip(last - c, -limit, limit).astype(float)
+        b = np.clip(seam.frame - c, -limit, limit).astype(float)
+        edge = np.float32(self._hot)
+        first[2], first[4], first[5] = np.vdot(a, b), np.sum((last > edge) & (seam.frame > edge)), 0
+        self.scalars = np.concatenate([self.scalars, first[None], later.scalars[1:]])
+        self.head = [*self.head, *later.head][:2]
+        self.tail = [*self.tail, *later.tail][-2:]
+        self.frames += later.frames
+        self._last = later._last
+
+    def frame_scalars(self) -> np.ndarray:
+        """A row for each frame, see `kernels.add_frames`."""
+        self.flush()
+        return self.scalars
+
+    def mean(self) -> np.ndarray:
+        """Mean over the frames, DN, float32."""
+        if self.frames == 1:
+            return self.head[0]
+        return self._map(self._arrays()[0] / self.frames + self.origin)
+
+    def variance(self) -> np.ndarray:
+        """Unbiased variance over the frames, DN^2, float32."""
+        total, square = self._arrays()[:2]
+        k = self.frames
+        return self._map(np.maximum(square - total * total / k, 0.0) / (k - 1))
+
+    def lag_one(self) -> np.ndarray:
+        """Autocovariance at one frame about the pixel's mean, times the frames, DN^2, float32."""
+        total, _, lag = self._arrays()[:3]
+        mean = total / self.frames
+        ends = self.head[0].ravel().astype(float) + self.tail[-1].ravel() - 2 * self.origin
+        return self._map(lag - mean * (2 * total - ends) + (self.frames - 1) * mean * mean)
+
+    def extremes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Largest value of each pixel, DN, the frame that holds it, and the smallest value."""
+        high, high_at, low = self._arrays()[5:]
+        return self._map(high), high_at.reshape(self.plan.shape), self._map(low)
+
+    def pair_squares(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sums of cut squared differences over two disjoint sets of frame pairs, DN^2, float32."""
+        return self._map(self._arrays()[3]), self._map(self._arrays()[4])
+
+    @property
+    def _blink_limit(self) -> float:
+        return BLINK_CUT * 2.0 * self.plan.difference_sigma**2
+
+    @property
+    def _hot(self) -> float:
+        return self.plan.centre + HOT_SIGMAS * self.plan.sigma
+
+    def _map(self, flat: np.ndarray) -> np.ndarray:
+        return flat.astype(np.float32, copy=False).reshape(self.plan.shape)
+
+    def _arrays(self) -> tuple[np.ndarray, ...]:
+        self.flush()
+        assert self._sums is not None
+        return self._sums
+
+    def _add(self, frames: list[np.ndarray]) -> None:
+        from dnanalyze.analyzers import kernels
+
+        n = self.plan.pixels
+        if self._sums is None:
+            sums = [np.zeros(n) for _ in range(5)]
+            extremes = [np.full(n, -np.inf, np.float32), np.zeros(n, np.int32)]
+            self._sums = (*sums, *extremes, np.full(n, np.inf, np.float32))
+        flat = [f.ravel() for f in frames]
+        scalars = np.zeros((len(flat), 6))
+        scalars[0, 5] = self._last is None
+        before = flat[0] if self._last is None else self._last.ravel()
+        done = len(self.scalars)
+        kernels.add_frames(
+            tuple(flat + flat[:1] * (BATCH - len(flat))), len(flat), self._start + done, before,
+            self.origin, self.plan.centre, CLIP * self.plan.sigma, self._blink_limit, self._hot,
+            *self._sums, scalars,
+        )  # fmt: skip
+        self.scalars = np.concatenate([self.scalars, scalars])

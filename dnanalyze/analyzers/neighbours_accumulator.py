@@ -1,0 +1,103 @@
+"""Sums over pixels and their neighbours: ranks, peaks, covariances, local variances, by block."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+
+from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+
+EXCESS_SIGMAS = (4.0, 8.0, 16.0)
+TAIL_CLIP = 8.0  # temporal sigmas at which local variances and Haar coefficients are cut
+_TOP_SHARE = 0.01
+_SAMPLE = 65536  # pixels from which the level of the top 1 % is taken
+
+
+class Neighbours:
+    """Block sums over the frames y and over their differences D; see `neighbour_kernels`.
+
+    Attributes are (row bands, column bands, sums), float64: ``peaks`` of y; ``ranks``, ``lags`` and
+    ``tiles`` of D.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        from dnanalyze.analyzers import neighbour_kernels as kernels
+
+        grid = plan.row_edges.size - 1, plan.column_edges.size - 1
+        self.plan = plan
+        self.frames = 0
+        self.differences = 0
+        self.peaks = np.zeros((*grid, kernels.PEAK_SUMS))
+        self.ranks = np.zeros((*grid, kernels.RANK_SUMS))
+        self.lags = np.zeros((*grid, len(kernels.LAGS)))
+        self.tiles = np.zeros((*grid, kernels.TILE_SUMS))
+
+    def add(self, view: FrameView) -> None:
+        """Take in the next frame, and its difference to the one before."""
+        from dnanalyze.analyzers import neighbour_kernels as kernels
+
+        plan = self.plan
+        leads = np.array(EXCESS_SIGMAS) * plan.difference_sigma
+        kernels.peak_sums(
+            view.frame, top_level(view.frame), leads, plan.row_edges, plan.column_edges, self.peaks
+        )
+        self.frames += 1
+        if view.difference is not None:
+            self._add_difference(view.difference)
+
+    def merge(self, later: Self, seam: FrameView) -> None:
+        """Take in the frames that follow mine."""
+        assert seam.difference is not None
+        self._add_difference(seam.difference)
+        self.frames += later.frames
+        self.differences += later.differences
+        for name in ("peaks", "ranks", "lags", "tiles"):
+            mine: np.ndarray = getattr(self, name)
+            mine += getattr(later, name)
+
+    def _add_difference(self, difference: np.ndarray) -> None:
+        from dnanalyze.analyzers import neighbour_kernels as kernels
+
+        plan = self.plan
+        edges = plan.row_edges, plan.column_edges
+        self.differences += 1
+        kernels.rank_sums(difference, *edges, self.ranks)
+        self.lags += lag_products(plan, difference, CLIP * plan.difference_sigma)
+        kernels.tile_sums(
+            difference, TAIL_CLIP * plan.difference_sigma, band_of(edges[0]), band_of(edges[1]),
+            self.tiles,
+        )  # fmt: skip
+
+
+def lag_products(plan: Plan, image: np.ndarray, reach: float) -> np.ndarray:
+    """Block sums of the products at `neighbour_kernels.LAGS`; row and column means are removed first."""
+    from dnanalyze.analyzers import neighbour_kernels as kernels
+
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, len(kernels.LAGS)))
+    by_row, by_column = kernels.line_means(image, reach)
+    kernels.lag_sums(image, reach, by_row, by_column, plan.row_edges, plan.column_edges, out)
+    return out
+
+
+def rank_shares(plan: Plan, image: np.ndarray) -> np.ndarray:
+    """Block sums of the shares in being highest and lowest of 9, of one image."""
+    from dnanalyze.analyzers import neighbour_kernels as kernels
+
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, kernels.RANK_SUMS))
+    kernels.rank_sums(image, plan.row_edges, plan.column_edges, out)
+    return out
+
+
+def top_level(frame: np.ndarray) -> float:
+    """Level from which the top 1 % of a frame begin, from an even sample of its pixels, DN."""
+    step = max(1, int(np.sqrt(frame.size / _SAMPLE)))
+    step += 1 - step % 2  # an odd step meets all phases of a two-column or colour pattern
+    sample = frame[::step, ::step].ravel()
+    at = min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))
+    return float(np.partition(sample, at)[at])
+
+
+def band_of(edges: np.ndarray) -> np.ndarray:
+    """Number of the band in which each line lies, int64."""
+    return np.repeat(np.arange(edges.size - 1), np.diff(edges))

@@ -1,0 +1,144 @@
+"""Shading: the low orders of the fixed pattern over the field, as cosine coefficients of block means."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy.fft
+
+from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
+
+GRID = 16  # blocks along each side, at most
+SMALLEST_BLOCK = 8  # pixels
+ORDERS = 4  # coefficients of lower orders are told one by one
+MID = (4, 8)  # orders, half open
+HIGH = 8  # orders from here on
+_RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
+
+
+def _infos() -> tuple[StatisticInfo, ...]:
+    out = []
+    for i in range(ORDERS):
+        for j in range(ORDERS):
+            if i or j:
+                what = f"shading of order {i} across, {j} down"
+                out.append(
+                    StatisticInfo(
+                        f"shading_{i}_{j}", "shading", "DN", what,
+                        high="the fixed pattern is shaded over the field otherwise than in the model: "
+                        "glow, a thermal gradient, or a readout ramp",
+                        low="the fixed pattern is shaded over the field otherwise than in the model: "
+                        "glow, a thermal gradient, or a readout ramp",
+                    )  # fmt: skip
+                )
+    for name, orders in (("mid", "4 to 7"), ("high", "8 to 15")):
+        out.append(
+            StatisticInfo(
+                f"shading_{name}", "shading", "DN^2", f"mean square of shading of orders {orders}",
+                Scale.LOG,
+                high="the fixed pattern is more uneven over the field than in the model, {ratio} times "
+                "in power: a low-frequency pattern is missing",
+                low="the fixed pattern is more even over the field than in the model",
+            )  # fmt: skip
+        )
+    return tuple(out)
+
+
+INFOS = _infos()
+
+
+def finish(acc: Accumulated) -> FamilyResult:
+    """Cosine coefficients of the winsorised pattern; of the frame itself where there is one."""
+    image = acc.clipped_pattern
+    shape = tuple(min(GRID, n // SMALLEST_BLOCK) for n in image.shape)
+    if min(shape) < 2:
+        why = f"needs two blocks of {SMALLEST_BLOCK} pixels along each side"
+        return FamilyResult(missing={"shading": why})
+    means = block_means(image, (shape[0], shape[1]))
+    coefficients = scipy.fft.dctn(means, norm="ortho").T / math.sqrt(means.size)
+    result = FamilyResult(curves={"block_means": means + acc.pattern_centre})
+    square = coefficients**2
+    order = np.maximum(*np.indices(square.shape))
+    noise = _noise(image, square, order)
+    for i in range(ORDERS):
+        for j in range(ORDERS):
+            name = f"shading_{i}_{j}"
+            if i >= square.shape[0] or j >= square.shape[1]:
+                result.missing[name] = "the frame has too few blocks for this order"
+            elif i or j:
+                variance = noise[_kind(i, j)]
+                result.values[name] = Value(float(coefficients[i, j]), math.sqrt(variance))
+    for name, inside in (
+        ("shading_mid", (order >= MID[0]) & (order < MID[1])),
+        ("shading_high", order >= HIGH),
+    ):
+        mean = float(square[inside].mean()) if inside.any() else 0.0
+        if mean > 0:
+            result.values[name] = Value(mean, _relative_error(square, inside))
+        else:
+            result.missing[name] = "the frame has too few blocks for these orders, or no pattern"
+    return result
+
+
+def block_means(image: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
+    """Means over a grid of nearly equal blocks, float64, of shape ``grid``."""
+    edges = [np.arange(n + 1) * size // n for n, size in zip(grid, image.shape, strict=True)]
+    by_row = np.add.reduceat(image, edges[0][:-1], axis=0, dtype=float)
+    sums = np.add.reduceat(by_row, edges[1][:-1], axis=1)
+    sizes = np.diff(edges[0])[:, None] * np.diff(edges[1])
+    return np.asarray(sums / sizes)
+
+
+def _kind(i: int, j: int) -> int:
+    """0: varies across only, 1: down only, 2: both. Column and row offsets add to the first two."""
+    return 0 if j == 0 else 1 if i == 0 else 2
+
+
+def _groups(shape: tuple[int, int]) -> np.ndarray:
+    i, j = np.indices(shape)
+    return np.where(j == 0, 0, np.where(i == 0, 1, 2))
+
+
+def _noise(image: np.ndarray, square: np.ndarray, order: np.ndarray) -> list[float]:
+    """Variance of a low-order coefficient of each kind, DN^2.
+
+    White pixels and white lines give every order alike. What the middle orders have beyond that is a random
+    low-frequency field, which has more of it in the low orders.
+    """
+    pixel = float(image.var(dtype=float)) / image.size
+    white = [_line_variance(image.mean(axis=a)) / image.shape[1 - a] for a in (0, 1)] + [pixel]
+    kinds, middle = _groups((square.shape[0], square.shape[1])), (order >= MID[0]) & (order < MID[1])
+    out = []
+    for kind, level in enumerate(white):
+        level = max(level, pixel)
+        inside = square[middle & (kinds == kind)]
+        excess = 0.0
+        if inside.size:
+            chance = level * (1 + 2 * math.sqrt(2 / inside.size))
+            if inside.mean() > chance:
+                excess = float(inside.mean()) - level
+        out.append(max(level + _RED * excess, np.finfo(float).tiny))
+    return out
+
+
+def _line_variance(means: np.ndarray) -> float:
+    """Variance of line means without their slow trend, from second differences, DN^2."""
+    if means.size < 4:
+        return 0.0
+    second = means[2:] - 2 * means[1:-1] + means[:-2]
+    return float(np.mean(second.astype(float) ** 2)) / 6
+
+
+def _relative_error(square: np.ndarray, inside: np.ndarray) -> float:
+    """Relative standard error of a mean of squares of Gaussian coefficients, alike within a kind."""
+    kinds = _groups((square.shape[0], square.shape[1]))[inside]
+    values = square[inside]
+    total = variance = 0.0
+    for kind in range(3):
+        members = values[kinds == kind]
+        if members.size:
+            total += float(members.sum())
+            variance += 2.0 * members.size * float(members.mean()) ** 2
+    return math.sqrt(variance) / total

@@ -1,0 +1,75 @@
+"""Sums of the frames' Fourier powers: the spectra of single frames and of the temporal noise."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numba
+import numpy as np
+import scipy.fft
+
+from dnanalyze.analyzers.plan import FrameView, Plan
+from dnanalyze.analyzers.spectral_modes import SMALLEST_SIDE, good_size, power_of
+
+
+class Spectra:
+    """Sum over frames of |FFT|^2 of the winsorised frames, and the sum of these frames.
+
+    The second is needed to take the fixed pattern out of the first:
+    temporal power = (mean_n |Y_n|^2 - |mean_n Y_n|^2) K / (K - 1).
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self.shape = good_size(plan.shape[0]), good_size(plan.shape[1])
+        self.useful = min(self.shape) >= SMALLEST_SIDE
+        self.frames = 0
+        rows, columns = self.shape if self.useful else (0, 0)
+        self.power_sum = np.zeros((rows, columns // 2 + 1))  # DN^2
+        self.sum = np.zeros((rows, columns))  # DN, of the winsorised frames
+
+    def add(self, view: FrameView) -> None:
+        """Take in the next frame."""
+        self.frames += 1
+        if not self.useful:
+            return
+        rows, columns = self.shape
+        clipped = view.clipped[:rows, :columns]
+        transform = scipy.fft.rfft2(clipped, workers=1)
+        _add_power(self.power_sum, transform, 1.0 / (rows * columns))
+        _add(self.sum, clipped)
+
+    def merge(self, later: Self, seam: FrameView) -> None:
+        """Take in the frames that follow mine."""
+        self.frames += later.frames
+        self.power_sum += later.power_sum
+        self.sum += later.sum
+
+    def frame_power(self) -> np.ndarray:
+        """Mean power of the single frames, DN^2; (rows, columns // 2 + 1)."""
+        return self.power_sum / self.frames
+
+    def temporal_power(self) -> np.ndarray | None:
+        """Power of the temporal noise, DN^2, same shape; None for one frame."""
+        if self.frames < 2:
+            return None
+        power = self.frame_power()
+        power -= power_of(self.sum / self.frames)
+        power *= self.frames / (self.frames - 1)
+        return np.maximum(power, 0.0, out=power)
+
+
+@numba.njit(cache=True, nogil=True)
+def _add_power(total, transform, scale):  # type: ignore[no-untyped-def]
+    """total += |transform|^2 scale; the mean's mode is left out."""
+    transform[0, 0] = 0
+    for i in range(total.shape[0]):
+        for k in range(total.shape[1]):
+            y = transform[i, k]
+            total[i, k] += (y.real * y.real + y.imag * y.imag) * scale
+
+
+@numba.njit(cache=True, nogil=True)
+def _add(total, image):  # type: ignore[no-untyped-def]
+    for i in range(total.shape[0]):
+        for j in range(total.shape[1]):
+            total[i, j] += image[i, j]

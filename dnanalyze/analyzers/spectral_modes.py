@@ -1,0 +1,217 @@
+"""Geometry of a frame's Fourier modes: usable size, radial bins, bands; and power by mode.
+
+Powers are normalised so that white noise of variance s^2 has power s^2 (DN^2) in every mode.
+u is the horizontal, v the vertical frequency, cycles/pixel; the half plane u >= 0 is stored, (v, u).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numba
+import numpy as np
+import scipy.fft
+
+RADIAL_BANDS = (0.0, 0.01, 0.02, 0.04, 0.08, 0.16, 0.25, 0.35, 0.5, 0.71)
+STRUCTURE_BANDS = (0.0, 0.02, 0.1, 0.3, 0.5)  # on the axes
+PROFILE_BANDS = (0.0, 0.03, 0.1, 0.3, 0.5)  # along one direction, averaged over the other
+FIRST_MODES = 3  # lowest frequencies, kept apart in the profiles
+SLOPE_BANDS = {"low": (0.005, 0.05), "mid": (0.05, 0.2), "high": (0.2, 0.5)}
+HIGH_BAND = (0.45, 0.71)  # of the high-to-mid ratio
+MID_BAND = (0.03, 0.12)
+SMALLEST_SIDE = 8  # pixels; below this a spectrum says nothing
+_RADIAL_STEP = 1.08  # ratio of successive edges of the fine radial bins
+
+
+def good_size(size: int) -> int:
+    """Largest even number up to ``size`` whose prime factors are 2, 3, 5, 7 or 11: a fast FFT."""
+    good = size - size % 2
+    while good > 2 and scipy.fft.next_fast_len(good, real=False) != good:
+        good -= 2
+    return good
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The modes of a frame of one shape.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns) after the crop to fast sizes.
+    edges : ndarray
+        Fine radial bins, cycles/pixel; every band edge is among them.
+    index : ndarray of uint8
+        Fine radial bin of each mode, (rows, columns // 2 + 1); 255 on the axes u = 0 and v = 0.
+    count : ndarray
+        Independent off-axis modes of each bin; one and its conjugate count once.
+    rho : ndarray
+        Mean radial frequency of each bin, cycles/pixel; NaN in an empty bin.
+    axis_bin : tuple of ndarray
+        Fine radial bin of the modes (u > 0, v = 0), and of (u = 0, v > 0).
+    """
+
+    shape: tuple[int, int]
+    edges: np.ndarray
+    index: np.ndarray
+    count: np.ndarray
+    rho: np.ndarray
+    axis_bin: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def pixels(self) -> int:
+        """Pixels of the cropped frame."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def u(self) -> np.ndarray:
+        """Horizontal frequencies above 0, cycles/pixel."""
+        return np.arange(1, self.shape[1] // 2 + 1) / self.shape[1]
+
+    @property
+    def v(self) -> np.ndarray:
+        """Vertical frequencies above 0, cycles/pixel."""
+        return np.arange(1, self.shape[0] // 2 + 1) / self.shape[0]
+
+    def bins(self, low: float, high: float) -> slice:
+        """The fine bins from ``low`` to ``high``, both among the edges."""
+        first, last = np.searchsorted(self.edges, (low - 1e-9, high - 1e-9))
+        return slice(int(first), int(last))
+
+
+@lru_cache(maxsize=16)
+def modes_of(shape: tuple[int, int]) -> Modes:
+    """Modes of frames of this shape; both sides must have 8 pixels or more."""
+    rows, columns = good_size(shape[0]), good_size(shape[1])
+    v = np.abs(np.fft.fftfreq(rows)).astype(np.float32)[:, None]
+    u = np.fft.rfftfreq(columns).astype(np.float32)[None, :]
+    rho = np.sqrt(u * u + v * v)
+    edges = _fine_edges(max(rows, columns))
+    index = (np.searchsorted(edges, rho.ravel() + 1e-7, side="right") - 1).astype(np.uint8)
+    index = index.reshape(rho.shape)
+    weight = np.ones_like(rho)
+    weight[:, -1] = 0.5  # both v and -v stand in this column
+    axis_bin = (index[0, 1:].copy(), index[1 : rows // 2 + 1, 0].copy())
+    index[0, :] = 255
+    index[:, 0] = 255
+    size = edges.size - 1
+    count = np.bincount(index.ravel(), weight.ravel(), minlength=256)[:size]
+    total = np.bincount(index.ravel(), (weight * rho).ravel(), minlength=256)[:size]
+    mean = np.divide(total, count, out=np.full(size, np.nan), where=count > 0)
+    for array in (index, edges, count, mean, *axis_bin):
+        array.setflags(write=False)
+    return Modes((rows, columns), edges, index, count, mean, axis_bin)
+
+
+def _fine_edges(side: int) -> np.ndarray:
+    """Edges in steps of 8 %, but no finer than the modes; the edges of all bands are among them."""
+    fixed = {*RADIAL_BANDS, *HIGH_BAND, *MID_BAND, *(e for b in SLOPE_BANDS.values() for e in b)}
+    edges = [0.0]
+    while edges[-1] < RADIAL_BANDS[-1]:
+        edges.append(max(edges[-1] + 1.0 / side, edges[-1] * _RADIAL_STEP))
+    kept = [e for e in edges if min(abs(e - f) for f in fixed) > 0.4 / side and e < RADIAL_BANDS[-1]]
+    return np.array(sorted(fixed | set(kept)))
+
+
+def power_of(image: np.ndarray, workers: int = 1) -> np.ndarray:
+    """Power of each mode of an image, its mean removed.
+
+    Parameters
+    ----------
+    image : ndarray
+        (rows, columns), DN; cropped at the far edges to a fast size.
+
+    Returns
+    -------
+    ndarray of float32
+        (rows, columns // 2 + 1), DN^2, of the cropped shape.
+    """
+    rows, columns = good_size(image.shape[0]), good_size(image.shape[1])
+    image = np.asarray(image[:rows, :columns], np.float32)
+    transform = scipy.fft.rfft2(image, workers=workers)
+    transform[0, 0] = 0
+    power = transform.real**2
+    power += transform.imag**2
+    power *= np.float32(1.0 / (rows * columns))
+    return power
+
+
+@dataclass(frozen=True)
+class ReducedPower:
+    """A 2-D power spectrum reduced to what the statistics need.
+
+    Parameters
+    ----------
+    modes : Modes
+    radial : ndarray
+        Sum over the off-axis modes of each fine radial bin, each independent mode once, DN^2.
+    columns : ndarray
+        Power of (u > 0, v = 0): what whole columns share, DN^2.
+    rows : ndarray
+        Power of (u = 0, v > 0): what whole rows share, DN^2.
+    horizontal : ndarray
+        Mean over v != 0 at each u > 0, DN^2.
+    vertical : ndarray
+        Mean over u != 0 at each v > 0, DN^2.
+    """
+
+    modes: Modes
+    radial: np.ndarray
+    columns: np.ndarray
+    rows: np.ndarray
+    horizontal: np.ndarray
+    vertical: np.ndarray
+
+    def radial_mean(self) -> np.ndarray:
+        """Mean off-axis power of each fine bin, DN^2; NaN where a bin is empty."""
+        n = self.modes.count
+        return np.divide(self.radial, n, out=np.full(n.size, np.nan), where=n > 0)
+
+    def radial_mean_full(self) -> np.ndarray:
+        """As ``radial_mean`` with the modes of the two axes."""
+        total, n = self.radial.copy(), self.modes.count.copy()
+        for where, power in zip(self.modes.axis_bin, (self.columns, self.rows), strict=True):
+            total += np.bincount(where, power, minlength=n.size)
+            n += np.bincount(where, minlength=n.size)
+        return np.divide(total, n, out=np.full(n.size, np.nan), where=n > 0)
+
+
+def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
+    """Reduce a 2-D power spectrum, (rows, columns // 2 + 1), DN^2."""
+    rows, columns = modes.shape
+    radial, by_u, by_v = _reduce(power, modes.index)
+    half = rows // 2
+    vertical = by_v[1 : half + 1].copy()
+    vertical[:-1] += by_v[: half : -1]
+    n = np.full(half, columns - 1.0)
+    n[-1] /= 2
+    return ReducedPower(
+        modes,
+        radial[: modes.edges.size - 1],
+        np.asarray(power[0, 1:], float),
+        np.asarray(power[1 : half + 1, 0], float),
+        by_u[1:] / (rows - 1),
+        vertical / n,
+    )
+
+
+@numba.njit(cache=True, nogil=True)
+def _reduce(power, index):  # type: ignore[no-untyped-def]
+    """Sums over radial bins, over v != 0 at each u, over u != 0 at each v (the last u half)."""
+    rows, half = power.shape
+    radial = np.zeros(256)
+    by_u = np.zeros(half)
+    by_v = np.zeros(rows)
+    for i in range(1, rows):
+        total = 0.0
+        for k in range(1, half - 1):
+            p = power[i, k]
+            radial[index[i, k]] += p
+            by_u[k] += p
+            total += p
+        p = power[i, half - 1]
+        radial[index[i, half - 1]] += 0.5 * p
+        by_u[half - 1] += p
+        by_v[i] = total + 0.5 * p
+    return radial, by_u, by_v

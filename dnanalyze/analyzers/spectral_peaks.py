@@ -1,0 +1,163 @@
+"""Single modes above the local floor: interference lines and the Nyquist modes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+from scipy import special, stats
+
+LOWEST_LINE = 0.02  # cycles/pixel; below it shading is steeper than any local floor
+_REACH = 16  # modes on either side, along v, that make the floor
+_GUARD = 2  # modes on either side that a line itself may reach
+_GUMBEL_SD = math.pi / math.sqrt(6)
+_NYQUIST_NEIGHBOURS = 16
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The mode that stands highest above the mean of the modes around it.
+
+    Parameters
+    ----------
+    ratio : float
+        Its power over that mean.
+    log_error : float
+        Standard error of ln(ratio).
+    u, v : float
+        Frequency, cycles/pixel; v is signed.
+    amplitude : float
+        Amplitude of the sine wave that makes such a line, DN.
+    """
+
+    ratio: float
+    log_error: float
+    u: float
+    v: float
+    amplitude: float
+
+
+def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> Peak | None:
+    """The largest off-axis mode over its floor (cell averaging, as in radar's CA-CFAR detectors).
+
+    The floor is the mean of 3 x 32 modes next to it in u and around it in v, without the nearest.
+
+    Parameters
+    ----------
+    power : ndarray
+        (rows, columns // 2 + 1), DN^2.
+    shape : tuple of int
+        (rows, columns) of the image.
+    repeats : float
+        Independent spectra that were averaged.
+
+    Returns
+    -------
+    Peak or None
+        None where the frame is too small or has no power.
+    """
+    rows, columns = shape
+    reach = min(_REACH, rows // 4)
+    if reach <= _GUARD + 1 or columns < 8:
+        return None
+    ratio, i, k, floor, searched = _search(power, columns, reach, _GUARD, LOWEST_LINE)
+    if not ratio > 0 or searched < 16:
+        return None
+    peak = float(power[i, k])
+    amplitude = 2.0 * math.sqrt(max(peak - floor, 0.0) / (rows * columns))
+    v = (i if i <= rows // 2 else i - rows) / rows
+    cells = 6.0 * (reach - _GUARD)
+    return Peak(ratio, _peak_error(ratio, searched, repeats, cells), k / columns, v, amplitude)
+
+
+def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> float:
+    """Standard error of the log of the largest of many ratios: Gumbel's law, or a real line's own.
+
+    A ratio of mean powers follows Fisher's F law. A real line of power L above a floor S has the
+    variance (S^2 + 2 L S) / repeats.
+    """
+    law = stats.f(2 * repeats, 2 * repeats * cells)
+    expected = law.isf(1.0 / searched)
+    hazard = law.pdf(expected) * searched
+    chance = _GUMBEL_SD / (expected * hazard)
+    if ratio < law.isf(1e-3 / searched):
+        return float(chance)
+    return float(max(chance, math.sqrt((2 * ratio - 1) / repeats) / ratio))
+
+
+@numba.njit(cache=True, nogil=True)
+def _search(power, columns, reach, guard, lowest):  # type: ignore[no-untyped-def]
+    """Largest ratio, its row, column and floor, and the number of modes searched."""
+    rows, half = power.shape
+    cells = np.zeros(half)
+    for d in range(-reach, reach + 1):
+        if d != 0 and abs(d) > guard:
+            for k in range(half):
+                cells[k] += power[d % rows, k]
+    best, best_i, best_k, best_floor, searched = 0.0, 0, 0, 0.0, 0
+    for i in range(1, rows):
+        inside = 2 * (reach - guard)
+        # the window moves down by one row
+        for k in range(half):
+            cells[k] += power[(i + reach) % rows, k] - power[(i - 1 - reach) % rows, k]
+            cells[k] += power[(i - 1 - guard) % rows, k] - power[(i + guard) % rows, k]
+        near = min(i, rows - i)
+        masked = guard < near <= reach  # the axis v = 0 lies in the window
+        v = near / rows
+        first = 1
+        if v < lowest:
+            first = max(1, int(math.ceil(math.sqrt(lowest * lowest - v * v) * columns)))
+        for k in range(first, half):
+            low, high = max(1, k - 1), min(half - 1, k + 1)
+            total = 0.0
+            for m in range(low, high + 1):
+                total += cells[m]
+                if masked:
+                    total -= power[0, m]
+            floor = total / ((high - low + 1) * (inside - (1 if masked else 0)))
+            searched += 1
+            if power[i, k] > best * floor and floor > 0:
+                best, best_i, best_k, best_floor = power[i, k] / floor, i, k, floor
+    return best, best_i, best_k, best_floor, searched
+
+
+def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
+    """Power at (1/2, 0), (0, 1/2), (1/2, 1/2) over its neighbours: value and error of its log.
+
+    Parameters
+    ----------
+    power, shape
+        As in `largest_peak`.
+
+    Returns
+    -------
+    dict
+        "10", "01", "11" (odd/even columns, rows, checkerboard); absent where there is no power.
+    """
+    rows, columns = shape
+    middle, last = rows // 2, columns // 2
+    n = max(1, min(_NYQUIST_NEIGHBOURS, last // 4, middle // 4))
+    corner = power[middle - n : middle + n + 1, last - n : last]
+    floors = {
+        "10": (power[0, last], power[0, last - n : last]),
+        "01": (power[middle, 0], power[middle - n : middle, 0]),
+        "11": (power[middle, last], np.delete(corner, n, axis=0)),
+    }
+    out = {}
+    for name, (peak, around) in floors.items():
+        floor = float(np.mean(around))
+        if peak > 0 and floor > 0:
+            ratio = float(peak) / floor
+            out[name] = ratio, math.sqrt(_real_mode_variance(ratio) + 1.0 / np.size(around))
+    return out
+
+
+def _real_mode_variance(ratio: float) -> float:
+    """Variance of the log of a mode that is its own conjugate: chi-square with one degree.
+
+    Where the mode stands far above the floor it is a fixed offset a with noise e: (a + e)^2.
+    """
+    chance = float(special.polygamma(1, 0.5))
+    return chance if ratio < 8 else min(chance, 4.0 / ratio)

@@ -1,0 +1,306 @@
+"""Spectra of the single frame, of the fixed pattern and of the temporal noise.
+
+The off-axis modes are averaged over bands of the radial frequency rho; the modes on the axes, which whole
+columns or whole rows share, stand apart. Column and row offsets alone make a radial 1/rho that vanishes
+off the axes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.plan import CLIP
+from dnanalyze.analyzers.spectral_modes import (
+    FIRST_MODES,
+    HIGH_BAND,
+    MID_BAND,
+    PROFILE_BANDS,
+    RADIAL_BANDS,
+    SLOPE_BANDS,
+    SMALLEST_SIDE,
+    STRUCTURE_BANDS,
+    ReducedPower,
+    modes_of,
+    power_of,
+    reduce_power,
+)
+from dnanalyze.analyzers.spectral_peaks import largest_peak, nyquist_ratios
+from dnanalyze.analyzers.spectrum_infos import INFOS, band_names, profile_names
+from dnanalyze.analyzers.statistics import Value
+
+__all__ = ["INFOS", "finish"]
+
+_PICTURE = 128  # largest side of the 2-D spectra kept for figures
+_CORNER_RISE = 2.0  # the corner frequency is where the power is this many times the white floor
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One of the three spectra: power by mode, independent repeats, and what white theory leaves out.
+
+    ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy tails
+    move all modes together. ``line_spread`` is the same of the means of columns, and of rows.
+    """
+
+    name: str
+    power: np.ndarray
+    reduced: ReducedPower
+    repeats: float
+    spread: float
+    line_spread: tuple[float, float] = (0.0, 0.0)
+
+
+def finish(acc: Accumulated) -> FamilyResult:
+    """Values and curves of the spectra of one setting."""
+    if not acc.spectra.useful:
+        why = f"a spectrum needs {SMALLEST_SIDE} pixels along each side"
+        return FamilyResult(missing={"spectrum": why})
+    result = FamilyResult()
+    if acc.frames < 2:
+        result.missing["spectrum"] = (
+            "one frame does not tell the fixed pattern from the temporal noise: only frame_ spectra"
+        )
+    for part in _parts(acc):
+        _bands(part, result)
+        if part.name != "frame":
+            _structure(part, result)
+            _profiles(part, result)
+            _peaks(part, result)
+        _shape(part, result)
+        _curves(part, result)
+    return result
+
+
+def _parts(acc: Accumulated) -> list[_Part]:
+    modes = modes_of(acc.plan.shape)
+    power = acc.spectra.frame_power()
+    pattern_spread = _excess(acc.clipped_pattern)
+    parts = [_Part("frame", power, reduce_power(power, modes), 1.0, pattern_spread)]
+    temporal = acc.spectra.temporal_power()
+    if temporal is not None:
+        power = power_of(acc.clipped_pattern)
+        lines = _excess(acc.clipped_pattern.mean(axis=0)), _excess(acc.clipped_pattern.mean(axis=1))
+        reduced = reduce_power(power, modes)
+        parts.append(_Part("pattern", power, reduced, 1.0, pattern_spread, lines))
+        spread = _temporal_spread(acc)
+        reduced = reduce_power(temporal, modes)
+        parts.append(_Part("temporal", temporal, reduced, acc.frames - 1.0, spread))
+    return parts
+
+
+def _excess(image: np.ndarray) -> float:
+    """Excess kurtosis over the number of pixels, not below 0."""
+    x = image.ravel()
+    x = x - x.mean()
+    x *= x
+    second = float(x.mean(dtype=float))
+    if second == 0:
+        return 0.0
+    return max(0.0, float(np.vdot(x, x)) / x.size / second**2 - 3.0) / x.size
+
+
+def _temporal_spread(acc: Accumulated) -> float:
+    """Relative variance of the mean temporal variance beyond that of equal Gaussian pixels."""
+    variance = acc.temporal_variance
+    assert variance is not None
+    inside = np.abs(acc.clipped_pattern) < CLIP * acc.pattern_sigma
+    seen = np.where(inside, np.minimum(variance, np.float32((CLIP * acc.plan.sigma) ** 2)), 0)
+    mean = float(seen.mean(dtype=float))
+    if mean == 0:
+        return 0.0
+    relative = float(seen.var(dtype=float)) / mean**2
+    return max(0.0, relative - 2.0 / (acc.frames - 1)) / seen.size
+
+
+def _log_value(power: float, modes: float, spread: float) -> Value:
+    """A mean over independent exponential modes, and the standard error of its log."""
+    return Value(power, math.sqrt(float(special.polygamma(1, modes)) + spread))
+
+
+def _bands(part: _Part, result: FamilyResult) -> None:
+    modes = part.reduced.modes
+    for label, low, high in band_names(RADIAL_BANDS):
+        where = modes.bins(low, high)
+        n, name = float(modes.count[where].sum()), f"{part.name}_psd_{label}"
+        if n < 1:
+            result.missing[name] = "the frame is too small for a mode in this band"
+            continue
+        mean = float(part.reduced.radial[where].sum()) / n
+        if mean > 0:
+            result.values[name] = _log_value(mean, n * part.repeats, part.spread)
+        else:
+            result.missing[name] = "there is no power in this band"
+
+
+def _structure(part: _Part, result: FamilyResult) -> None:
+    """Bands along the two axes: what whole columns, and whole rows, share."""
+    modes = part.reduced.modes
+    for kind, f, power, spread in (
+        ("columns", modes.u, part.reduced.columns, part.line_spread[0]),
+        ("rows", modes.v, part.reduced.rows, part.line_spread[1]),
+    ):
+        for label, low, high in band_names(STRUCTURE_BANDS):
+            name = f"{part.name}_{kind}_{label}"
+            inside = (f > low) & (f <= high)
+            weight = np.where(f == 0.5, 0.5, 1.0)[inside]
+            _mean_into(result, name, power[inside], weight, part.repeats, spread)
+
+
+def _profiles(part: _Part, result: FamilyResult) -> None:
+    """Bands along u, averaged over v != 0, and along v, averaged over u != 0."""
+    modes = part.reduced.modes
+    rows, columns = modes.shape
+    for axis, f, power, across in (
+        ("u", modes.u, part.reduced.horizontal, rows - 1.0),
+        ("v", modes.v, part.reduced.vertical, columns - 1.0),
+    ):
+        number = np.arange(1, f.size + 1)
+        for label, low, high in profile_names():
+            inside = (number > FIRST_MODES) & (f > low) & (f <= high)
+            if label == "first":
+                inside = number <= FIRST_MODES
+            weight = across * np.where(f == 0.5, 0.5, 1.0)[inside]
+            name = f"{part.name}_{axis}_{label}"
+            _mean_into(result, name, power[inside], weight, part.repeats, part.spread)
+
+
+def _mean_into(
+    result: FamilyResult,
+    name: str,
+    power: np.ndarray,
+    weight: np.ndarray,
+    repeats: float,
+    spread: float,
+) -> None:
+    n = float(weight.sum())
+    mean = float(power @ weight) / n if n > 0 else 0.0
+    if mean > 0:
+        result.values[name] = _log_value(mean, n * repeats, spread)
+    else:
+        result.missing[name] = "no power, or no mode of this frame, in this band"
+
+
+def _peaks(part: _Part, result: FamilyResult) -> None:
+    shape = part.reduced.modes.shape
+    peak = largest_peak(part.power, shape, part.repeats)
+    name = f"{part.name}_line"
+    if peak is None:
+        result.missing[name] = "the frame is too small, or has no power, to search for lines"
+    else:
+        rows, columns = shape
+        result.values[name] = Value(peak.ratio, peak.log_error)
+        result.values[f"{name}_u"] = Value(peak.u, 0.29 / columns)
+        result.values[f"{name}_v"] = Value(peak.v, 0.29 / rows)
+        error = peak.amplitude * peak.log_error / 2
+        result.values[f"{name}_amplitude"] = Value(peak.amplitude, error)
+    if part.name == "pattern":
+        ratios = nyquist_ratios(part.power, shape)
+        for label in ("10", "01", "11"):
+            name = f"pattern_nyquist_{label}"
+            if label in ratios:
+                result.values[name] = Value(*ratios[label])
+            else:
+                result.missing[name] = "there is no power at or next to this mode"
+
+
+def _shape(part: _Part, result: FamilyResult) -> None:
+    """Slopes, corner frequency, high-to-mid ratio: for information, they follow from the bands."""
+    modes, mean = part.reduced.modes, part.reduced.radial_mean()
+    n = modes.count * part.repeats
+    for label, (low, high) in SLOPE_BANDS.items():
+        where = modes.bins(low, high)
+        slope = _slope(modes.rho[where], mean[where], n[where])
+        if slope is None:
+            result.missing[f"{part.name}_slope_{label}"] = "too few modes in this band"
+        else:
+            result.values[f"{part.name}_slope_{label}"] = slope
+    corner = _corner(modes.rho, mean, modes.count)
+    if corner is None:
+        result.missing[f"{part.name}_corner_frequency"] = (
+            f"the power does not rise to {_CORNER_RISE:g} times the white floor"
+        )
+    else:
+        result.values[f"{part.name}_corner_frequency"] = corner
+    high, mid = modes.bins(*HIGH_BAND), modes.bins(*MID_BAND)
+    counts = [float(n[w].sum()) for w in (high, mid)]
+    powers = [float(part.reduced.radial[w].sum()) for w in (high, mid)]
+    if min(counts) > 0 and min(powers) > 0:
+        ratio = (powers[0] / counts[0]) / (powers[1] / counts[1])
+        error = math.sqrt(1 / counts[0] + 1 / counts[1])
+        result.values[f"{part.name}_hf_mf"] = Value(ratio, error)
+    else:
+        result.missing[f"{part.name}_hf_mf"] = "no modes, or no power, in one of the two bands"
+
+
+def _slope(f: np.ndarray, power: np.ndarray, n: np.ndarray) -> Value | None:
+    """Weighted least squares of ln power on ln f."""
+    good = (n >= 1) & (np.nan_to_num(power) > 0)
+    if good.sum() < 3:
+        return None
+    x, w = np.log(f[good]), n[good]
+    y = np.log(power[good]) - (special.digamma(w) - np.log(w))
+    w = 1.0 / special.polygamma(1, w)
+    d = x - np.average(x, weights=w)
+    norm = float(w @ d**2)
+    return Value(float(w @ (d * y)) / norm, 1.0 / math.sqrt(norm))
+
+
+def _corner(f: np.ndarray, power: np.ndarray, n: np.ndarray) -> Value | None:
+    """Highest frequency at which the power is still twice the floor, the mean above 1/4 c/px."""
+    good = n >= 1
+    f, power, n = f[good], power[good], n[good]
+    top = f > 0.25
+    if not top.any() or not power[top].any():
+        return None
+    floor = float(np.average(power[top], weights=n[top]))
+    # runs of bins with 16 modes or more, lest one mode of chance make a corner
+    group = np.cumsum(n) // 16
+    starts = np.flatnonzero(np.diff(group, prepend=-1))
+    total = np.add.reduceat(n, starts)
+    x = np.add.reduceat(n * f, starts) / total
+    y = np.add.reduceat(n * power, starts) / total / floor
+    above = np.flatnonzero((y >= _CORNER_RISE) & (x < 0.25))
+    if not above.size or above[-1] + 1 >= x.size:
+        return None
+    a = int(above[-1])
+    t = math.log(y[a] / _CORNER_RISE) / math.log(y[a] / y[a + 1])
+    step = math.log(x[a + 1] / x[a])
+    return Value(float(x[a]) * math.exp(t * step), float(x[a]) * step / 2)
+
+
+def _curves(part: _Part, result: FamilyResult) -> None:
+    modes, curves, name = part.reduced.modes, result.curves, part.name
+    seen = modes.count > 0
+    curves[f"{name}_radial_f"] = modes.rho[seen]
+    curves[f"{name}_radial_s"] = part.reduced.radial_mean()[seen]
+    curves[f"{name}_radial_full_s"] = part.reduced.radial_mean_full()[seen]
+    curves[f"{name}_horizontal_spectrum"] = part.reduced.horizontal
+    curves[f"{name}_vertical_spectrum"] = part.reduced.vertical
+    curves[f"{name}_column_spectrum"] = part.reduced.columns
+    curves[f"{name}_row_spectrum"] = part.reduced.rows
+    curves["column_spectrum_f"] = modes.u
+    curves["row_spectrum_f"] = modes.v
+    if name != "frame":
+        curves[f"{name}_psd2d"] = _picture(part.power)
+
+
+def _picture(power: np.ndarray) -> np.ndarray:
+    """Log10 of the power in at most 128 x 128 cells; zero frequency in the middle of the first column.
+
+    Rows run over v from -1/2 to 1/2, columns over u from 0 to 1/2.
+    """
+    rows, half = power.shape
+    y = np.unique(np.linspace(0, rows, _PICTURE, endpoint=False).astype(int))
+    x = np.unique(np.linspace(0, half, _PICTURE, endpoint=False).astype(int))
+    centred = np.fft.fftshift(power, axes=0)
+    sums = np.add.reduceat(np.add.reduceat(centred, y, axis=0), x, axis=1)
+    sizes = np.diff([*y, rows])[:, None] * np.diff([*x, half])
+    mean = sums / sizes
+    positive = mean[mean > 0]
+    lowest = positive.min() if positive.size else 1.0
+    return np.log10(np.maximum(mean, lowest)).astype(np.float32)

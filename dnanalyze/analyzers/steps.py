@@ -1,0 +1,70 @@
+"""Equally spaced peaks in the distribution of the fixed pattern: dark current in steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.analyzers.quantiles import Ordered
+from dnanalyze.analyzers.statistics import Value
+
+BINS = 2048
+TRIM = 0.0005  # share left out on either side
+
+
+def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | None:
+    """Strength and spacing of equally spaced peaks.
+
+    The power of the empirical characteristic function at frequency 1/q, over its median between
+    1/(1.7 q) and 1.7/q: for a smooth law the ratio is near 1, and n |mean exp(2 pi i x/q)|^2 is
+    an exponential deviate where the law itself has no power left.
+
+    Parameters
+    ----------
+    ordered : Ordered
+        Pixels of the fixed pattern, DN.
+    residue : float
+        Standard deviation of the temporal noise that is left in it, DN; spacings start at 3 of it.
+
+    Returns
+    -------
+    strength, spacing : Value
+        Largest ratio, its relative error; the spacing q, DN. None where no spacing is possible.
+    """
+    low, high = ordered.quantile(np.array([TRIM, 1 - TRIM]))
+    least = max(3 * residue, 2.5 * ordered.step)
+    if not high - low > 4 * least:
+        return None
+    width = min((high - low) / 256, least / 4)
+    if ordered.step:
+        width = ordered.step * max(1, round(width / ordered.step))
+    bins = min(int((high - low) / width) + 1, 1 << 16)
+    edges = low + width * np.arange(bins + 1)
+    counts = np.diff(np.searchsorted(ordered.sorted, edges)).astype(float)
+    size = 1 << (2 * bins - 1).bit_length()
+    power = np.abs(np.fft.rfft(counts - counts.mean(), size)) ** 2 / max(counts.sum(), 1.0)
+    frequency = np.arange(power.size) / (size * width)
+    spread = ordered.robust_sigma()
+    first = int(np.searchsorted(frequency, max(2.0 / (high - low), 0.5 / spread)))
+    last = int(np.searchsorted(frequency, 1.0 / least))
+    if last - first < 8:
+        return None
+    k = np.unique(np.geomspace(first, last, 256).astype(int))
+    floor = np.array([_around(power, i) for i in k])
+    ratio = power[k] / np.maximum(floor, 0.5)
+    best = int(np.argmax(ratio))
+    independent = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
+    noise = 1.28 / (math.log(independent) + 0.577)
+    se = min(noise, 2 / math.sqrt(max(power[k[best]], 1.0))) if ratio[best] > 1 else noise
+    strength = Value(float(max(ratio[best], 0.1)), max(se, 0.05))
+    spacing = float(1 / frequency[k[best]])
+    return strength, Value(spacing, spacing**2 / (high - low) / math.sqrt(max(ratio[best], 1.0)))
+
+
+def _around(power: np.ndarray, i: int) -> float:
+    near, far = 1.2, 1.7
+    below = power[max(1, int(i / far)) : max(2, int(i / near))]
+    above = power[math.ceil(i * near) : math.ceil(i * far) + 1]
+    return float(np.median(np.concatenate([below, above])))
+

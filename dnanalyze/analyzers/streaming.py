@@ -1,0 +1,134 @@
+"""The streaming pass: every frame is read once, each accumulator sees it, memory holds a few frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+
+from dnanalyze.analyzers.family import Accumulated, Accumulator
+from dnanalyze.analyzers.histograms import Histograms
+from dnanalyze.analyzers.maps import PixelMaps
+from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+from dnanalyze.analyzers.quantiles import Ordered
+
+ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
+    "maps": PixelMaps,
+    "histograms": Histograms,
+}
+HALF = np.float32(np.sqrt(0.5))
+
+
+def make_plan(first: np.ndarray, second: np.ndarray | None = None) -> Plan:
+    """The scales of a setting from its first frame, or two, (rows, columns) in DN."""
+    frame = as_float(first)
+    integer = first.dtype.kind in "ui" or bool(np.all(frame == np.rint(frame)))
+    ordered = Ordered(frame, 1.0 if integer else 0.0)
+    sigma = ordered.robust_sigma()
+    between = sigma
+    if second is not None:
+        difference = (as_float(second) - frame) * HALF
+        between = Ordered(difference, float(HALF) if integer else 0.0).robust_sigma()
+    low, high = float(ordered.sorted[0]), float(ordered.sorted[-1])
+    return Plan(frame.shape, float(ordered.quantile(0.5)), sigma, between, low, high, integer)
+
+
+def as_float(frame: np.ndarray) -> np.ndarray:
+    """C-contiguous float32."""
+    return np.ascontiguousarray(frame, np.float32)
+
+
+def make_view(plan: Plan, number: int, raw: np.ndarray, before: np.ndarray | None) -> FrameView:
+    """What the accumulators see of a frame as read; ``before`` is the frame before it, float32."""
+    frame = as_float(raw)
+    reach = np.float32(CLIP * plan.sigma)
+    clipped = frame - np.float32(plan.centre)
+    np.clip(clipped, -reach, reach, out=clipped)
+    difference = None
+    if before is not None:
+        difference = frame - before
+        difference *= HALF
+    return FrameView(number, frame, raw if raw.dtype.kind in "ui" else None, difference, clipped, plan)
+
+
+class Accumulation:
+    """The accumulators of one setting (and plane and window), fed frame by frame.
+
+    Parameters
+    ----------
+    plan : Plan
+    pool : ThreadPoolExecutor, optional
+        Accumulators then run in its threads, each seeing the frames in order.
+    """
+
+    def __init__(self, plan: Plan, pool: ThreadPoolExecutor | None = None) -> None:
+        self.plan = plan
+        self.frames = 0
+        self.parts = {name: make(plan) for name, make in ACCUMULATORS.items()}
+        self._pool = pool
+        self._running: dict[str, Future[None]] = {}
+        self._first: FrameView | None = None
+        self._last: np.ndarray | None = None
+
+    def add(self, raw: np.ndarray, number: int) -> None:
+        """Take in the next frame as read."""
+        view = make_view(self.plan, number, raw, self._last)
+        self._first = self._first or view
+        self._last = view.frame
+        self.frames += 1
+        for name, part in self.parts.items():
+            if self._pool is None:
+                part.add(view)
+                continue
+            if name in self._running:
+                self._running[name].result()
+            self._running[name] = self._pool.submit(part.add, view)
+
+    def wait(self) -> None:
+        """Until every accumulator has seen every frame."""
+        for running in self._running.values():
+            running.result()
+        self._running = {}
+
+    def merge(self, later: Accumulation) -> None:
+        """Take in the frames that follow mine; both must have been made with the same plan."""
+        self.wait()
+        later.wait()
+        assert later._first is not None
+        seam = make_view(self.plan, later._first.number, later._first.frame, self._last)
+        for name, part in self.parts.items():
+            part.merge(later.parts[name], seam)
+        self.frames += later.frames
+        self._last = later._last
+
+    def finish(self) -> Accumulated:
+        """What the families work on."""
+        self.wait()
+        scalars = self.parts["maps"].frame_scalars()  # type: ignore[attr-defined]
+        return Accumulated(self.plan, self.frames, scalars[:, 0] / self.plan.pixels, **self.parts)
+
+
+def read_ahead(reads: Iterable[Callable[[], np.ndarray]]) -> Iterable[np.ndarray]:
+    """The results of ``reads`` in order, the next one being read in a thread of its own."""
+    with ThreadPoolExecutor(1) as reader:
+        waiting: Future[np.ndarray] | None = None
+        for read in reads:
+            following = reader.submit(read)
+            if waiting is not None:
+                yield waiting.result()
+            waiting = following
+        if waiting is not None:
+            yield waiting.result()
+
+
+def accumulate(
+    frames: Sequence[np.ndarray], plan: Plan | None = None, start: int = 0
+) -> Accumulation:
+    """Accumulate frames that are at hand, (rows, columns) each; ``start`` numbers the first."""
+    if plan is None:
+        plan = make_plan(frames[0], frames[1] if len(frames) > 1 else None)
+    out = Accumulation(plan)
+    for number, frame in enumerate(frames, start):
+        out.add(frame, number)
+    return out

@@ -1,0 +1,220 @@
+"""The tails: hot and cold pixels, dead ones, events in one frame, and how much of it repeats."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
+from dnanalyze.analyzers.uncertainty import blocks, clustered_variance
+
+HOT = (5, 8, 16, 32, 64, 128)
+COLD = (5, 8)
+TRANSIENT = 8.0  # robust temporal sigmas
+DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
+TAIL_SHARE = 0.001  # of the pixels, for the tail index
+
+INFOS = (
+    *(
+        StatisticInfo(
+            f"hot_count_{k}", "tails", "pixels", f"pixels above {k} robust sigma", Scale.ROOT,
+            high=f"{{ratio}} times as many pixels as in the model stand above {k} robust sigma",
+            low=f"only {{ratio}} of the model's number of pixels stand above {k} robust sigma",
+        )
+        for k in HOT
+    ),
+    *(
+        StatisticInfo(
+            f"cold_count_{k}", "tails", "pixels", f"pixels below {k} robust sigma", Scale.ROOT,
+            high=f"{{ratio}} times as many pixels as in the model lie {k} robust sigma too low",
+            low=f"only {{ratio}} of the model's number of pixels lie {k} robust sigma too low",
+        )
+        for k in COLD
+    ),
+    StatisticInfo(
+        "transient_high", "tails", "pixels", "pixels bright in one frame only", Scale.ROOT,
+        high="{ratio} times as many pixels as in the model are bright in a single frame",
+        low="only {ratio} of the model's number of pixels are bright in a single frame",
+    ),
+    StatisticInfo(
+        "transient_low", "tails", "pixels", "pixels dark in one frame only", Scale.ROOT,
+        high="{ratio} times as many pixels as in the model are dark in a single frame",
+        low="only {ratio} of the model's number of pixels are dark in a single frame",
+    ),
+    StatisticInfo(
+        "transient_adjacent", "tails", "pixels", "such pixels side by side", Scale.ROOT,
+        high="pixels that are bright in a single frame come in tracks and clumps",
+        low="pixels that are bright in a single frame come in fewer tracks than in the model",
+    ),
+    StatisticInfo(
+        "hot_pairs", "tails", "pixels", "hot pixels with a hot neighbour", Scale.ROOT,
+        high="hot pixels have hot neighbours {ratio} times as often as in the model",
+        low="hot pixels have hot neighbours only {ratio} times as often as in the model",
+    ),
+    StatisticInfo(
+        "hot_repeat", "tails", "1", "share of hot pixels that are so in the next frame",
+        high="hot pixels stay from frame to frame more than in the model",
+        low="hot pixels change from frame to frame more than in the model",
+    ),
+    StatisticInfo(
+        "dead_count", "tails", "pixels", "pixels that never change", Scale.ROOT,
+        high="pixels that give the same code in every frame are {ratio} times the model's number",
+        low="pixels that give the same code in every frame are only {ratio} of the model's number",
+    ),
+    StatisticInfo("hot_density_frame", "tails", "ppm", "above 5 sigma in a frame", compared=False),
+    StatisticInfo("hot_density_pattern", "tails", "ppm", "above 5 sigma in the pattern", compared=False),
+    StatisticInfo("frame_above_5", "tails", "1", "share above 5 sigma in a frame", compared=False),
+    StatisticInfo("tail_index", "tails", "1", "Hill's tail index of the pattern", compared=False),
+)  # fmt: skip
+
+
+def finish(acc: Accumulated) -> FamilyResult:
+    """Counts in the tails of the accumulated frames."""
+    out = FamilyResult()
+    centre, sigma = acc.pattern_centre, lower_sigma(acc)
+    _counts(acc, centre, sigma, out)
+    hot = acc.pattern > np.float32(centre + 8 * sigma)
+    paired = with_neighbour(hot)
+    out.values["hot_pairs"] = _count(int(np.sum(paired)), paired, acc, single=2.0)
+    _densities(acc, out)
+    _exceedance(acc, centre, sigma, out)
+    _tail_index(acc, out)
+    if acc.frames == 1:
+        for name in ("transient_high", "transient_low", "transient_adjacent", "hot_repeat"):
+            out.missing[name] = "needs at least two frames"
+        out.missing["dead_count"] = "needs at least three frames"
+        return out
+    _repeat(acc, out)
+    _transients(acc, out)
+    _dead(acc, out)
+    return out
+
+
+def lower_sigma(acc: Accumulated) -> float:
+    """Robust sigma of F from its lower half, which hot pixels do not widen, DN."""
+    low, middle = acc.pattern_ordered.quantile(np.array([0.25, 0.5]))
+    return max(float(middle - low) / 0.6745, 1e-3 * acc.pattern_sigma)
+
+
+def with_neighbour(mask: np.ndarray) -> np.ndarray:
+    """Positions (2, n) of the set pixels that have a set 8-neighbour, as a mask over the set ones."""
+    return _has_neighbour(mask, np.ones(int(mask.sum()), bool))[1]
+
+
+def _has_neighbour(mask: np.ndarray, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions of the set pixels, and whether a neighbour is set and of the same kind."""
+    rows, columns = np.nonzero(mask)
+    width = mask.shape[1] + 2
+    keys = (rows + 1) * width + columns + 1
+    found = np.zeros(keys.size, bool)
+    for shift in (-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1):
+        at = np.searchsorted(keys, keys + shift)
+        at = np.minimum(at, max(keys.size - 1, 0))
+        found |= (keys[at] == keys + shift) & (kind[at] == kind) if keys.size else found
+    return np.stack([rows, columns]), found
+
+
+def _count(count: int, positions: np.ndarray | None, acc: Accumulated, single: float = 1.0) -> Value:
+    """A count with its error on the root scale; ``single`` is the variance of a Poisson clump."""
+    return Value(float(count), math.sqrt(single))
+
+
+def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
+    """Hot and cold counts; their errors hold that of the threshold itself."""
+    pattern, ordered, pixels = acc.pattern, acc.pattern_ordered, acc.plan.pixels
+    steps = np.array([-8.0, -5.0, *map(float, HOT)])
+    limits = centre + steps * sigma
+    quartiles = ordered.quantile(np.array([0.25, 0.5]))
+    thresholds = np.concatenate([limits[:2], quartiles, limits[2:]])
+    b = blocks(acc.plan, pattern, thresholds=thresholds)
+    below = b.below()
+    residual = below - b.pixels * (below.sum(axis=(0, 1)) / pixels)
+    bins = sigma * 0.1
+    density = (ordered.share_below(quartiles + bins) - ordered.share_below(quartiles - bins)) / (2 * bins)
+    low, middle = (-residual[..., 2 + j] / max(density[j], 1e-12) / pixels for j in (0, 1))
+    for k, step in enumerate(steps):
+        column = k if k < 2 else k + 2
+        count = float(below[..., column].sum())
+        count = count if k < 2 else pixels - count
+        h = 0.1 * abs(step) * sigma
+        crowd = abs(float(np.diff(ordered.count_above(limits[k] + np.array([-h, h])))[0])) / (2 * h)
+        move = middle + step * (middle - low) / 0.6745
+        total = residual[..., column] - move * crowd
+        variance = max(float(clustered_variance(total)), count + 0.375)
+        name = f"cold_count_{-step:g}" if step < 0 else f"hot_count_{step:g}"
+        out.values[name] = Value(count, math.sqrt(variance / (count + 0.375)))
+
+
+def _densities(acc: Accumulated, out: FamilyResult) -> None:
+    frame = acc.values
+    limit = float(frame.quantile(0.5)) + 5 * frame.robust_sigma()
+    share = 1.0 - float(frame.share_below(limit))
+    se = math.sqrt((share * acc.plan.pixels + 1)) / acc.plan.pixels
+    out.values["frame_above_5"] = Value(share, se)
+    out.values["hot_density_frame"] = Value(1e6 * share, 1e6 * se)
+    if acc.frames > 1:
+        limit = acc.pattern_centre + 5 * acc.pattern_sigma
+        above = float(acc.pattern_ordered.count_above(limit))
+        scale = 1e6 / acc.plan.pixels
+        out.values["hot_density_pattern"] = Value(above * scale, math.sqrt(above + 1) * scale)
+    else:
+        out.missing["hot_density_pattern"] = "one frame cannot tell fixed from temporal noise"
+
+
+def _exceedance(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
+    """Share of F above and below k robust sigma, k from -16 to 256."""
+    k = np.concatenate([-np.geomspace(16, 1, 9), np.geomspace(1, 256, 33)])
+    ordered = acc.pattern_ordered
+    above = ordered.count_above(centre + k * sigma)
+    out.curves["exceedance_k"] = k
+    out.curves["exceedance_n"] = np.where(k > 0, above, ordered.sorted.size - above)
+
+
+def _tail_index(acc: Accumulated, out: FamilyResult) -> None:
+    """Hill's estimate of alpha in P(x > t) ~ t^-alpha, t from the median (Ann. Stat. 3, 1163 (1975))."""
+    count = int(TAIL_SHARE * acc.plan.pixels)
+    tail = acc.pattern_ordered.sorted[-count - 1 :].astype(float) - acc.pattern_centre
+    if count < 20 or tail[0] <= 0 or tail[-1] <= tail[0]:
+        out.missing["tail_index"] = "fewer than 20 pixels in the tail"
+        return
+    index = count / float(np.sum(np.log(tail[1:] / tail[0])))
+    out.values["tail_index"] = Value(index, index / math.sqrt(count))
+
+
+def _repeat(acc: Accumulated, out: FamilyResult) -> None:
+    scalars = acc.maps.frame_scalars()
+    before, both = float(scalars[:-1, 3].sum()), float(scalars[1:, 4].sum())
+    if before == 0:
+        out.missing["hot_repeat"] = "no pixel stands above 5 robust sigma"
+        return
+    pixels = before / (acc.frames - 1)
+    share = both / before
+    shrunk = (share * pixels + 1) / (pixels + 2)
+    out.values["hot_repeat"] = Value(share, math.sqrt(shrunk * (1 - shrunk) / (pixels + 2)))
+
+
+def _transients(acc: Accumulated, out: FamilyResult) -> None:
+    k, sigma = acc.frames, acc.difference_sigma
+    high, high_at, low = acc.maps.extremes()
+    limit = np.float32(TRANSIENT * sigma * math.sqrt(k * (k - 1)) / k)
+    # y - mean of the others = (y - mean of all) K / (K - 1)
+    rise = (high - acc.pattern) > limit
+    fall = (acc.pattern - low) > limit
+    out.values["transient_high"] = _count(int(rise.sum()), None, acc)
+    out.values["transient_low"] = _count(int(fall.sum()), None, acc)
+    rows, columns = np.nonzero(rise)
+    _, adjacent = _has_neighbour(rise, high_at[rows, columns])
+    out.values["transient_adjacent"] = _count(int(adjacent.sum()), None, acc, single=2.0)
+
+
+def _dead(acc: Accumulated, out: FamilyResult) -> None:
+    noise = acc.temporal_variance
+    assert noise is not None
+    if acc.frames < 3:
+        out.missing["dead_count"] = "needs at least three frames"
+    elif acc.difference_sigma <= DEAD_NOISE:
+        out.missing["dead_count"] = f"the temporal noise is below {DEAD_NOISE:g} DN"
+    else:
+        out.values["dead_count"] = _count(int(np.sum(noise == 0)), None, acc)

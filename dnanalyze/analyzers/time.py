@@ -1,0 +1,208 @@
+"""What happens from frame to frame: drift, memory, blinking, and noise that depends on the pixel."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.quantiles import Ordered
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
+from dnanalyze.analyzers.uncertainty import (
+    QuantileErrors,
+    blocks,
+    clustered_variance,
+    mean_error,
+)
+
+VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
+GROUPS = {"50": (0.0, 0.5), "90": (0.9, 0.99), "99": (0.99, 0.999), "999": (0.999, 1.0)}
+CUTS = np.array([0.5, 0.9, 0.99, 0.999])
+FEWEST = 8.0  # pixels in a group for it to be stated
+BLINK_CUT = 64.0
+
+INFOS = (
+    StatisticInfo(
+        "drift", "time", "DN", "scatter of the frame means", Scale.LOG,
+        high="whole frames move up and down {ratio} times as much as in the model",
+        low="whole frames move up and down only {ratio} times as much as in the model",
+    ),
+    StatisticInfo(
+        "temporal_r1", "time", "1", "memory from frame to frame, typical pixel",
+        high="a pixel's noise remembers the frame before: a temporal filter, or slow noise",
+        low="a pixel's noise alternates from frame to frame",
+    ),
+    *(
+        StatisticInfo(
+            f"temporal_variance_q{level}", "time", "1",
+            f"{float(level):g} quantile of the pixels' temporal variance over its mean", Scale.LOG,
+            high=f"the noisiest {100 * (1 - float(level)):.3g} % of the pixels are {{ratio}} times "
+            "as noisy, in variance, as the model's",
+            low=f"the noisiest {100 * (1 - float(level)):.3g} % of the pixels are only {{ratio}} "
+            "as noisy, in variance, as the model's",
+        )
+        for level in VARIANCE_LEVELS
+    ),
+    StatisticInfo(
+        "blink_repeat", "time", "1", "pixels that are noisy again and again",
+        high="some pixels are noisy again and again, as blinking ones are",
+        low="noisy pixels stay noisy less than in the model",
+    ),
+    *(
+        StatisticInfo(
+            f"noise_at_{name}", "time", "DN^2",
+            f"temporal variance of the pixels at {100 * low:g}-{100 * high:g} % of the pattern",
+            Scale.LOG,
+            high=f"pixels at {100 * low:g}-{100 * high:g} % of the pattern are {{ratio}} times as "
+            "noisy, in variance, as the model's",
+            low=f"pixels at {100 * low:g}-{100 * high:g} % of the pattern are only {{ratio}} as "
+            "noisy, in variance, as the model's",
+        )
+        for name, (low, high) in GROUPS.items()
+    ),
+    StatisticInfo(
+        "pattern_correlation", "time", "1", "correlation of successive frames",
+        high="more of a frame is fixed in the silicon than in the model",
+        low="less of a frame is fixed in the silicon than in the model",
+    ),
+    StatisticInfo("drift_trend", "time", "DN/frame", "slope of the frame means", compared=False),
+    StatisticInfo("blinking_count", "time", "pixels", "blinking pixels", Scale.ROOT, compared=False),
+)  # fmt: skip
+
+
+def finish(acc: Accumulated) -> FamilyResult:
+    """Statistics over the order of the frames."""
+    out = FamilyResult()
+    out.curves["frame_means"] = acc.frame_means + acc.plan.centre
+    if acc.frames < 2:
+        reason = "one frame cannot tell fixed from temporal noise"
+        out.missing.update(dict.fromkeys((i.name for i in INFOS), reason))
+        return out
+    _drift(acc, out)
+    _pattern_correlation(acc, out)
+    _variances(acc, out)
+    if acc.frames < 4:
+        reason = "needs at least four frames"
+        out.missing.update(dict.fromkeys(("temporal_r1", "blink_repeat", "blinking_count"), reason))
+        return out
+    _lag_one(acc, out)
+    _blinking(acc, out)
+    return out
+
+
+def _drift(acc: Accumulated, out: FamilyResult) -> None:
+    k, means = acc.frames, acc.frame_means
+    sd = math.sqrt(acc.drift_variance)
+    least = 1e-6 * acc.plan.sigma
+    out.values["drift"] = Value(max(sd, least), 1 / math.sqrt(2 * (k - 1)))
+    if k < 3:
+        out.missing["drift_trend"] = "needs at least three frames"
+        return
+    n = np.arange(k) - (k - 1) / 2
+    slope = float(n @ means) / float(n @ n)
+    rest = means - means.mean() - slope * n
+    error = math.sqrt(float(rest @ rest) / (k - 2) / float(n @ n))
+    out.values["drift_trend"] = Value(slope, max(error, least / k))
+
+
+def _pattern_correlation(acc: Accumulated, out: FamilyResult) -> None:
+    """Pooled over the pairs of successive frames, each with its own mean taken off."""
+    scalars, n = acc.maps.frame_scalars(), acc.plan.pixels
+    mean, square = scalars[:, 0] / n, scalars[:, 1] / n
+    variance = square - mean**2
+    cross = scalars[1:, 2] / n - mean[1:] * mean[:-1]
+    scale = float(np.sum(np.sqrt(np.maximum(variance[1:] * variance[:-1], 0.0))))
+    if scale <= 0:
+        out.missing["pattern_correlation"] = "the frames are constant"
+        return
+    r = float(cross.sum()) / scale
+    a, b = (_standardised(acc, frame) for frame in acc.end_frames)
+    influence = a * b - np.float32(r / 2) * (a * a + b * b)
+    out.values["pattern_correlation"] = Value(r, max(mean_error(acc.plan, influence), 1e-6))
+
+
+def _standardised(acc: Accumulated, frame: np.ndarray) -> np.ndarray:
+    reach = np.float32(6 * acc.plan.sigma)
+    z = np.clip(frame - np.float32(acc.plan.centre), -reach, reach)
+    z -= z.mean(dtype=np.float64).astype(np.float32)
+    z /= np.float32(max(float(np.sqrt(np.mean(z * z, dtype=np.float64))), 1e-30))
+    return z
+
+
+def _variances(acc: Accumulated, out: FamilyResult) -> None:
+    variance = acc.temporal_variance
+    assert variance is not None
+    mean = float(variance.mean(dtype=np.float64))
+    names = [f"temporal_variance_q{level}" for level in VARIANCE_LEVELS]
+    if mean <= 0:
+        reason = "there is no noise between the frames"
+        absent = names + [f"noise_at_{name}" for name in GROUPS]
+        out.missing.update(dict.fromkeys(absent, reason))
+        return
+    p = np.array([float(level) for level in VARIANCE_LEVELS])
+    errors = QuantileErrors(acc.plan, (variance,), Ordered(variance), p)
+    relative = errors.over_mean(variance)
+    for k, name in enumerate(names):
+        value = float(errors.values[k]) / mean
+        if (1 - p[k]) * acc.plan.pixels < FEWEST:
+            out.missing[name] = f"fewer than {FEWEST:g} pixels are expected beyond it"
+        elif value <= 0:
+            out.missing[name] = "most pixels do not change between the frames"
+        else:
+            out.values[name] = Value(value, max(float(relative[k]), 1e-3))
+    _noise_at(acc, variance, out)
+
+
+def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
+    limits = acc.pattern_ordered.quantile(CUTS)
+    b = blocks(acc.plan, acc.pattern, variance, limits)
+    pixels, sums = b.counts.sum(axis=(0, 1)), b.sums.sum(axis=(0, 1))
+    for name, group in zip(GROUPS, (0, 2, 3, 4), strict=True):
+        full = f"noise_at_{name}"
+        if pixels[group] < FEWEST:
+            out.missing[full] = f"fewer than {FEWEST:g} pixels are that bright"
+        elif sums[group] <= 0:
+            out.missing[full] = "these pixels do not change between the frames"
+        else:
+            mean = sums[group] / pixels[group]
+            residual = (b.sums[..., group] - mean * b.counts[..., group]) / sums[group]
+            se = math.sqrt(float(clustered_variance(residual)))
+            out.values[full] = Value(float(mean), max(se, 1e-3))
+
+
+def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
+    variance = acc.temporal_variance
+    assert variance is not None
+    noisy = variance > 0
+    if np.mean(noisy) < 0.5:
+        out.missing["temporal_r1"] = "most pixels do not change between the frames"
+        return
+    k = acc.frames
+    with np.errstate(divide="ignore", invalid="ignore"):
+        r1 = acc.maps.lag_one() / (variance * np.float32(k - 1))
+    r1[~noisy] = -1.0 / k
+    errors = QuantileErrors(acc.plan, (r1,), Ordered(r1), np.array([0.5]))
+    se = float(errors.of(np.array([1.0])))
+    out.values["temporal_r1"] = Value(float(errors.values[0]) + 1 / k, max(se, 1e-4))
+
+
+def _blinking(acc: Accumulated, out: FamilyResult) -> None:
+    """Correlation over pixels of squared differences of two disjoint sets of frame pairs."""
+    a, b = acc.maps.pair_squares()
+    scale = np.float32(2 * acc.difference_sigma**2)
+    pairs = [len(range(start, acc.frames, 4)) for start in (1, 3)]
+    far = [x > 10 * scale * n for x, n in zip((a, b), pairs, strict=True)]
+    out.values["blinking_count"] = Value(float(np.sum(far[0] & far[1])), 1.0)
+    z = []
+    for x in (a, b):
+        each = x - x.mean(dtype=np.float64).astype(np.float32)
+        sd = math.sqrt(float(np.mean(each * each, dtype=np.float64)))
+        if sd == 0:
+            out.missing["blink_repeat"] = "there is no noise between the frames"
+            return
+        each /= np.float32(sd)
+        z.append(each)
+    r = float(np.mean(z[0] * z[1], dtype=np.float64))
+    influence = z[0] * z[1] - np.float32(r / 2) * (z[0] ** 2 + z[1] ** 2)
+    out.values["blink_repeat"] = Value(r, max(mean_error(acc.plan, influence), 1e-4))

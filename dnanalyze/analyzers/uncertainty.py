@@ -1,0 +1,183 @@
+"""Standard errors from the scatter of blocks, clustered by row bands and by column bands.
+
+Pixels share the offsets of their row and of their column, so square blocks alone would count shared
+errors as independent. The two-way clustered variance (Cameron, Gelbach and Miller, J. Bus. Econ. Stat. 29,
+238 (2011)) is that of row bands plus that of column bands less that of their crossings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dnanalyze.analyzers.plan import Plan
+from dnanalyze.analyzers.quantiles import Counted, Ordered
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Sums over blocks in groups of a key: (row bands, column bands, groups)."""
+
+    counts: np.ndarray
+    sums: np.ndarray
+
+    @property
+    def pixels(self) -> np.ndarray:
+        """Pixels of each block, (row bands, column bands, 1)."""
+        return self.counts.sum(axis=2, keepdims=True)
+
+    def below(self) -> np.ndarray:
+        """Pixels below each threshold, (row bands, column bands, thresholds)."""
+        return np.cumsum(self.counts, axis=2)[..., :-1]
+
+
+def blocks(
+    plan: Plan,
+    key: np.ndarray,
+    weight: np.ndarray | None = None,
+    thresholds: np.ndarray | tuple[float, ...] = (),
+) -> Blocks:
+    """Counts, and sums of ``weight``, in each block between ``thresholds`` of ``key``."""
+    from dnanalyze.analyzers import kernels
+
+    limits = np.asarray(thresholds, np.float32)
+    shape = (plan.row_edges.size - 1, plan.column_edges.size - 1, limits.size + 1)
+    out = Blocks(np.zeros(shape), np.zeros(shape))
+    kernels.grouped(
+        key, key if weight is None else weight, limits, plan.row_edges, plan.column_edges,
+        out.counts, out.sums,
+    )  # fmt: skip
+    return out
+
+
+def clustered_variance(residuals: np.ndarray, others: np.ndarray | None = None) -> np.ndarray:
+    """Variance of the sum over blocks, or the covariance of two such sums.
+
+    Parameters
+    ----------
+    residuals, others : ndarray
+        (row bands, column bands, ...), of zero sum over the blocks.
+    """
+    a, b = residuals, residuals if others is None else others
+    rows, columns = a.shape[:2]
+
+    def scatter(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        n = x.shape[0]
+        return (x * y).sum(axis=0) * n / max(n - 1, 1)
+
+    flat = (rows * columns, *a.shape[2:])
+    each = scatter(a.reshape(flat), b.reshape(flat))
+    if rows < 2 or columns < 2:
+        return each
+    both = scatter(a.sum(axis=1), b.sum(axis=1)) + scatter(a.sum(axis=0), b.sum(axis=0)) - each
+    return np.maximum(both, each) if others is None else both
+
+
+def repeated_variance(sides: list[np.ndarray], repeats: float) -> np.ndarray:
+    """Variance of a sum over blocks, averaged over frames.
+
+    Parameters
+    ----------
+    sides : list of ndarray
+        Block residuals of one frame, or of two frames that share the pixels but not the temporal
+        noise; their covariance is the part that further frames do not reduce.
+    repeats : float
+        Independent frames behind the estimate.
+    """
+    single = np.mean([clustered_variance(side) for side in sides], axis=0)
+    if repeats <= 1 or len(sides) < 2:
+        return single
+    together = clustered_variance((sides[0] + sides[1]) / 2)
+    common = np.clip(2 * together / np.maximum(single, 1e-300) - 1, 0.0, 1.0)
+    return single * (common + (1 - common) / repeats)
+
+
+def mean_error(plan: Plan, *influences: np.ndarray, repeats: float = 1.0) -> float:
+    """Standard error of the mean of a per-pixel map, (rows, columns) float32.
+
+    With two maps (of two frames) and ``repeats``, that of the mean over so many frames.
+    """
+    sides = []
+    for influence in influences:
+        b = blocks(plan, influence)
+        sums, pixels = b.sums[..., 0], b.pixels[..., 0]
+        sides.append((sums - pixels * (sums.sum() / plan.pixels)) / plan.pixels)
+    return float(np.sqrt(repeated_variance(sides, repeats)))
+
+
+@dataclass(frozen=True)
+class QuantileErrors:
+    """Joint sampling errors of quantiles of one map, or of several maps of one law.
+
+    Parameters
+    ----------
+    plan : Plan
+    maps : tuple of ndarray of float32
+        One map; or two frames (or differences) that share the pixels but not the temporal noise, whose
+        covariance tells how much further frames help.
+    law : Ordered or Counted
+        From which the quantiles were taken.
+    probabilities : ndarray
+    repeats : float
+        Independent frames behind ``law``; 1 for a single map.
+    """
+
+    plan: Plan
+    maps: tuple[np.ndarray, ...]
+    law: Ordered | Counted
+    probabilities: np.ndarray
+    repeats: float = 1.0
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """The quantiles, DN."""
+        return self.law.quantile(self.probabilities)
+
+    @cached_property
+    def _shares(self) -> list[np.ndarray]:
+        """Residual share below each quantile, per block: (row bands, column bands, quantiles)."""
+        out = []
+        for each in self.maps:
+            b = blocks(self.plan, each, thresholds=self.values)
+            below = b.below()
+            share = below.sum(axis=(0, 1)) / self.plan.pixels
+            out.append((below - b.pixels * share) / self.plan.pixels)
+        return out
+
+    @cached_property
+    def _slopes(self) -> np.ndarray:
+        """DN per unit of probability at each quantile (Woodruff's interval)."""
+        p, n = self.probabilities, self.plan.pixels
+        s = np.sqrt(self._variance(np.eye(p.size)))
+        s = np.maximum(s, np.sqrt(np.maximum(p * (1 - p), 1 / n) / (n * self.repeats)))
+        edge = 0.5 / n
+        low, high = np.clip(p - s, edge, 1 - edge), np.clip(p + s, edge, 1 - edge)
+        return (self.law.quantile(high) - self.law.quantile(low)) / np.maximum(high - low, edge)
+
+    def _variance(self, weights: np.ndarray) -> np.ndarray:
+        """Variance of combinations of shares; ``weights`` is (quantiles, combinations)."""
+        return repeated_variance([share @ weights for share in self._shares], self.repeats)
+
+    def of(self, combinations: np.ndarray) -> np.ndarray:
+        """Standard errors of linear combinations of the quantiles, DN.
+
+        Parameters
+        ----------
+        combinations : ndarray
+            (quantiles,) or (quantiles, combinations).
+        """
+        combinations = np.asarray(combinations, float)
+        columns = combinations.reshape(self.probabilities.size, -1)
+        variance = self._variance(columns * self._slopes[:, None])
+        return np.sqrt(variance).reshape(combinations.shape[1:])
+
+
+    def over_mean(self, sample: np.ndarray) -> np.ndarray:
+        """Relative standard errors of quantile / mean of a single map."""
+        b = blocks(self.plan, sample)
+        mean = b.sums.sum() / self.plan.pixels
+        residual = (b.sums - b.pixels * mean) / (mean * self.plan.pixels)
+        scale = self._slopes / np.maximum(np.abs(self.values), 1e-30)
+        return np.sqrt(clustered_variance(self._shares[0] * scale + residual))
