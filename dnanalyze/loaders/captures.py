@@ -100,11 +100,14 @@ class Frame:
 
     ``load(window)`` returns the pixels of ``window`` (the whole active area for ``None``) as a
     C-contiguous 2-D array, integer as recorded or float32, in DN. Nothing is kept between calls.
+    ``masked()``, where the file knows them, returns the masked (optical black or overscan) pixels
+    of the same exposure, 2-D, in DN.
     """
 
     name: str
     point: OperatingPoint
     load: Callable[[Window | None], np.ndarray]
+    masked: Callable[[], np.ndarray] | None = None
 
     def read(self, window: Window | None = None) -> np.ndarray:
         """Pixels of ``window``, or of the whole active area."""
@@ -146,6 +149,28 @@ class Sensor:
 
 
 @dataclass(frozen=True)
+class Source:
+    """How a capture set was read; a simulation has none.
+
+    Parameters
+    ----------
+    formats : tuple of str
+        Names of the file formats.
+    dtype : str
+        Type of the stored pixels, such as "uint16".
+    tolerance_c : float
+        Span of temperatures within one setting, C.
+    region : str
+        "active", "masked" or "all" of the readout.
+    """
+
+    formats: tuple[str, ...]
+    dtype: str
+    tolerance_c: float
+    region: str = "active"
+
+
+@dataclass(frozen=True)
 class CaptureSet:
     """Dark frames of one sensor, measured or simulated, grouped by operating point.
 
@@ -159,12 +184,15 @@ class CaptureSet:
         Sorted by operating point.
     notes : tuple of str
         What the loader had to assume or leave out, one sentence each.
+    source : Source, optional
+        How it was read from files.
     """
 
     name: str
     sensor: Sensor
     settings: tuple[Setting, ...]
     notes: tuple[str, ...] = field(default=())
+    source: Source | None = None
 
     @property
     def frame_count(self) -> int:

@@ -1,0 +1,155 @@
+"""Which files a capture path means: a folder, one file, a manifest, or a remote URL."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import re
+import shutil
+import tempfile
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from dnanalyze.errors import InputError
+
+MAX_FILES = 100_000
+MANIFESTS = ("manifest.csv", "manifest.yaml", "manifest.yml")
+SIDECARS = ("dnanalyze.yaml", "dnanalyze.yml")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the captures lie.
+
+    Parameters
+    ----------
+    name : str
+        As the user gave it.
+    root : Path
+        The folder, local.
+    files : tuple of Path
+        All files below it in natural order, or the one file that was named.
+    """
+
+    name: str
+    root: Path
+    files: tuple[Path, ...]
+
+    def relative(self, path: Path) -> str:
+        """The file as it is named to the user, below the root."""
+        return path.relative_to(self.root).as_posix()
+
+
+def find(path: str | os.PathLike[str]) -> Place:
+    """The files that ``path`` means.
+
+    Parameters
+    ----------
+    path : str or path
+        A folder, one file, a manifest in a folder, or an fsspec URL ("s3://bucket/darks").
+
+    Raises
+    ------
+    InputError
+        Nothing there, unreadable, a link that leaves the folder, too many files.
+    """
+    text = os.fspath(path)
+    if "://" in text:
+        return _fetched(text)
+    given = Path(text)
+    try:
+        if given.is_dir():
+            return Place(text, given, _below(given))
+        if given.is_file():
+            if given.name.lower() in MANIFESTS:
+                return Place(text, given.parent, _below(given.parent))
+            return Place(text, given.parent, (given,))
+    except OSError as error:
+        raise unreadable(text, error) from error
+    raise InputError(f"{text}: no such file or folder; give a folder of dark frames or one file")
+
+
+def unreadable(name: str, error: OSError) -> InputError:
+    """What to say of a file that the system does not let us read."""
+    reason = error.strerror or type(error).__name__
+    return InputError(f"{name}: cannot be read ({reason}); check its permissions")
+
+
+def natural_key(name: str) -> list[tuple[int, int, str]]:
+    """Sort key under which dark_2 comes before dark_10."""
+    return [
+        (0, int(part), "") if part.isdigit() else (1, 0, part)
+        for part in re.split(r"([0-9]+)", name.casefold())
+    ]
+
+
+def inside(root: Path, path: Path, name: str) -> Path:
+    """``path``, when it lies below ``root`` after every link is followed.
+
+    Raises
+    ------
+    InputError
+        It leaves the folder.
+    """
+    if not path.resolve().is_relative_to(root.resolve()):
+        raise InputError(
+            f"{name}: leads outside the capture folder {root}; copy the file into the folder"
+        )
+    return path
+
+
+def _below(root: Path) -> tuple[Path, ...]:
+    def refuse(error: OSError) -> None:
+        raise unreadable(str(error.filename), error)
+
+    found: list[Path] = []
+    for folder, folders, names in os.walk(root, onerror=refuse):
+        folders[:] = [f for f in folders if not f.startswith(".")]
+        for name in [*names, *(f for f in folders if Path(folder, f).is_symlink())]:
+            path = Path(folder, name)
+            if name.startswith("."):
+                continue
+            if path.is_symlink():
+                inside(root, path, str(path))
+            if not path.is_dir():
+                found.append(path)
+        if len(found) > MAX_FILES:
+            raise InputError(f"{root}: more than {MAX_FILES} files; give the folder of one capture")
+    return tuple(sorted(found, key=lambda p: natural_key(p.relative_to(root).as_posix())))
+
+
+def _fetched(url: str) -> Place:
+    """A local copy of a remote folder or file, removed when the program ends."""
+    try:
+        fsspec: Any = import_module("fsspec")
+    except ImportError as error:
+        raise InputError(
+            f"{url}: remote captures need fsspec; pip install 'dnanalyze[remote]'"
+        ) from error
+    local = Path(tempfile.mkdtemp(prefix="dnanalyze-"))
+    atexit.register(shutil.rmtree, local, ignore_errors=True)
+    try:
+        system, remote = fsspec.core.url_to_fs(url)
+        sizes = {name: info["size"] or 0 for name, info in system.find(remote, detail=True).items()}
+        if not sizes:
+            raise InputError(f"{url}: no such file or folder; check the address")
+        if len(sizes) > MAX_FILES:
+            raise InputError(f"{url}: more than {MAX_FILES} files; give the folder of one capture")
+        if sum(sizes.values()) > shutil.disk_usage(local).free:
+            raise InputError(f"{url}: larger than the free space of {local.parent}")
+        single = remote in sizes
+        base = remote.rpartition("/")[0] if single else remote.rstrip("/")
+        root = local / (base.rpartition("/")[2] or "captures")
+        for name in sizes:
+            target = root / name.removeprefix(base).lstrip("/")
+            inside(local, target, f"{url}: {name}")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            system.get_file(name, str(target))
+    except InputError:
+        raise
+    except Exception as error:  # every protocol has its own errors
+        text = " ".join(str(error).split())[:160] or type(error).__name__
+        raise InputError(f"{url}: cannot be fetched ({text}); check address and access") from error
+    return Place(url, root, _below(root))

@@ -1,0 +1,245 @@
+"""``load``: a capture folder to a ``CaptureSet``, headers only."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, TypeVar
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
+from dnanalyze.loaders.checks import check_shape
+from dnanalyze.loaders.config import Config, read_config, sidecar_of
+from dnanalyze.loaders.files import Place, find
+from dnanalyze.loaders.formats import MODULES, read_header
+from dnanalyze.loaders.grouping import group
+from dnanalyze.loaders.manifest import read_manifest
+from dnanalyze.loaders.names import from_names, from_regex
+from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
+
+if TYPE_CHECKING:
+    Region = Literal["active", "masked", "all"]
+
+TOLERANCE_C = 1.5
+T = TypeVar("T")
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    config: str | os.PathLike[str] | Config | None = None,
+    tolerance_c: float | None = None,
+    include_masked: bool = False,
+    region: Region | None = None,
+) -> CaptureSet:
+    """Dark frames of one sensor, grouped by operating point; pixels are read when asked for.
+
+    Each of temperature, exposure, gain and channel is taken from the first source that says it:
+    manifest, file header, name, sidecar.
+
+    Parameters
+    ----------
+    path : str or path
+        A folder, one file, a manifest, or an fsspec URL.
+    config : str, path or Config, optional
+        A sidecar; without it ``dnanalyze.yaml`` in the folder, where there is one.
+    tolerance_c : float, optional
+        Frames of one operating point span at most this, C; 1.5 where the sidecar does not say.
+    include_masked : bool
+        The whole readout, masked pixels and all; the same as ``region="all"``.
+    region : {"active", "masked", "all"}, optional
+        Which part of the readout makes the frames; "active" where the sidecar does not say.
+
+    Raises
+    ------
+    InputError
+        Bad input: one line that names the file, what is wrong and the remedy.
+
+    Examples
+    --------
+    >>> captures = load("captures/")                                # doctest: +SKIP
+    >>> captures.settings[0].frames[0].read().mean()                # doctest: +SKIP
+    """
+    place = find(path)
+    sidecar = _sidecar(config, place)
+    tolerance = next(t for t in (tolerance_c, sidecar.tolerance_c, TOLERANCE_C) if t is not None)
+    if not tolerance >= 0:
+        raise InputError(f"tolerance_c {tolerance}: must be 0 C or more")
+    part: str = "all" if include_masked else region or sidecar.region or "active"
+    notes: list[str] = []
+    manifest = read_manifest(place)
+    files = _frame_files(place, sidecar, manifest, notes)
+    recordings = _recordings(place, files, sidecar, notes)
+    return _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+
+
+def _sidecar(config: str | os.PathLike[str] | Config | None, place: Place) -> Config:
+    if config is None:
+        return sidecar_of(place.root)
+    return config if isinstance(config, Config) else read_config(config)
+
+
+def _frame_files(
+    place: Place, config: Config, manifest: dict[Path, Metadata] | None, notes: list[str]
+) -> list[Path]:
+    single = len(place.files) == 1 and str(place.files[0]) == place.name
+    if single:
+        return list(place.files)
+    files = [f for f in place.files if f.suffix.lower() in MODULES]
+    if manifest is not None:
+        unnamed = [f for f in files if f not in manifest]
+        files = [f for f in place.files if f in manifest]
+        if unnamed:
+            notes.append(f"{len(unnamed)} files that the manifest does not name are left out.")
+    skipped = {f for f in files for glob in config.skip if fnmatchcase(place.relative(f), glob)}
+    if skipped:
+        notes.append(f"{len(skipped)} frames are skipped as the sidecar says.")
+    files = [f for f in files if f not in skipped]
+    if not files:
+        raise InputError(
+            f"{place.name}: no frames; give a folder with files of: {', '.join(sorted(MODULES))}"
+        )
+    return files
+
+
+def _recordings(
+    place: Place, files: list[Path], config: Config, notes: list[str]
+) -> list[tuple[Path, Recording]]:
+    found: list[tuple[Path, Recording]] = []
+    left_out: Counter[str] = Counter()
+    previous = None
+    for file in files:
+        recording = previous = read_header(file, place.relative(file), config, previous)
+        if recording.left_out:
+            left_out[recording.left_out] += 1
+        else:
+            found.append((file, recording))
+    notes += [f"{n} files are left out: {reason}." for reason, n in left_out.items()]
+    if not found:
+        raise InputError(f"{place.name}: no dark frames; {next(iter(left_out))} in every file")
+    return _one_camera(place, found, notes)
+
+
+def _one_camera(
+    place: Place, found: list[tuple[Path, Recording]], notes: list[str]
+) -> list[tuple[Path, Recording]]:
+    """Camera raw files of the commonest camera; any other mixture of shapes is refused.
+
+    The readout of a camera's raw files has one size, so two sizes are two cameras, and each
+    file's own format and size tell which.
+    """
+    first_file, first = found[0]
+    if all((r.shape, r.dtype) == (first.shape, first.dtype) for _, r in found):
+        return found
+    if all(Path(f).suffix.lower() in _CAMERA_RAW for f, _ in found):
+        counts = Counter((r.format, r.shape) for _, r in found)
+        (kind, shape), count = counts.most_common(1)[0]
+        others = [f for f, r in found if (r.format, r.shape) != (kind, shape)]
+        notes.append(
+            f"The folder holds raw files of {len(counts)} cameras; taken: {count} {kind} of "
+            f"{shape[0]} x {shape[1]}; left out: {place.relative(others[0])}"
+            + (f" and {len(others) - 1} more" if len(others) > 1 else "")
+            + ", to be loaded by itself."
+        )
+        return [(f, r) for f, r in found if (r.format, r.shape) == (kind, shape)]
+    file, other = next((f, r) for f, r in found if (r.shape, r.dtype) != (first.shape, first.dtype))
+    raise InputError(
+        f"{place.relative(file)}: has {other.shape[0]} x {other.shape[1]} pixels of {other.dtype}, "
+        f"{place.relative(first_file)} has {first.shape[0]} x {first.shape[1]} of {first.dtype}; "
+        "one folder holds frames of one sensor and one mode: move one kind elsewhere"
+    )
+
+
+_CAMERA_RAW = {suffix for suffix, module in MODULES.items() if module == "camera_raw"}
+
+
+def _capture_set(
+    place: Place,
+    config: Config,
+    manifest: dict[Path, Metadata],
+    recordings: list[tuple[Path, Recording]],
+    part: str,
+    tolerance_c: float,
+    notes: list[str],
+) -> CaptureSet:
+    frames: list[tuple[Frame, float | None]] = []
+    first = recordings[0][1]
+    window = Window.whole(first.shape)
+    for file, recording in recordings:
+        name = place.relative(file)
+        active, masked = _areas(recording, config, name)
+        window = {"active": active, "masked": masked or active, "all": Window.whole(recording.shape)}[part]
+        if part == "masked" and masked is None:
+            raise InputError(
+                f"{name}: no masked area is known; give optical_black_columns or "
+                "optical_black_rows in the sidecar"
+            )
+        check_shape(name, window.shape)
+        named = _named(place, file, config)
+        for index, header in enumerate(recording.frames):
+            known = manifest.get(file, Metadata()).or_else(header).or_else(named)
+            known = known.or_else(config.metadata())
+            label = name if len(recording.frames) == 1 else f"{name}[{index}]"
+            point = OperatingPoint(known.temperature_c, known.exposure_s, known.gain, known.channel)
+            black = None
+            if part == "active" and masked is not None:
+                black = FrameReader(label, recording.read, index, masked, checked=False)
+            reader = FrameReader(label, recording.read, index, window)
+            frames.append((Frame(label, point, reader, black), known.frame))
+    shapes = {f.load.region.shape for f, _ in frames if isinstance(f.load, FrameReader)}
+    if len(shapes) > 1:
+        raise InputError(
+            f"{place.name}: active areas of different shapes {sorted(shapes)}; set active_rows and "
+            "active_columns in the sidecar"
+        )
+    sensor = Sensor(
+        window.shape,
+        _first(config.bits, first.bits),
+        _first(config.black_level, first.black_level),
+        _first(config.white_level, first.white_level),
+        shifted_cfa(config.colour_filter() or first.cfa, window.top, window.left),
+        _first(config.pixel_pitch_um, first.pixel_pitch_um),
+    )
+    notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
+    formats = tuple(dict.fromkeys(r.format for _, r in recordings))
+    source = Source(formats, str(first.dtype), tolerance_c, part)
+    return CaptureSet(place.name, sensor, group(frames, tolerance_c), tuple(notes), source)
+
+
+def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:
+    """Active and masked area of the readout; the sidecar outranks the header."""
+    whole = Window.whole(recording.shape)
+    active = recording.active or whole
+    if config.active_rows or config.active_columns:
+        active = Window(
+            *(config.active_rows or (active.top, active.bottom)),
+            *(config.active_columns or (active.left, active.right)),
+        )
+    masked = recording.masked
+    if config.optical_black_rows or config.optical_black_columns:
+        masked = Window(
+            *(config.optical_black_rows or (0, whole.bottom)),
+            *(config.optical_black_columns or (0, whole.right)),
+        )
+    for area in (active, masked):
+        if area is not None and (area.bottom > whole.bottom or area.right > whole.right):
+            raise InputError(
+                f"{name}: the sidecar names rows {area.top} to {area.bottom}, columns {area.left} "
+                f"to {area.right}, but the file has {whole.bottom} x {whole.right} pixels"
+            )
+    return active, masked
+
+
+def _named(place: Place, file: Path, config: Config) -> Metadata:
+    """What the file's name and its folders say; the user's own expression first."""
+    relative = Path(place.relative(file))
+    parts = [relative.stem, *reversed(relative.parent.parts), place.root.resolve().name]
+    if config.name_regex is None:
+        return from_names(parts)
+    return from_regex(config.name_regex, relative.as_posix()).or_else(from_names(parts))
+
+
+def _first(*values: T | None) -> T | None:
+    return next((v for v in values if v is not None), None)

@@ -1,0 +1,77 @@
+"""One file a format: the header of a file to a ``Recording``.
+
+Each module has ``SUFFIXES`` and ``read(path, name, config, previous)``, which reads the header
+alone. ``previous`` is the recording of the file before, whose facts of the sensor may be reused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.files import unreadable
+from dnanalyze.loaders.recording import Recording, one_line
+
+Reader = Callable[[Path, str, Config, Recording | None], Recording]
+
+# Suffix to module; a module is imported when a file asks for it.
+MODULES = {
+    **dict.fromkeys((".tif", ".tiff"), "tiff"),
+    **dict.fromkeys((".fits", ".fit", ".fts"), "fits"),
+    **dict.fromkeys((".npy", ".npz"), "numpy_files"),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf"), "hdf5"),
+    **dict.fromkeys((".png",), "png"),
+    **dict.fromkeys((".pgm",), "pgm"),
+    **dict.fromkeys((".raw", ".bin", ".raw8", ".raw10", ".raw12", ".raw14", ".raw16"), "headerless"),
+    **dict.fromkeys(
+        (
+            ".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".srf", ".sr2", ".raf", ".orf",
+            ".rw2", ".pef", ".srw", ".3fr", ".iiq", ".kdc", ".dcr", ".mrw", ".x3f", ".erf", ".mos",
+        ),
+        "camera_raw",
+    ),
+}  # fmt: skip
+
+
+def read_header(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
+    """The header of one file of any format.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+        How the file is named to the user.
+    config : Config
+        The sidecar.
+    previous : Recording, optional
+        Of the file before.
+
+    Raises
+    ------
+    InputError
+        Unknown format, damaged, truncated, unreadable; one line with the remedy.
+    """
+    module = MODULES.get(path.suffix.lower())
+    if module is None:
+        raise InputError(f"{name}: unknown format; valid: {', '.join(sorted(MODULES))}")
+    read: Reader = import_module(f"{__name__}.{module}").read
+    try:
+        with path.open("rb") as file:
+            empty = not file.read(1)
+        if empty:
+            raise InputError(f"{name}: is empty; copy the file again or leave it out")
+        return read(path, name, config, previous)
+    except InputError:
+        raise
+    except (PermissionError, FileNotFoundError, IsADirectoryError) as error:
+        raise unreadable(name, error) from error
+    except MemoryError as error:
+        raise InputError(f"{name}: its header asks for more memory than there is") from error
+    except Exception as error:  # libraries raise anything on damaged files
+        raise InputError(
+            f"{name}: damaged or not the format its name says ({one_line(error)}); "
+            "copy the file again or leave it out"
+        ) from error

@@ -1,0 +1,170 @@
+"""Camera raw and DNG through LibRaw: visible area, masked strip, levels and colour filter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rawpy
+import tifffile
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import Window
+from dnanalyze.loaders.checks import MIN_SIDE, check_memory, check_shape
+from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.headers import from_header
+from dnanalyze.loaders.recording import Metadata, Recording, shifted_cfa
+
+# The rim of a masked area sees stray light and the start of the readout.
+_GUARD_ROWS, _GUARD_COLUMNS = 16, 4
+
+
+def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
+    """The header of a camera raw file.
+
+    LibRaw knows the levels only after it has decoded the pixels, so that is done for the first
+    file of a camera; the others take them from it.
+    """
+    with open_raw(path) as raw:
+        sizes = raw.sizes
+        shape = sizes.raw_height, sizes.raw_width
+        check_shape(name, shape)
+        check_memory(name, 6 * shape[0] * shape[1])
+        metadata = _exif(path)
+        same = previous is not None and (previous.format, previous.shape) == (_kind(path), shape)
+        if metadata is None or not same:
+            _unpack(raw, name)
+            metadata = (metadata or Metadata()).or_else(_shot(raw))
+        if same and previous is not None:
+            return _like(previous, path, metadata)
+        if raw.raw_type != rawpy.RawType.Flat:
+            raise InputError(f"{name}: holds full-colour pixels, not one value a pixel")
+        active = Window(
+            sizes.top_margin,
+            sizes.top_margin + sizes.height,
+            sizes.left_margin,
+            sizes.left_margin + sizes.width,
+        )
+        black = [float(b) for b in raw.black_level_per_channel]
+        masked = _masked(active, shape)
+        notes: tuple[str, ...] = ()
+        if masked is not None:
+            notes = (
+                "The files hold a masked (optical black) strip of "
+                f"{masked.shape[0]} x {masked.shape[1]} pixels; region 'masked' loads it.",
+            )
+        return Recording(
+            _kind(path),
+            shape,
+            np.dtype(np.uint16),
+            RawImage(path),
+            (metadata,),
+            active=active,
+            masked=masked,
+            cfa=_colour_filter(raw, active),
+            bits=math.ceil(math.log2(raw.white_level + 1)) if raw.white_level else None,
+            black_level=sum(black) / len(black) if black else None,
+            white_level=float(raw.white_level) if raw.white_level else None,
+            notes=notes,
+        )
+
+
+@dataclass(frozen=True)
+class RawImage:
+    """Decodes the whole readout; compressed raw has no partial reading."""
+
+    path: Path
+
+    def __call__(self, index: int, window: Window) -> np.ndarray:
+        """Pixels of ``window`` of the readout."""
+        with open_raw(self.path) as raw:
+            return np.array(raw.raw_image[window.slices])
+
+
+def open_raw(path: Path) -> Any:
+    """The file opened by LibRaw, as a context manager.
+
+    Raises
+    ------
+    InputError
+        LibRaw does not know it.
+    """
+    try:
+        return rawpy.imread(str(path))
+    except rawpy.LibRawError as error:
+        raise InputError(
+            f"{path.name}: LibRaw cannot open it ({_text(error)}); it is damaged, truncated or of "
+            "an unknown camera: copy it again, or convert it to DNG"
+        ) from error
+
+
+def _unpack(raw: Any, name: str) -> None:
+    try:
+        raw.unpack()
+    except rawpy.LibRawError as error:
+        raise InputError(
+            f"{name}: LibRaw cannot decode it ({_text(error)}); copy the file again or leave it out"
+        ) from error
+
+
+def _kind(path: Path) -> str:
+    return "DNG" if path.suffix.lower() == ".dng" else f"camera raw {path.suffix[1:].upper()}"
+
+
+def _like(previous: Recording, path: Path, metadata: Metadata) -> Recording:
+    return replace(previous, read=RawImage(path), frames=(metadata,))
+
+
+def _masked(active: Window, shape: tuple[int, int]) -> Window | None:
+    """The left masked strip without its rim, as tall as the readout; None where there is none."""
+    left, right = _GUARD_COLUMNS, active.left - _GUARD_COLUMNS
+    top, bottom = _GUARD_ROWS, shape[0] - _GUARD_ROWS
+    if right - left < MIN_SIDE or bottom - top < MIN_SIDE:
+        return None
+    return Window(top, bottom, left, right)
+
+
+def _colour_filter(raw: Any, active: Window) -> Any:
+    """The filter at the top left of the readout; None for a monochrome sensor."""
+    pattern = raw.raw_pattern
+    if pattern is None or raw.num_colors < 3:
+        return None
+    letters = raw.color_desc.decode("ascii", "replace")
+    rows, columns = pattern.shape
+    visible = tuple(
+        tuple(letters[raw.raw_color(active.top + r, active.left + c)] for c in range(columns))
+        for r in range(rows)
+    )
+    return shifted_cfa(visible, -active.top, -active.left)
+
+
+def _exif(path: Path) -> Metadata | None:
+    """Exposure and ISO of files built like a TIFF (DNG, CR2, NEF, ARW); None for others."""
+    names = ("ExposureTime", "ISOSpeedRatings")
+    found: dict[str, Any] = {}
+    try:
+        with tifffile.TiffFile(path) as tif:
+            for tag in tif.pages[0].tags.values():
+                values = tag.value if tag.name == "ExifTag" else {tag.name: tag.value}
+                if isinstance(values, dict):
+                    found.update({k: v for k, v in values.items() if k in names})
+    except Exception:  # no TIFF, or one that tifffile does not know: LibRaw reads it
+        return None
+    return from_header(found) if found else None
+
+
+def _shot(raw: Any) -> Metadata:
+    """Exposure and ISO as LibRaw reads them."""
+    other = getattr(raw, "other", None)
+    if other is None:
+        return Metadata()
+    exposure, iso = float(other.shutter_speed), float(other.iso_speed)
+    return Metadata(exposure_s=exposure or None, gain=iso or None)
+
+
+def _text(error: Exception) -> str:
+    parts = [p.decode("utf-8", "replace") if isinstance(p, bytes) else str(p) for p in error.args]
+    return " ".join(parts) or type(error).__name__

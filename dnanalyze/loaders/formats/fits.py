@@ -1,0 +1,186 @@
+"""FITS: images and cubes, with the key words of CCD cameras.
+
+Unsigned integers stored with BZERO (FITS standard 4.0, section 5.2.5) stay unsigned integers;
+any other BSCALE or BZERO makes float32.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from astropy.io import fits
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import Window
+from dnanalyze.loaders.checks import check_length, check_shape
+from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.headers import bayer_pattern, from_header, image_type
+from dnanalyze.loaders.plain import PlainPixels
+from dnanalyze.loaders.recording import Metadata, Recording, shifted_cfa
+
+_DTYPES = {8: ">u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
+_BLOCK = 2880  # bytes
+_MAX_HEADER_BLOCKS = 2000  # 72000 cards
+
+
+def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
+    """The header of the first image of a FITS file."""
+    _check_header_ends(path, name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # astropy warns of what is checked and worded below
+        with fits.open(path, memmap=False, do_not_scale_image_data=True) as hdus:
+            hdu = _first_image(hdus, name)
+            header, offset = hdu.header.copy(), hdu.fileinfo()["datLoc"]
+    axes = [int(header[f"NAXIS{k}"]) for k in range(header["NAXIS"], 0, -1)]
+    shape = axes[-2], axes[-1]
+    check_shape(name, shape)
+    count = int(np.prod(axes[:-2], dtype=np.int64)) if len(axes) > 2 else 1
+    if len(axes) > 4 or (len(axes) > 2 and count == 3 and "COLORTYP" in header):
+        raise InputError(f"{name}: has {axes} pixels; give an image or a cube of frames")
+    stored = np.dtype(_DTYPES[header["BITPIX"]])
+    frame_bytes = shape[0] * shape[1] * stored.itemsize
+    check_length(name, offset + count * frame_bytes, path.stat().st_size)
+    offsets = tuple(offset + k * frame_bytes for k in range(count))
+    scale, zero = float(header.get("BSCALE", 1.0)), float(header.get("BZERO", 0.0))
+    unsigned = stored.kind == "i" and scale == 1.0 and zero == 2.0 ** (8 * stored.itemsize - 1)
+    plain = PlainPixels(path, offsets, shape, stored.str, unsigned)
+    notes: list[str] = []
+    active, masked = _sections(header, shape, notes)
+    recording = Recording(
+        "FITS",
+        shape,
+        np.dtype(stored.newbyteorder("=").str.replace("i", "u") if unsigned else stored),
+        plain,
+        (_metadata(header),) * count,
+        active=active,
+        masked=masked,
+        cfa=_colour_filter(header),
+        pixel_pitch_um=_positive(header.get("XPIXSZ")),
+        notes=tuple(notes),
+        left_out=_left_out(header),
+    )
+    if unsigned or (scale == 1.0 and zero == 0.0 and "BLANK" not in header):
+        return recording
+    blank = header.get("BLANK") if stored.kind in "iu" else None
+    return replace(recording, dtype=np.dtype(np.float32), read=Scaled(plain, scale, zero, blank))
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """``BZERO + BSCALE * stored`` in float32; stored ``BLANK`` becomes NaN."""
+
+    plain: PlainPixels
+    scale: float
+    zero: float
+    blank: int | None
+
+    def __call__(self, index: int, window: Window) -> np.ndarray:
+        """Pixels of ``window`` of plane ``index``."""
+        stored = self.plain(index, window)
+        array = (stored * self.scale + self.zero).astype(np.float32)
+        if self.blank is not None:
+            array[stored == self.blank] = np.nan
+        return array
+
+
+def _check_header_ends(path: Path, name: str) -> None:
+    """Refuse a file that is no FITS, or whose first header has no end, before it is parsed."""
+    with path.open("rb") as file:
+        for number in range(_MAX_HEADER_BLOCKS):
+            block = file.read(_BLOCK)
+            if number == 0 and not block.startswith(b"SIMPLE  ="):
+                raise InputError(f"{name}: is no FITS file (no SIMPLE card); correct its suffix")
+            if len(block) < _BLOCK:
+                raise InputError(f"{name}: truncated within its header; copy the file again")
+            if any(block[k : k + 8] == b"END     " for k in range(0, _BLOCK, 80)):
+                return
+    raise InputError(f"{name}: its header has no END in {_MAX_HEADER_BLOCKS} blocks; damaged")
+
+
+def _first_image(hdus: Any, name: str) -> Any:
+    for hdu in hdus:
+        if getattr(hdu, "is_image", False) and hdu.header.get("NAXIS", 0) >= 2:
+            if isinstance(hdu, fits.CompImageHDU):
+                raise InputError(f"{name}: is tile-compressed; unpack it with funpack first")
+            return hdu
+    raise InputError(f"{name}: holds no image; give files with one image or cube each")
+
+
+def _metadata(header: fits.Header) -> Metadata:
+    cards = {c.keyword: c for c in header.cards if c.keyword not in ("", "COMMENT", "HISTORY")}
+    found = from_header(
+        {k: c.value for k, c in cards.items()}, {k: c.comment for k, c in cards.items()}
+    )
+    if image_type(header) == "bias":
+        found = Metadata(found.temperature_c, 0.0, found.gain, found.channel, found.frame)
+    return found
+
+
+def _left_out(header: fits.Header) -> str:
+    kind = image_type(header)
+    return f"its header says {kind} frame" if kind in ("light", "flat") else ""
+
+
+def _section(text: Any, shape: tuple[int, int]) -> Window | None:
+    """``[x1:x2,y1:y2]``, from 1 and inclusive, to a window; None where it does not fit."""
+    match = re.fullmatch(r"\s*\[(\d+):(\d+),(\d+):(\d+)\]\s*", str(text))
+    if match is None:
+        return None
+    x1, x2, y1, y2 = map(int, match.groups())
+    fits_in = 1 <= x1 <= x2 <= shape[1] and 1 <= y1 <= y2 <= shape[0]
+    return Window(y1 - 1, y2, x1 - 1, x2) if fits_in else None
+
+
+def _sections(
+    header: fits.Header, shape: tuple[int, int], notes: list[str]
+) -> tuple[Window | None, Window | None]:
+    """Active area from DATASEC or TRIMSEC; overscan from BIASSEC, or what lies beside the data."""
+    active = _section(header.get("DATASEC"), shape) or _section(header.get("TRIMSEC"), shape)
+    bias = _section(header.get("BIASSEC"), shape)
+    if active == Window.whole(shape):
+        active = None
+    if active is None:
+        return None, bias
+    if bias is not None and _disjoint(active, bias):
+        return active, bias
+    beside = _widest_margin(active, shape)
+    if bias is not None:
+        notes.append(
+            f"BIASSEC {header['BIASSEC']} overlaps DATASEC {header['DATASEC']}; the overscan is "
+            f"taken to be rows {beside.top} to {beside.bottom - 1}, columns {beside.left} to "
+            f"{beside.right - 1} (from 0), which DATASEC leaves out."
+        )
+    return active, beside
+
+
+def _disjoint(a: Window, b: Window) -> bool:
+    return a.right <= b.left or b.right <= a.left or a.bottom <= b.top or b.bottom <= a.top
+
+
+def _widest_margin(active: Window, shape: tuple[int, int]) -> Window:
+    rows, columns = shape
+    margins = (
+        Window(active.top, active.bottom, 0, active.left),
+        Window(active.top, active.bottom, active.right, columns),
+        Window(0, active.top, active.left, active.right),
+        Window(active.bottom, rows, active.left, active.right),
+    )
+    return max(margins, key=lambda m: m.shape[0] * m.shape[1])
+
+
+def _colour_filter(header: fits.Header) -> Any:
+    pattern = bayer_pattern(header.get("BAYERPAT", header.get("COLORTYP", "")))
+    try:
+        dx, dy = int(header.get("XBAYROFF", 0)), int(header.get("YBAYROFF", 0))
+    except (TypeError, ValueError):
+        dx = dy = 0
+    return shifted_cfa(pattern, dy, dx)
+
+
+def _positive(value: Any) -> float | None:
+    return float(value) if isinstance(value, (int, float)) and value > 0 else None

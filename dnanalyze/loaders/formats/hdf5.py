@@ -1,0 +1,126 @@
+"""HDF5: every 2-D or 3-D numeric dataset of one shape, with the attributes on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import Window
+from dnanalyze.loaders.checks import check_length, check_memory
+from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.files import natural_key
+from dnanalyze.loaders.formats.numpy_files import stack_shape
+from dnanalyze.loaders.headers import bayer_pattern, from_header
+from dnanalyze.loaders.recording import Metadata, Recording
+
+_MAX_DATASETS = 100_000
+_PER_FRAME = ("temperature_c", "exposure_s", "gain")
+
+
+def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
+    """The datasets of an HDF5 file.
+
+    Attributes of a dataset outrank those of its group, and those the file's. An attribute
+    ``temperature_c``, ``exposure_s`` or ``gain`` may hold one value for each frame of a stack.
+    """
+    places: list[tuple[str, int]] = []
+    metadata: list[Metadata] = []
+    first: tuple[tuple[int, int], np.dtype] | None = None
+    with h5py.File(path, "r") as file:
+        root = dict(file.attrs)
+        for label in _datasets(file, name):
+            data = file[label]
+            where = f"{name}: {label}"
+            count, frame = stack_shape(where, data.shape, False, data.dtype)
+            if first is not None and (frame, data.dtype) != first:
+                raise InputError(
+                    f"{where}: is {frame} {data.dtype}, the first dataset {first[0]} {first[1]}; "
+                    "store frames of one shape and type"
+                )
+            first = frame, data.dtype
+            if data.external:
+                raise InputError(f"{where}: keeps its pixels in another file; repack the dataset")
+            size = frame[0] * frame[1] * data.dtype.itemsize
+            if data.chunks is None:
+                offset = data.id.get_offset()
+                if offset is not None:
+                    check_length(where, offset + count * size, path.stat().st_size)
+            else:
+                chunk = int(np.prod(data.chunks, dtype=np.int64)) * data.dtype.itemsize
+                check_memory(where, size + chunk)
+            attributes = root | _group_attributes(file, label) | dict(data.attrs)
+            places += [(label, k) for k in range(count)]
+            metadata += _metadata(attributes, count)
+    if first is None:
+        raise InputError(f"{name}: holds no 2-D or 3-D numeric dataset; store frames in one")
+    return Recording(
+        "HDF5",
+        first[0],
+        first[1].newbyteorder("="),
+        Datasets(path, tuple(places)),
+        tuple(metadata),
+        cfa=bayer_pattern(_text(attributes.get("cfa", attributes.get("BAYERPAT", "")))),
+        black_level=_number(attributes.get("black_level")),
+        white_level=_number(attributes.get("white_level")),
+        pixel_pitch_um=_number(attributes.get("pixel_pitch_um")),
+    )
+
+
+@dataclass(frozen=True)
+class Datasets:
+    """Frames of the datasets of a file: (dataset, index in it) for each."""
+
+    path: Path
+    places: tuple[tuple[str, int], ...]
+
+    def __call__(self, index: int, window: Window) -> np.ndarray:
+        """Pixels of ``window`` of frame ``index``; only the chunks that it touches are read."""
+        label, number = self.places[index]
+        with h5py.File(self.path, "r") as file:
+            data = file[label]
+            return data[window.slices] if data.ndim == 2 else data[(number, *window.slices)]
+
+
+def _datasets(file: h5py.File, name: str) -> list[str]:
+    found: list[str] = []
+
+    def visit(label: str, item: Any) -> None:
+        if len(found) > _MAX_DATASETS:
+            raise InputError(f"{name}: more than {_MAX_DATASETS} datasets; split the file")
+        if isinstance(item, h5py.Dataset) and item.ndim in (2, 3) and item.dtype.kind in "iuf":
+            found.append(label)
+
+    file.visititems(visit)  # soft and external links are not followed
+    return sorted(found, key=natural_key)
+
+
+def _group_attributes(file: h5py.File, label: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    parts = label.split("/")[:-1]
+    for depth in range(1, len(parts) + 1):
+        found |= dict(file["/".join(parts[:depth])].attrs)
+    return found
+
+
+def _metadata(attributes: Mapping[str, Any], count: int) -> list[Metadata]:
+    lists = {
+        key: values
+        for key in _PER_FRAME
+        if np.ndim(values := attributes.get(key)) == 1 and np.size(values) == count
+    }
+    plain = {k: _text(v) for k, v in attributes.items() if np.ndim(v) == 0}
+    return [from_header(plain | {k: v[i] for k, v in lists.items()}) for i in range(count)]
+
+
+def _text(value: Any) -> Any:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if isinstance(value, (int, float, np.number)) else None

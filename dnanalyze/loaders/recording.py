@@ -1,0 +1,167 @@
+"""What the header of one file says, and how its frames become ``Frame.load``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import Window
+from dnanalyze.loaders.checks import check_finite, check_pixels, worth_a_look
+
+Cfa = tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Metadata:
+    """What one source says of one frame; ``None`` is not said.
+
+    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting.
+    """
+
+    temperature_c: float | None = None
+    exposure_s: float | None = None
+    gain: float | None = None
+    channel: str | None = None
+    frame: float | None = None
+
+    def or_else(self, other: Metadata) -> Metadata:
+        """Field by field, this source's word, or else the other's."""
+        return Metadata(
+            *(
+                getattr(self, f.name) if getattr(self, f.name) is not None else getattr(other, f.name)
+                for f in fields(self)
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One file: its header, and a way to its pixels.
+
+    Parameters
+    ----------
+    format : str
+        Name for people, such as "TIFF".
+    shape : tuple of int
+        (rows, columns) of the whole readout, masked pixels included.
+    dtype : numpy.dtype
+        Of the pixels as stored.
+    read : callable
+        ``read(index, window)``: pixels of frame ``index``, DN; picklable.
+    frames : tuple of Metadata
+        One for each frame in the file.
+    active : Window, optional
+        Where light falls; None is everywhere.
+    masked : Window, optional
+        Optical black or overscan.
+    cfa : tuple of tuple of str, optional
+        Colour filter at the top left of the whole readout.
+    bits, black_level, white_level, pixel_pitch_um
+        As in ``Sensor``.
+    notes : tuple of str
+        What was assumed, one sentence each.
+    left_out : str
+        Why the file is no dark frame, or "".
+    """
+
+    format: str
+    shape: tuple[int, int]
+    dtype: np.dtype
+    read: Callable[[int, Window], np.ndarray]
+    frames: tuple[Metadata, ...] = (Metadata(),)
+    active: Window | None = None
+    masked: Window | None = None
+    cfa: Cfa | None = None
+    bits: int | None = None
+    black_level: float | None = None
+    white_level: float | None = None
+    pixel_pitch_um: float | None = None
+    notes: tuple[str, ...] = ()
+    left_out: str = ""
+
+
+@dataclass(frozen=True)
+class FrameReader:
+    """``Frame.load`` of one frame of a file: a region of its readout, checked, nothing kept.
+
+    Parameters
+    ----------
+    name : str
+        For messages.
+    read : callable
+        ``Recording.read``.
+    index : int
+        Frame in the file.
+    region : Window
+        Rectangle of the readout that is the frame.
+    checked : bool
+        Whether ``check_pixels`` applies; a masked strip may well be clipped to one value.
+    """
+
+    name: str
+    read: Callable[[int, Window], np.ndarray]
+    index: int
+    region: Window
+    checked: bool = True
+
+    def __call__(self, window: Window | None = None) -> np.ndarray:
+        """Pixels of ``window`` (None is all), DN: native byte order, C-contiguous, 2-D.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read any more, or ``check_pixels`` refuses it.
+        """
+        whole = Window.whole(self.region.shape)
+        window = window or whole
+        array = self._pixels(window)
+        if not self.checked:
+            return array
+        if window == whole:
+            check_pixels(self.name, array)
+        else:
+            check_finite(self.name, array)
+            if worth_a_look(array):  # a clipped corner, or an empty frame: the whole decides
+                check_pixels(self.name, self._pixels(whole))
+        return array
+
+    def _pixels(self, window: Window) -> np.ndarray:
+        region = self.region
+        place = Window(
+            region.top + window.top,
+            region.top + window.bottom,
+            region.left + window.left,
+            region.left + window.right,
+        )
+        try:
+            array = self.read(self.index, place)
+        except InputError:
+            raise
+        except Exception as error:  # decoders raise anything; the user needs one line
+            raise InputError(
+                f"{self.name}: cannot be decoded ({one_line(error)}); "
+                "copy the file again or leave it out"
+            ) from error
+        if array.dtype.kind == "f" and array.dtype != np.float32:
+            array = array.astype(np.float32)
+        return np.ascontiguousarray(array, array.dtype.newbyteorder("="))
+
+
+def one_line(error: BaseException) -> str:
+    """An exception's text on one line, shortened."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 160 else text[:157] + "..."
+
+
+def shifted_cfa(cfa: Cfa | None, top: int, left: int) -> Cfa | None:
+    """The colour filter seen from row ``top``, column ``left`` of where it was stated."""
+    if cfa is None:
+        return None
+    rows, columns = len(cfa), len(cfa[0])
+    return tuple(
+        tuple(cfa[(top + r) % rows][(left + c) % columns] for c in range(columns))
+        for r in range(rows)
+    )
