@@ -55,7 +55,7 @@ class OperatingPoint:
 
 @dataclass(frozen=True)
 class Window:
-    """A rectangle of the sensor: rows ``top`` to ``bottom``, columns ``left`` to ``right`` (half open)."""
+    """A rectangle: rows ``top`` to ``bottom``, columns ``left`` to ``right`` (half open)."""
 
     top: int
     bottom: int

@@ -59,27 +59,27 @@ class Config(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    width: int | None = Field(None, gt=0)
-    height: int | None = Field(None, gt=0)
-    bits: int | None = Field(None, ge=1, le=32)
+    width: int | None = Field(default=None, gt=0)
+    height: int | None = Field(default=None, gt=0)
+    bits: int | None = Field(default=None, ge=1, le=32)
     packing: Literal["plain", "mipi", "lsb"] = "plain"
     byte_order: Literal["little", "big"] = "little"
-    header_offset: int = Field(0, ge=0)
-    row_bytes: int | None = Field(None, gt=0)
+    header_offset: int = Field(default=0, ge=0)
+    row_bytes: int | None = Field(default=None, gt=0)
     cfa: str | None = None
     black_level: float | None = None
     white_level: float | None = None
-    pixel_pitch_um: float | None = Field(None, gt=0)
+    pixel_pitch_um: float | None = Field(default=None, gt=0)
     active_rows: Span | None = None
     active_columns: Span | None = None
     optical_black_rows: Span | None = None
     optical_black_columns: Span | None = None
     name_regex: str | None = None
     temperature_c: float | None = None
-    exposure_s: float | None = Field(None, ge=0)
+    exposure_s: float | None = Field(default=None, ge=0)
     gain: float | None = None
     channel: str | None = None
-    tolerance_c: float | None = Field(None, ge=0)
+    tolerance_c: float | None = Field(default=None, ge=0)
     skip: tuple[str, ...] = ()
     region: Literal["active", "masked", "all"] | None = None
 
@@ -123,7 +123,7 @@ class Config(BaseModel):
 
 
 def cfa_rows(text: str) -> Cfa:
-    """"RGGB" to (("R","G"),("G","B")); 4 or 16 letters."""
+    """Text "RGGB" as (("R","G"),("G","B")); 4 or 16 letters."""
     side = int(len(text) ** 0.5)
     return tuple(tuple(text[r * side : (r + 1) * side]) for r in range(side))
 

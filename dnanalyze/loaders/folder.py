@@ -170,12 +170,7 @@ def _capture_set(
     for file, recording in recordings:
         name = place.relative(file)
         active, masked = _areas(recording, config, name)
-        window = {"active": active, "masked": masked or active, "all": Window.whole(recording.shape)}[part]
-        if part == "masked" and masked is None:
-            raise InputError(
-                f"{name}: no masked area is known; give optical_black_columns or "
-                "optical_black_rows in the sidecar"
-            )
+        window = _region(part, active, masked, Window.whole(recording.shape), name)
         check_shape(name, window.shape)
         named = _named(place, file, config)
         for index, header in enumerate(recording.frames):
@@ -230,6 +225,21 @@ def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Win
                 f"to {area.right}, but the file has {whole.bottom} x {whole.right} pixels"
             )
     return active, masked
+
+
+def _region(part: str, active: Window, masked: Window | None, whole: Window, name: str) -> Window:
+    if part == "active":
+        return active
+    if part == "all":
+        return whole
+    if part != "masked":
+        raise InputError(f"region {part!r}: valid: active, masked, all")
+    if masked is None:
+        raise InputError(
+            f"{name}: no masked area is known; give optical_black_columns or "
+            "optical_black_rows in the sidecar"
+        )
+    return masked
 
 
 def _named(place: Place, file: Path, config: Config) -> Metadata:

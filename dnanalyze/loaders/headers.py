@@ -73,7 +73,7 @@ def from_text(text: str) -> Metadata:
 
 
 def image_type(values: Mapping[str, Any]) -> str:
-    """"bias", "dark", "light", "flat" or "" as IMAGETYP and its like say."""
+    """What IMAGETYP and its like say: "bias", "dark", "light", "flat" or ""."""
     for key in ("IMAGETYP", "IMAGETYPE", "FRAMETYP", "OBSTYPE"):
         text = str(values.get(key, "")).strip().lower()
         for kind, words in (
@@ -88,7 +88,7 @@ def image_type(values: Mapping[str, Any]) -> str:
 
 
 def bayer_pattern(text: Any) -> tuple[tuple[str, ...], ...] | None:
-    """"RGGB" or "BAYER_RGGB" to rows; None for anything else."""
+    """Rows of "RGGB" or "BAYER_RGGB"; None for anything else."""
     match = re.search(r"(RGGB|BGGR|GRBG|GBRG)", str(text).upper())
     return None if match is None else (tuple(match[1][:2]), tuple(match[1][2:]))
 

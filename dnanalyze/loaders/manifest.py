@@ -1,4 +1,4 @@
-"""``manifest.csv`` or ``manifest.yaml``: the user's own table of frames, which outranks all else."""
+"""``manifest.csv`` or ``manifest.yaml``: the user's own table, which outranks all else."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _TEMPERATURES = (
         rf"_?(?:deg|°)?_?c{_END}",
         re.IGNORECASE,
     ),
-    # t025 and temp_25: without a unit, two digits at least (t1, t2 count frames) or the long key word
+    # t025 and temp_25: two digits at least (t1, t2 count frames) or the key word
     re.compile(
         rf"{_START}(?:t(?P<sign>[+-]|m|neg)?(?P<value>\d{{2,3}}(?:\.\d+)?))(?:deg|°)?{_END}(?!\.\d)",
         re.IGNORECASE,

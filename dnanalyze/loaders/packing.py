@@ -104,4 +104,5 @@ def _bit_field(data: np.ndarray, start: int, length: int) -> np.ndarray:
 def _put_field(data: np.ndarray, start: int, length: int, value: np.ndarray) -> None:
     for byte in range(start // 8, (start + length - 1) // 8 + 1):
         shift = 8 * byte - start
-        data[..., byte] |= ((value >> shift if shift >= 0 else value << -shift) & 255).astype(np.uint8)
+        part = value >> shift if shift >= 0 else value << -shift
+        data[..., byte] |= (part & 255).astype(np.uint8)

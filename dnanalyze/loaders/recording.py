@@ -29,12 +29,8 @@ class Metadata:
 
     def or_else(self, other: Metadata) -> Metadata:
         """Field by field, this source's word, or else the other's."""
-        return Metadata(
-            *(
-                getattr(self, f.name) if getattr(self, f.name) is not None else getattr(other, f.name)
-                for f in fields(self)
-            )
-        )
+        pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return Metadata(*(mine if mine is not None else theirs for mine, theirs in pairs))
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,9 @@ MODULES = {
     **dict.fromkeys((".h5", ".hdf5", ".hdf"), "hdf5"),
     **dict.fromkeys((".png",), "png"),
     **dict.fromkeys((".pgm",), "pgm"),
-    **dict.fromkeys((".raw", ".bin", ".raw8", ".raw10", ".raw12", ".raw14", ".raw16"), "headerless"),
+    **dict.fromkeys(
+        (".raw", ".bin", ".raw8", ".raw10", ".raw12", ".raw14", ".raw16"), "headerless"
+    ),
     **dict.fromkeys(
         (
             ".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".srf", ".sr2", ".raf", ".orf",

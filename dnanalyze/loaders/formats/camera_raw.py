@@ -147,7 +147,8 @@ def _exif(path: Path) -> Metadata | None:
     found: dict[str, Any] = {}
     try:
         with tifffile.TiffFile(path) as tif:
-            for tag in tif.pages[0].tags.values():
+            page: Any = tif.pages[0]
+            for tag in page.tags.values():
                 values = tag.value if tag.name == "ExifTag" else {tag.name: tag.value}
                 if isinstance(values, dict):
                     found.update({k: v for k, v in values.items() if k in names})

@@ -109,11 +109,7 @@ def _group_attributes(file: h5py.File, label: str) -> dict[str, Any]:
 
 
 def _metadata(attributes: Mapping[str, Any], count: int) -> list[Metadata]:
-    lists = {
-        key: values
-        for key in _PER_FRAME
-        if np.ndim(values := attributes.get(key)) == 1 and np.size(values) == count
-    }
+    lists = {k: v for k, v in attributes.items() if k in _PER_FRAME and np.shape(v) == (count,)}
     plain = {k: _text(v) for k, v in attributes.items() if np.ndim(v) == 0}
     return [from_header(plain | {k: v[i] for k, v in lists.items()}) for i in range(count)]
 

@@ -45,12 +45,12 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             "header_offset in the sidecar"
         )
     offsets = tuple(config.header_offset + k * frame for k in range(count))
-    plain_rows = not packed and stride == width * dtype.itemsize
-    decode = (
-        PlainPixels(path, offsets, (height, width), dtype.str)
-        if plain_rows
-        else RawRows(path, offsets, width, stride, bits, config.packing if packed else "plain", dtype.str)
-    )
+    decode: PlainPixels | RawRows
+    if not packed and stride == width * dtype.itemsize:
+        decode = PlainPixels(path, offsets, (height, width), dtype.str)
+    else:
+        packing = config.packing if packed else "plain"
+        decode = RawRows(path, offsets, width, stride, bits, packing, dtype.str)
     kind = f"RAW{bits} {config.packing}" if packed else f"RAW{bits}"
     native = np.dtype(np.uint16) if packed else dtype.newbyteorder("=")
     return Recording(kind, (height, width), native, decode, (Metadata(),) * count, bits=bits)

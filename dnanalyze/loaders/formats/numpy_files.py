@@ -71,9 +71,7 @@ def stack_shape(
     if len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4:
         raise InputError(f"{name}: has shape {shape}, a colour image; give raw frames")
     if fortran:
-        raise InputError(
-            f"{name}: is in Fortran order; save numpy.ascontiguousarray of it"
-        )
+        raise InputError(f"{name}: is in Fortran order; save numpy.ascontiguousarray of it")
     rows, columns = shape[-2:]
     check_shape(name, (rows, columns))
     return (shape[0] if len(shape) == 3 else 1), (rows, columns)

@@ -80,9 +80,7 @@ def _pages(tif: tifffile.TiffFile) -> list[Any]:
 
 def _page_shape(page: Any, name: str) -> tuple[int, int]:
     if page.samplesperpixel > 1 or len(page.shape) != 2:
-        raise InputError(
-            f"{name}: is {page.shape}, a colour or volume image; give raw frames of one value a pixel"
-        )
+        raise InputError(f"{name}: is {page.shape}, a colour or volume image; give raw frames")
     return page.shape
 
 
