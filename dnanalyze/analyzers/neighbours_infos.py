@@ -1,0 +1,93 @@
+"""What the statistics of neighbours are, and what a misfit of each says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo
+
+_FAMILY = "neighbours"
+LAG_NAMES = ("10", "01", "11", "20", "02")  # dx, dy
+_AWAY = {
+    "10": "next in the row",
+    "01": "next in the column",
+    "11": "next on the diagonal",
+    "20": "two apart in the row",
+    "02": "two apart in the column",
+}
+_OF = {
+    "frame": "in single frames",
+    "pattern": "in the fixed pattern",
+    "temporal": "between frames",
+}
+
+
+def _correlations(part: str) -> Iterator[StatisticInfo]:
+    for name in LAG_NAMES:
+        title = f"correlation of pixels {_AWAY[name]}, {_OF[part]}"
+        yield StatisticInfo(
+            f"{part}_corr_{name}", _FAMILY, "1", title,
+            high=f"pixels {_AWAY[name]} are more alike {_OF[part]} than in the model: crosstalk, "
+            "denoise, or a coarser structure",
+            low=f"pixels {_AWAY[name]} are less alike {_OF[part]} than in the model: sharpening, or too "
+            "much crosstalk in the model",
+        )  # fmt: skip
+
+
+def _ranks(part: str) -> Iterator[StatisticInfo]:
+    for name, word, end in (("pmax8", "above", "high"), ("pmin8", "below", "low")):
+        yield StatisticInfo(
+            f"{part}_{name}", _FAMILY, "1", f"9 x the share of pixels {word} all 8 neighbours {_OF[part]}",
+            high=f"more pixels stand {word} all their neighbours {_OF[part]} than in the model",
+            low=f"fewer pixels stand {word} all their neighbours {_OF[part]} than in the model: a spatial "
+            f"filter cuts {end} pixels, or crosstalk",
+        )  # fmt: skip
+
+
+INFOS: tuple[StatisticInfo, ...] = (
+    *_correlations("pattern"),
+    *_correlations("temporal"),
+    *_ranks("frame"),
+    *_ranks("pattern"),
+    *_ranks("temporal"),
+    *(
+        StatisticInfo(
+            name, _FAMILY, "1", f"share of a hot pixel's excess {where}",
+            high=f"hot pixels leave more {where} than in the model: crosstalk or blooming",
+            low=f"hot pixels leave less {where} than in the model",
+        )
+        for name, where in (
+            ("hot_halo", "in each of its 8 neighbours"),
+            ("hot_halo_2", "in each pixel two away"),
+        )
+    ),
+    *(
+        StatisticInfo(
+            f"excess_{k}", _FAMILY, "pixels", f"pixels of a frame {k} sigma above all neighbours",
+            Scale.ROOT,
+            high="more single pixels stand out of their neighbourhood than in the model: hot pixels, "
+            "blinking pixels or cosmic rays",
+            low="fewer single pixels stand out of their neighbourhood than in the model: a defect "
+            "correction caps them, or they come in clusters",
+        )
+        for k in (4, 8, 16)
+    ),
+    StatisticInfo(
+        "ties_max8", _FAMILY, "1", "share of the top 1 % that equal their highest neighbour",
+        high="too many of the brightest pixels equal their highest neighbour exactly: a defect "
+        "correction copies neighbours",
+        low="fewer of the brightest pixels equal their highest neighbour than in the model",
+    ),
+    StatisticInfo(
+        "local_variance_cv", _FAMILY, "1", "CV^2 of the temporal variance of 4x4 tiles", Scale.LOG,
+        high="the temporal noise is more uneven from place to place than in the model, {ratio} times: "
+        "blinking pixels, heavy tails, or an edge-preserving denoise",
+        low="the temporal noise is more even from place to place than in the model",
+    ),
+    StatisticInfo(
+        "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band between frames",
+        high="the finest detail of the temporal noise has heavier tails than in the model: a wavelet "
+        "denoise, blinking pixels or cosmic rays",
+        low="the finest detail of the temporal noise has lighter tails than in the model",
+    ),
+)  # fmt: skip
