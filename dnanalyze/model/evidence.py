@@ -1,4 +1,4 @@
-"""What a first guess asks of the clues: is there a sign, how much is unexplained, which curve shows it."""
+"""What a first guess asks of the clues: is there a sign, how much, and which curve shows it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def named(prefix: str, bands: Iterable[str]) -> tuple[str, ...]:
 
 
 def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:
-    """Whether any of the statistics is above (+1), below (-1) or off (0) the model in any setting."""
+    """Whether one of the statistics is above (+1), below (-1) or off (0) the model anywhere."""
     for name in names:
         z = np.asarray(clues.z(name), float)
         z = np.abs(z) if direction == 0 else direction * z
@@ -60,7 +60,7 @@ def band_excess(clues: Clues, prefix: str, bands: Sequence[str] = LINE_BANDS) ->
 
 
 def mean_power(power: np.ndarray, bands: Sequence[str] = LINE_BANDS) -> np.ndarray:
-    """Mean over frequency of a line spectrum given in bands, one a setting; absent bands are left out."""
+    """Mean over frequency of a line spectrum in bands, one a setting; absent bands are left out."""
     width = np.array([b - a for a, b in map(edges, bands)])[:, None]
     held = np.where(np.isfinite(power), width, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -103,7 +103,7 @@ def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
 
 
 def strongest(clues: Clues, names: Iterable[str]) -> int | None:
-    """The setting in which one of the statistics is farthest off the model, of those that have one."""
+    """The setting in which one of the statistics is farthest off the model; None: none has any."""
     z = np.stack([np.abs(np.asarray(clues.z(name), float)) for name in names])
     z = np.where(np.isfinite(z), z, -1.0).max(axis=0)
     return int(np.argmax(z)) if z.size and z.max() >= 0 else None

@@ -1,6 +1,6 @@
-"""Filters within a frame: defect-pixel correction and denoise, on the whole frame or within a colour.
+"""Filters within a frame: defect-pixel correction and denoise, over all pixels or within a colour.
 
-Every filter mirrors the frame at its edges (the edge pixel itself is not repeated) and returns float32.
+Every filter mirrors the frame at its edges, without repeating the edge pixel, and gives float32.
 """
 
 from __future__ import annotations
@@ -300,7 +300,8 @@ def nonlocal_means(
     """Mean of the pixels around, weighted by how alike their patches are.
 
     w = exp(-max(D - 2 sigma^2, 0) / h^2), D the mean squared difference of two patches, over
-    (2 distance + 1)^2 places (Buades, Coll, Morel, CVPR 2005, in the form of scikit-image's fast mode).
+    (2 distance + 1)^2 places (Buades, Coll, Morel, CVPR 2005; flat patches, as in the fast
+    mode of scikit-image).
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Noise with a power-law spectrum, on a field and along the raster scan of a frame.
 
-Both are drawn in the frequency domain over the whole frame and cut to the window, so the power law holds
-to the lowest frequency that the frame has. The mean over the frame is zero.
+Both are drawn in the frequency domain over the whole frame, so the power law holds to the lowest
+frequency that the frame has; a window is cut out of it. The mean over the frame is zero.
 """
 
 from __future__ import annotations
@@ -25,20 +25,36 @@ def field(white: np.ndarray, alpha: float) -> np.ndarray:
     ndarray, shape (rows, columns), float32
         Expected variance 1 over the frame.
     """
-    rows, columns = white.shape
-    u = fft.rfftfreq(columns)[None, :]
-    v = fft.fftfreq(rows)[:, None]
+    weight = _field_power(white.shape, alpha)
+    weight /= np.sum(weight * _multiplicity(white.shape)) / white.size
+    np.sqrt(weight, out=weight)
+    return fft.irfft2(fft.rfft2(white) * weight.astype(np.float32), s=white.shape)
+
+
+def mean_power(shape: tuple[int, int], alpha: float) -> float:
+    """Variance of a field of power rho^-alpha, without its mean, on a frame of this shape."""
+    power = _field_power(shape, alpha) * _multiplicity(shape)
+    return float(power.sum()) / (shape[0] * shape[1])
+
+
+def _field_power(shape: tuple[int, int], alpha: float) -> np.ndarray:
+    """rho^-alpha of the modes of `scipy.fft.rfft2`, 0 for the mean."""
+    u = fft.rfftfreq(shape[1])[None, :]
+    v = fft.fftfreq(shape[0])[:, None]
     rho2 = u * u + v * v
     rho2[0, 0] = 1.0
-    weight = rho2 ** (-alpha / 4.0)
-    weight[0, 0] = 0.0
-    twice = np.full(u.shape, 2.0)  # every mode but those of u = 0 and 1/2 stands for its mirror too
-    twice[0, 0] = 1.0
-    if columns % 2 == 0:
-        twice[0, -1] = 1.0
-    power = np.sum(weight * weight * twice) / (rows * columns)
-    weight = (weight / np.sqrt(power)).astype(np.float32)
-    return fft.irfft2(fft.rfft2(white) * weight, s=white.shape)
+    power = rho2 ** (-alpha / 2.0)
+    power[0, 0] = 0.0
+    return power
+
+
+def _multiplicity(shape: tuple[int, int]) -> np.ndarray:
+    """How often a mode of `scipy.fft.rfft2` stands in the full transform, a row."""
+    times = np.full(shape[1] // 2 + 1, 2.0)
+    times[0] = 1.0
+    if shape[1] % 2 == 0:
+        times[-1] = 1.0
+    return times
 
 
 def raster_weights(count: int, alpha: float) -> np.ndarray:

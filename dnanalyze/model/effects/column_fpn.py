@@ -21,6 +21,7 @@ from dnanalyze.model.evidence import (
     shows,
     typical,
 )
+from dnanalyze.model.streams import Stream
 
 
 @dataclass(frozen=True)
@@ -32,13 +33,14 @@ class ColumnFpn(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Fixed vertical stripes: every column has its own offset."
     physics: ClassVar[str] = (
-        "In a CMOS sensor all pixels of a column share one amplifier and one converter, whose offsets "
-        "differ from column to column. The stripes stand still from frame to frame. They do not grow "
-        "with temperature or exposure, since they are made after the pixel, but follow the analogue "
-        "gain where the offset sits before the gain stage. Neighbouring columns that share bias lines "
-        "have like offsets (rho > 0); column pairs that share a circuit may alternate (rho < 0). Cure: "
-        "subtract the column means of optically black rows, or of a master dark; correlated double "
-        "sampling in the column circuit or digital in the converter."
+        "In a CMOS sensor all pixels of a column share one amplifier and one converter, whose "
+        "offsets differ from column to column. The stripes stand still from frame to frame. They "
+        "do not grow with temperature or exposure, since they are made after the pixel, but follow "
+        "the analogue gain where the offset sits before the gain stage. Neighbouring columns that "
+        "share bias lines have like offsets (rho > 0); column pairs that share a circuit may "
+        "alternate (rho < 0). Cure: subtract the column means of optically black rows, or of a "
+        "master dark; correlated double sampling in the column circuit or digital in the "
+        "converter."
     )
     formula: ClassVar[str] = "y_ij += c_j;  c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma N(0,1)"
     references: ClassVar[tuple[str, ...]] = (
@@ -52,7 +54,8 @@ class ColumnFpn(Effect):
         "column_gain": "stripes that grow with the signal, so with temperature and exposure",
         "column_taps": "stripes that repeat with a short period, or a few wide blocks",
         "defect_lines": "a few columns far off the others, not a Gaussian spread of all",
-        "dark_gradient": "power below .02 cycles/pixel alone, in rows too, that grows with exposure",
+        "dark_gradient": "power below .02 cycles/pixel alone, in rows too, that grows with "
+        "exposure",
     }
 
     sigma: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation of the column offsets")
@@ -70,7 +73,7 @@ class ColumnFpn(Effect):
         stream = site.silicon.child("columns")
         if rho == 0.0:
             return site.columns(stream)
-        return site.keep("offsets", lambda: autoregressive(stream, site, rho))
+        return site.keep("offsets", lambda: _autoregressive(stream, site, rho))
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2."""
@@ -87,12 +90,12 @@ class ColumnFpn(Effect):
         return [cls(bounded(cls, "sigma", sigma), rho)]
 
 
-def autoregressive(stream: object, site: Site, rho: float) -> np.ndarray:
-    """First-order autoregressive line of unit variance over the frame's columns, cut to the window."""
+def _autoregressive(stream: Stream, site: Site, rho: float) -> np.ndarray:
+    """First-order autoregressive line of unit variance over all columns, cut to the window."""
     from scipy.signal import lfilter
 
     width = site.shape[1]
-    white = stream.normal(Window(0, 1, 0, width), width)[0].astype(float)  # type: ignore[attr-defined]
+    white = stream.normal(Window(0, 1, 0, width), width)[0].astype(float)
     white[1:] *= math.sqrt(1.0 - rho * rho)
     line = lfilter([1.0], [1.0, -rho], white)
     return line[site.window.left : site.window.right].astype(np.float32)

@@ -25,18 +25,22 @@ class ColumnTaps(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Odd and even columns, or whole strips, at different levels."
     physics: ClassVar[str] = (
-        "Fast sensors read over several outputs at once. Interleaved outputs take every P-th column, "
-        "often the odd ones at the top and the even ones at the bottom of the chip; others take a strip of "
-        "the frame each. Each output has its own offset: a pattern of exact period P, with lines at u = "
-        "n/P of the spectrum, or steps at the seams. It is the same in every frame, independent of exposure, "
-        "follows the analogue gain and drifts slowly with the temperature of the electronics. Cure: "
-        "subtract each tap's own black level, taken from its optically black pixels."
+        "Fast sensors read over several outputs at once. Interleaved outputs take every P-th "
+        "column, often the odd ones at the top and the even ones at the bottom of the chip; others "
+        "take a strip of the frame each. Each output has its own offset: a pattern of exact period "
+        "P, with lines at u = n/P of the spectrum, or steps at the seams. It is the same in every "
+        "frame, independent of exposure, follows the analogue gain and drifts slowly with the "
+        "temperature of the electronics. Cure: subtract each tap's own black level, taken from its "
+        "optically black pixels."
     )
-    formula: ClassVar[str] = "y_ij += o_(j mod P)  or  o_floor(j P / columns);  mean o = 0, mean o^2 = sigma^2"
+    formula: ClassVar[str] = (
+        "y_ij += o_(j mod P)  or  o_floor(j P / columns);  mean o = 0, mean o^2 = sigma^2"
+    )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (horizontal spectrogram)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
-        "column_periodic_2", "column_periodic_4", "column_taps_2", "column_taps_4", "column_periodic_8",
-        "column_taps_8", "column_periodic_3", "pattern_nyquist_10", "pattern_columns_0.3_0.5",
+        "column_periodic_2", "column_periodic_4", "column_taps_2", "column_taps_4",
+        "column_periodic_8", "column_taps_8", "column_periodic_3",
+        "pattern_nyquist_10", "pattern_columns_0.3_0.5",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
         "column_fpn": "power at all frequencies of the v = 0 axis, no period",
@@ -67,7 +71,7 @@ class ColumnTaps(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """For each kind the smallest number of taps that explains nearly all that any number does."""
+        """For each kind, the least number of taps that explains nearly all that any number does."""
         names = named("pattern_columns", LINE_BANDS)
         power = np.stack([np.asarray(clues.measured(n), float) for n in names])
         variance = mean_power(power) / clues.shape[0]  # of the column means
@@ -75,9 +79,7 @@ class ColumnTaps(Effect):
         for kind, (prefix, counts) in _KINDS.items():
             if not shows(clues, [f"{prefix}_{p}" for p in counts]):
                 continue
-            share = {
-                p: typical_positive(np.asarray(clues.measured(f"{prefix}_{p}"), float)) for p in counts
-            }
+            share = {p: typical_positive(clues.measured(f"{prefix}_{p}")) for p in counts}
             best = max(share.values())
             taps = min(p for p in counts if share[p] >= 0.8 * best)
             sigma = math.sqrt(max(best, 0.0) * typical_positive(variance))

@@ -26,17 +26,19 @@ class Denoise(Effect):
     varies: ClassVar[str] = "digital"
     summary: ClassVar[str] = "Spatial denoise: neighbours averaged before the file is written."
     physics: ClassVar[str] = (
-        "Noise reduction averages neighbours, so the noise is no longer white: the power at high frequencies "
-        "falls, extremes become rare. A Gaussian blurs everything, as crosstalk does. A median removes "
-        "isolated pixels. Edge-preserving filters average only what is alike: bilateral (pixels within "
-        "range of each other), non-local means (pixels with like patches), wavelet shrinkage (coefficients "
-        "below range are dropped); they smooth the read noise of a cold frame and leave the large dark "
-        "signal of a hot one alone, so high frequencies return with temperature. Strength below 1 mixes "
-        "the filtered frame with the original. Numbers such as the read noise are then too good, and detail is "
-        "lost. Cure: switch it off; it cannot be undone."
+        "Noise reduction averages neighbours, so the noise is no longer white: the power at high "
+        "frequencies falls, extremes become rare. A Gaussian blurs everything, as crosstalk does. "
+        "A median removes isolated pixels. Edge-preserving filters average only what is alike: "
+        "bilateral (pixels within range of each other), non-local means (pixels with like "
+        "patches), wavelet shrinkage (coefficients below range are dropped); they smooth the read "
+        "noise of a cold frame and leave the large dark signal of a hot one alone, so high "
+        "frequencies return with temperature. Strength below 1 mixes the filtered frame with the "
+        "original. Numbers such as the read noise are then too good, and detail is lost. Cure: "
+        "switch it off; it cannot be undone."
     )
     formula: ClassVar[str] = (
-        "y -> (1 - strength) y + strength filter(y);  bilateral weight exp(-d^2/2 space^2 - (dy)^2/2 range^2)"
+        "y -> (1 - strength) y + strength filter(y);  bilateral weight exp(-d^2/2 space^2 - "
+        "(dy)^2/2 range^2)"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Tomasi, Manduchi, Bilateral filtering for gray and color images, ICCV 1998",
@@ -45,12 +47,13 @@ class Denoise(Effect):
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "temporal_pmax8", "frame_pmax8",
-        "temporal_corr_10", "temporal_corr_01", "temporal_corr_11", "local_variance_cv", "hh_kurtosis",
-        "pattern_psd_0.5_0.71",
+        "temporal_corr_10", "temporal_corr_01", "temporal_corr_11", "local_variance_cv",
+        "hh_kurtosis", "pattern_psd_0.5_0.71",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
-        "crosstalk": "leaves the read noise white: high frequencies are lost in the hot pattern only, and "
-        "every hot pixel has a halo of the same share. A Gaussian after readout smooths the noise too",
+        "crosstalk": "leaves the read noise white: high frequencies are lost in the hot pattern "
+        "only, and every hot pixel has a halo of the same share. A Gaussian after readout smooths "
+        "the noise too",
         "dpc": "touches outliers only: the core of the noise stays white",
         "temporal_denoise": "frames are correlated in time, the frame itself stays white",
     }
@@ -60,7 +63,9 @@ class Denoise(Effect):
     range: float = parameter(
         4.0, "DN", 0.01, 1e4, "difference up to which pixels are averaged (bilateral, nlm, wavelet)"
     )
-    space: float = parameter(0.7, "pixel", 0.2, 2.0, "sigma of the Gaussian weight (gaussian, bilateral)")
+    space: float = parameter(
+        0.7, "pixel", 0.2, 2.0, "sigma of the weight over distance (gaussian, bilateral)"
+    )
     kind: str = choice("bilateral", "filter", "gaussian", "median", "bilateral", "nlm", "wavelet")
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
@@ -99,7 +104,7 @@ class Denoise(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Each kind, scaled to the noise; spacing 2 where pixels two apart are more alike than neighbours."""
+        """Each kind, scaled to the noise; spacing 2 where pixels two apart are the more alike."""
         high = ("temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "pattern_psd_0.5_0.71")
         alike = ("temporal_corr_10", "temporal_corr_01", "temporal_corr_20", "temporal_corr_02")
         signs = (
@@ -109,14 +114,15 @@ class Denoise(Effect):
         if not signs:
             return []
         noise = _noise(clues)
-        near, far = (typical(np.asarray(clues.measured(f"temporal_corr_{k}"), float)) for k in ("10", "20"))
+        near, far = (typical(clues.measured(f"temporal_corr_{k}")) for k in ("10", "20"))
         spacing = 2 if far > max(near, 0.0) + 0.02 else 1
         lag1 = max(near, far, 0.01)
-        space = 1.0 / math.sqrt(2.0 * math.log(2.0 / min(lag1, 0.9)))  # lag 1 of a narrow kernel ~ 2 w
+        # a narrow kernel of weight w on the next pixel gives a correlation of 2 w
+        space = 1.0 / math.sqrt(2.0 * math.log(2.0 / min(lag1, 0.9)))
         made = {
             "bilateral": cls(1.0, 1.5 * noise, 0.8, "bilateral", spacing),
             "median": cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
-            "gaussian": cls(1.0, space=bounded(cls, "space", space), kind="gaussian", spacing=spacing),
+            "gaussian": cls(space=bounded(cls, "space", space), kind="gaussian", spacing=spacing),
             "wavelet": cls(1.0, noise, kind="wavelet", spacing=spacing),
             "nlm": cls(1.0, 0.8 * noise, kind="nlm", spacing=spacing),
         }

@@ -22,20 +22,23 @@ class DigitalGain(Effect):
     name: ClassVar[str] = "digital_gain"
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "digital"
-    summary: ClassVar[str] = "Codes multiplied after the converter: gaps or spikes in the histogram."
+    summary: ClassVar[str] = (
+        "Codes multiplied after the converter: gaps or spikes in the histogram."
+    )
     physics: ClassVar[str] = (
-        "A gain applied to codes, in the sensor or in the camera, brings no information: with s > 1 some "
-        "codes are never reached (gaps, one in s/(s-1)), with s < 1 several codes fall together (spikes, one "
-        "in s/(1-s)). Noise and dark signal grow by s alike, so only the histogram tells. It is exact, "
-        "the same at every temperature, and changes with the gain setting where the camera makes up its "
-        "upper gains this way. Cure: divide by s and round; use analogue gain instead."
+        "A gain applied to codes, in the sensor or in the camera, brings no information: with s > "
+        "1 some codes are never reached (gaps, one in s/(s-1)), with s < 1 several codes fall "
+        "together (spikes, one in s/(1-s)). Noise and dark signal grow by s alike, so only the "
+        "histogram tells. It is exact, the same at every temperature, and changes with the gain "
+        "setting where the camera makes up its upper gains this way. Cure: divide by s and round; "
+        "use analogue gain instead."
     )
     formula: ClassVar[str] = "y = round((x - b) s + b), x and y whole numbers"
     references: ClassVar[tuple[str, ...]] = ()
     fingerprint: ClassVar[tuple[str, ...]] = ("code_comb", "unused_codes", "code_roughness")
     confused_with: ClassVar[dict[str, str]] = {
-        "missing_codes": "irregular widths, or a period that is a power of two; the pattern is fixed to the "
-        "codes, and widths take all values",
+        "missing_codes": "irregular widths, or a period that is a power of two; the pattern is "
+        "fixed to the codes, and widths take all values",
         "quantization": "a coarse step leaves all codes but every n-th empty: s a whole number",
     }
 
@@ -87,7 +90,7 @@ def _best_gain(ripples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> floa
     """Factor whose expected ripple agrees best, after a scan of the coherence at 1/s.
 
     The coherence |sum w(c) ripple(c) exp(2 pi i c / s)| is the same for all s whose 1/s differ by a
-    whole number or in sign, so the candidates are then held against the ripple that each would make.
+    whole number or in sign, so the candidates are then held against the ripple that each makes.
     """
     if not ripples:
         return None

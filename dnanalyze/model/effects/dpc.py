@@ -24,27 +24,29 @@ class Dpc(Effect):
     varies: ClassVar[str] = "digital"
     summary: ClassVar[str] = "Defect-pixel correction: hot pixels are hidden in the 'raw' data."
     physics: ClassVar[str] = (
-        "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction compares "
-        "every pixel with its neighbours in each frame: kind 'median' replaces it by their median (or mean) "
-        "where it stands above that by more than a threshold, 'clamp' caps it at the largest neighbour (the "
-        "'star eater' of astronomers), 'ratio' replaces it where its net signal is a multiple of the "
-        "largest neighbour's. A 'static' correction replaces the pixels of a list made in the factory, hot or "
-        "not. The true tail of the dark current is cut, the more the hotter the sensor, so the dark signal "
-        "looks better than it is and faint stars vanish. In a mosaic the neighbours are those of the same "
-        "colour (spacing 2). What to do: switch it off (a register, a raw mode), or model it; the tail "
-        "above the threshold cannot be recovered from corrected frames."
+        "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction "
+        "compares every pixel with its neighbours in each frame: kind 'median' replaces it by "
+        "their median (or mean) where it stands above that by more than a threshold, 'clamp' caps "
+        "it at the largest neighbour (the 'star eater' of astronomers), 'ratio' replaces it where "
+        "its net signal is a multiple of the largest neighbour's. A 'static' correction replaces "
+        "the pixels of a list made in the factory, hot or not. The true tail of the dark current "
+        "is cut, the more the hotter the sensor, so the dark signal looks better than it is and "
+        "faint stars vanish. In a mosaic the neighbours are those of the same colour (spacing 2). "
+        "What to do: switch it off (a register, a raw mode), or model it; the tail above the "
+        "threshold cannot be recovered from corrected frames."
     )
     formula: ClassVar[str] = (
         "median: y -> m where y > m + threshold; clamp: y -> max8 where y > max8 + threshold; "
-        "ratio: y -> m where y - black > factor (max8 - black) + threshold; static: y -> m on a list"
+        "ratio: y -> m where y - black > factor (max8 - black) + threshold; static: y -> m on a "
+        "list"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Shelley, Sony star eater (pixel against the neighbours' maximum)",
         "Clark, raw filtering tests",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
-        "ties_max8", "excess_8", "excess_16", "excess_4", "frame_pmax8", "pattern_pmax8", "temporal_pmax8",
-        "hot_count_16", "hot_count_32",
+        "ties_max8", "excess_8", "excess_16", "excess_4", "frame_pmax8", "pattern_pmax8",
+        "temporal_pmax8", "hot_count_16", "hot_count_32",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
         "denoise": "moves pixels that do not stand out too: the cold frames lose high frequencies, "
@@ -61,7 +63,7 @@ class Dpc(Effect):
     kind: str = choice("median", "rule", "median", "clamp", "ratio", "static")
     sides: str = choice("hot", "which outliers", "hot", "both")
     replacement: str = choice("median", "what of the neighbours takes its place", "median", "mean")
-    unit: str = choice("DN", "of the threshold (median): DN or spread of the neighbours", "DN", "local")
+    unit: str = choice("DN", "of the threshold (median): DN, or neighbours' spread", "DN", "local")
     neighbours: int = choice(8, "how many are looked at (clamp, ratio)", 8, 24)
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
@@ -118,7 +120,7 @@ class Dpc(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Threshold from the smallest excess over the neighbours' maximum that is rarer than modelled."""
+        """Threshold from the least excess over the neighbours that is rarer than modelled."""
         rare = [k for name, k in _EXCESS if shows(clues, [name], -1)]
         tied = shows(clues, ["ties_max8"])
         ranks = shows(clues, ["frame_pmax8", "pattern_pmax8", "temporal_pmax8"], -1)

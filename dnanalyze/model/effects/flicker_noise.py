@@ -32,16 +32,21 @@ class FlickerNoise(Effect):
     name: ClassVar[str] = "flicker_noise"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
-    summary: ClassVar[str] = "1/f noise of the amplifier chain: smooth along the scan, new in every frame."
-    physics: ClassVar[str] = (
-        "Traps in transistors of the output amplifier catch and free carriers at all rates, which gives "
-        "noise whose power falls as 1/f^alpha in time, alpha near 1. Pixels are read row after row, so "
-        "time runs along the row: neighbours in a row are alike, and successive rows drift together as "
-        "soft horizontal bands. It depends on the readout, not on exposure, follows the analogue gain "
-        "and hardly the temperature. Cure: faster double sampling, reference pixels read along with "
-        "the image, subtraction of row means of black pixels for the part slower than a row."
+    summary: ClassVar[str] = (
+        "1/f noise of the amplifier chain: smooth along the scan, new in every frame."
     )
-    formula: ClassVar[str] = "S(f) = C f^-alpha, f = k/(rows x columns) of the raster; sum of S over f = rms^2"
+    physics: ClassVar[str] = (
+        "Traps in transistors of the output amplifier catch and free carriers at all rates, which "
+        "gives noise whose power falls as 1/f^alpha in time, alpha near 1. Pixels are read row "
+        "after row, so time runs along the row: neighbours in a row are alike, and successive rows "
+        "drift together as soft horizontal bands. It depends on the readout, not on exposure, "
+        "follows the analogue gain and hardly the temperature. Cure: faster double sampling, "
+        "reference pixels read along with the image, subtraction of row means of black pixels for "
+        "the part slower than a row."
+    )
+    formula: ClassVar[str] = (
+        "S(f) = C f^-alpha, f = k/(rows x columns) of the raster; sum of S over f = rms^2"
+    )
     references: ClassVar[tuple[str, ...]] = (
         "Rauscher, Teledyne H1RG, H2RG and H4RG noise generator (NGHXRG), PASP 127, 1144 (2015)",
         "Janesick, Photon Transfer, SPIE Press (2007)",
@@ -81,7 +86,7 @@ class FlickerNoise(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """A power law through the unexplained power of rows (f = v / columns) and along rows (f = u)."""
+        """A power law through the unexplained power of rows (f = v / columns) and of u (f = u)."""
         if not shows(clues, cls.fingerprint):
             return []
         rows, columns = clues.shape

@@ -23,19 +23,24 @@ class PeriodicPattern(Effect):
     name: ClassVar[str] = "periodic_pattern"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "both"
-    summary: ClassVar[str] = "A sine wave across the frame (hum, clock pick-up, switching regulator)."
+    summary: ClassVar[str] = (
+        "A sine wave across the frame (hum, clock pick-up, switching regulator)."
+    )
     physics: ClassVar[str] = (
-        "An interfering oscillation - mains hum, a switching regulator, a radio link, a clock - adds a "
-        "sine to the signal while pixels are read one after the other. Sampled along the raster, any "
-        "frequency in time becomes one point (u, v) of the image's spectrum: slow ones give horizontal "
-        "bands (u = 0), fast ones slanted stripes. An interferer that is not locked to the frame clock has "
-        "a new phase in every frame; one that is locked stands still. It does not depend on exposure or "
-        "temperature; the analogue gain raises it where it enters before the gain. Cure: find the source by "
-        "its frequency f = (v + u x columns) x line rate, then shield, filter or synchronise it; a notch "
-        "in the spectrum repairs images already taken."
+        "An interfering oscillation - mains hum, a switching regulator, a radio link, a clock - "
+        "adds a sine to the signal while pixels are read one after the other. Sampled along the "
+        "raster, any frequency in time becomes one point (u, v) of the image's spectrum: slow ones "
+        "give horizontal bands (u = 0), fast ones slanted stripes. An interferer that is not "
+        "locked to the frame clock has a new phase in every frame; one that is locked stands "
+        "still. It does not depend on exposure or temperature; the analogue gain raises it where "
+        "it enters before the gain. Cure: find the source by its frequency f = (v + u x columns) x "
+        "line rate, then shield, filter or synchronise it; a notch in the spectrum repairs images "
+        "already taken."
     )
     formula: ClassVar[str] = "y_ij += A sin(2 pi (u j + v i) + phase);  variance A^2 / 2"
-    references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (horizontal and vertical spectrograms)",)
+    references: ClassVar[tuple[str, ...]] = (
+        "EMVA 1288 release 4.0 (horizontal and vertical spectrograms)",
+    )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "temporal_line", "pattern_line", *named("temporal_rows", LINE_BANDS),
     )  # fmt: skip
@@ -68,7 +73,7 @@ class PeriodicPattern(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The strongest line of the spectrum off and on its axes; accurate to half a mode, 1/(2 N)."""
+        """The strongest line of the spectrum, off or on its axes, to half a mode, 1/(2 N)."""
         found: list[Effect] = []
         for family, phase in (("temporal", "random"), ("pattern", "fixed")):
             line = _off_axis(clues, family) or _on_axis(clues, family)

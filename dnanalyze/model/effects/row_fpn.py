@@ -22,17 +22,18 @@ class RowFpn(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Fixed horizontal stripes: every row has its own offset."
     physics: ClassVar[str] = (
-        "Rows are addressed one after the other. A row whose drivers, supply or timing differ a little "
-        "from those of the others gets the same offset in every frame. Being made at readout, it does "
-        "not grow with temperature or exposure; it follows the analogue gain. Cure: subtract the mean of "
-        "the row's optically black pixels (which also removes row noise), or a master dark."
+        "Rows are addressed one after the other. A row whose drivers, supply or timing differ a "
+        "little from those of the others gets the same offset in every frame. Being made at "
+        "readout, it does not grow with temperature or exposure; it follows the analogue gain. "
+        "Cure: subtract the mean of the row's optically black pixels (which also removes row "
+        "noise), or a master dark."
     )
     formula: ClassVar[str] = "y_ij += r_i;  r_i ~ N(0, sigma^2), once for the sensor"
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (DSNU1288.row)",)
     fingerprint: ClassVar[tuple[str, ...]] = named("pattern_rows", reversed(LINE_BANDS))
     confused_with: ClassVar[dict[str, str]] = {
-        "row_noise": "new in every frame: it shows in differences of frames, and a mean over K frames "
-        "keeps only 1/K of its power",
+        "row_noise": "new in every frame: it shows in differences of frames, and a mean over K "
+        "frames keeps only 1/K of its power",
         "dark_gradient": "power below .02 cycles/pixel alone, that grows with exposure",
         "defect_lines": "a few rows far off the others",
     }

@@ -1,0 +1,78 @@
+"""Offsets of the four pixels of the 2x2 block of a mosaic."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import bounded, shows, typical_positive
+
+_MODES = (("u", "10"), ("v", "01"), ("uv", "11"))
+
+
+@dataclass(frozen=True)
+class CfaMismatch(Effect):
+    """y += u (-1)^j + v (-1)^i + uv (-1)^(i+j)."""
+
+    name: ClassVar[str] = "cfa_mismatch"
+    stage: ClassVar[Stage] = Stage.LINE_READ
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "The four colours of a mosaic have different black levels."
+    physics: ClassVar[str] = (
+        "In a mosaic sensor, pixels of the 2x2 block often go through different circuits (two or "
+        "four share an amplifier, greens of even and odd rows go to different outputs), or a "
+        "camera subtracts a black level per colour that is a little wrong. Analysed as one plane, "
+        "the four offsets are three exact lines in the spectrum at (1/2,0), (0,1/2) and (1/2,1/2). "
+        "They are fixed, do not grow with exposure, and follow the analogue gain. Cure: a black "
+        "level for each colour; analyse the planes apart by stating the colour filter."
+    )
+    formula: ClassVar[str] = "y_ij += u (-1)^j + v (-1)^i + w (-1)^(i+j);  variance u^2 + v^2 + w^2"
+    references: ClassVar[tuple[str, ...]] = ()
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "pattern_nyquist_11", "pattern_nyquist_10", "pattern_nyquist_01", "column_periodic_2",
+        "row_periodic_2",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "column_taps": "odd and even columns alone have a line at (1/2,0) and none at (1/2,1/2)",
+        "periodic_pattern": "a line at any other frequency, or with a new phase in every frame",
+        "row_fpn": "rows without a period of two",
+    }
+
+    u: float = parameter(0.3, "DN", -1e3, 1e3, "half the step from odd to even columns", "linear")
+    v: float = parameter(0.3, "DN", -1e3, 1e3, "half the step from odd to even rows", "linear")
+    uv: float = parameter(0.3, "DN", -1e3, 1e3, "half the step between the diagonals", "linear")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the offsets of the block."""
+        u, v, uv = (
+            np.float32(self.value(n, site.point) * site.gain_ratio) for n in ("u", "v", "uv")
+        )
+        column = (1 - 2 * (site.column_index % 2)).astype(np.float32)
+        row = (1 - 2 * (site.row_index % 2)).astype(np.float32)
+        signal += (u * column)[None, :] + np.outer(row, v + uv * column)
+        return signal
+
+    def variance(self, point: OperatingPoint) -> float:
+        """u^2 + v^2 + uv^2, DN^2."""
+        return sum(self.value(n, point) ** 2 for n in ("u", "v", "uv"))
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Sizes from the three lines, whose power is b^2 times the pixels; signs do not show."""
+        seen = {name: shows(clues, [f"pattern_nyquist_{k}"]) for name, k in _MODES}
+        if not (seen["uv"] or (seen["u"] and seen["v"])):
+            return []
+        floor = np.asarray(clues.measured("pattern_psd_0.35_0.5"), float)
+        pixels = clues.shape[0] * clues.shape[1]
+        sizes = {}
+        for name, k in _MODES:
+            ratio = np.asarray(clues.measured(f"pattern_nyquist_{k}"), float)
+            power = typical_positive(ratio * floor) if seen[name] else 0.0
+            sizes[name] = bounded(cls, name, math.sqrt(power / pixels))
+        return [cls(**sizes)]

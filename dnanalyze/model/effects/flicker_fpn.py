@@ -1,0 +1,105 @@
+"""Fixed pattern with a 1/f spectrum in two dimensions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model import pink
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import (
+    BANDS,
+    band_excess,
+    bounded,
+    centre,
+    named,
+    power_law,
+    shows,
+    typical,
+)
+
+
+@dataclass(frozen=True)
+class FlickerFpn(Effect):
+    """y += pink field of the silicon, power rho^-alpha."""
+
+    name: ClassVar[str] = "flicker_fpn"
+    stage: ClassVar[Stage] = Stage.LINE_READ
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "Fixed cloudy pattern: offsets with 1/f power in both directions."
+    physics: ClassVar[str] = (
+        "Thresholds, layer thicknesses and stress vary over a chip at all lengths, slow variations "
+        "most. The offsets that follow form clouds whose power falls as rho^-alpha with spatial "
+        "frequency, alike along rows and columns: the slope stays when the u = 0 and v = 0 axes "
+        "are masked, which row and column offsets do not survive. Being an offset it does not grow "
+        "with temperature or exposure, and follows the analogue gain. No random 3x3 kernel can "
+        "make such a slope at low frequency. Cure: subtract a master dark; blocks of black pixels "
+        "cannot follow it."
+    )
+    formula: ClassVar[str] = (
+        "S(rho) = C rho^-alpha, rho in cycles/pixel, without the mean; sum of S = rms^2"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Rauscher, Teledyne H1RG, H2RG and H4RG noise generator (picture frame), PASP 127, 1144 "
+        "(2015)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        *named("pattern_psd", BANDS[:5]), "shading_mid", "pattern_u_0_0.03", "pattern_v_0_0.03",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "column_fpn": "all of its power lies on the v = 0 axis and vanishes under the mask",
+        "dark_gradient": "a few orders of shading only, and grows with exposure and temperature",
+        "amp_glow": "falls off from a corner or an edge, grows with exposure",
+        "flicker_noise": "new in every frame, smooth along rows only",
+        "crosstalk": "lowers high frequencies, leaves the lowest flat",
+    }
+
+    rms: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation over a frame")
+    alpha: float = parameter(1.0, "1", 0.3, 4.0, "exponent of the power spectrum", "linear")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the field."""
+
+        def make() -> np.ndarray:
+            stream = site.silicon.child("field")
+            whole = Window.whole(site.shape)
+            if site.window == whole:
+                white = site.field(stream, "normal")
+            else:
+                white = stream.normal(whole, site.shape[1])
+            return pink.field(white, self.value("alpha", site.point))[site.window.slices]
+
+        rms = self.value("rms", site.point) * site.gain_ratio
+        signal += np.float32(rms) * site.keep("field", make)
+        return signal
+
+    def variance(self, point: OperatingPoint) -> float:
+        """rms^2, DN^2."""
+        return self.value("rms", point) ** 2
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """A power law through the unexplained axis-masked power."""
+        prefix = "pattern_psd"
+        if not np.any(np.isfinite(np.asarray(clues.measured("pattern_psd_0.04_0.08"), float))):
+            prefix = "frame_psd"
+        if not shows(clues, named(prefix, BANDS[:5])):
+            return []
+        power = np.array([typical(row) for row in band_excess(clues, prefix, BANDS)])
+        seen = np.array([shows(clues, [name], 1, 1.5) for name in named(prefix, BANDS)], float)
+        frequency = np.array([centre(band) for band in BANDS])
+        constant, alpha = power_law(frequency, power, seen)
+        if constant <= 0:
+            constant, alpha = max(power[:5].max(), 0.0) * frequency[int(power[:5].argmax())], 1.0
+        if constant <= 0:
+            return []
+        held = bounded(cls, "alpha", alpha)
+        pivot = float(np.exp(np.average(np.log(frequency), weights=seen + 1e-9)))
+        constant *= pivot ** (held - alpha)
+        rms = math.sqrt(constant * pink.mean_power(clues.shape, held))
+        return [cls(bounded(cls, "rms", rms), held)]

@@ -1,0 +1,122 @@
+"""Read noise with tails heavier than Gaussian on both sides."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import bounded, shows, typical_positive
+
+_QUARTILE = 0.6744898  # of the standard normal distribution
+
+
+@dataclass(frozen=True)
+class HeavyTailedReadNoise(Effect):
+    """y += sigma Q(p), Q the Tukey-lambda quantile function scaled to a Gaussian's quartiles."""
+
+    name: ClassVar[str] = "heavy_tailed_read_noise"
+    stage: ClassVar[Stage] = Stage.PIXEL_READ
+    varies: ClassVar[str] = "temporal"
+    summary: ClassVar[str] = (
+        "Read noise with more large deviations, up and down, than a Gaussian has."
+    )
+    physics: ClassVar[str] = (
+        "The read noise of a CMOS sensor is a mixture: most pixels are quiet, some have a trap in "
+        "the source follower whose switching, or whose 1/f noise, is many times larger. Over the "
+        "whole frame the noise then has symmetric heavy tails, described by the Tukey-lambda "
+        "distribution: lambda = .14 is nearly Gaussian, 0 is logistic, -.2 has tails like "
+        "Student's t with 5 degrees of freedom (nu = -1/lambda). It belongs to the readout: no "
+        "growth with exposure, hardly any with temperature, and it follows the analogue gain. It "
+        "adds to read_noise. Cure: multiple or correlated sampling, buried channel transistors; "
+        "medians instead of means over frames."
+    )
+    formula: ClassVar[str] = (
+        "y += sigma q(p) / s;  q(p) = (p^lambda - (1-p)^lambda) / lambda, s = q(.75) / .6745, p "
+        "uniform"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Wei, Fu, Yang, Huang, A physics-based noise formation model for extreme low-light raw "
+        "denoising (ELD), CVPR 2020 (Tukey-lambda)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_kurtosis", "temporal_q0.999", "temporal_q0.001", "temporal_q0.99",
+        "temporal_q0.01", "transient_high", "transient_low",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "rts": "two levels in a few pixels, growing with temperature and exposure: the same "
+        "pixels are noisy in every pair of frames (blink_repeat)",
+        "cosmic_rays": "upward only, in clusters, growing with exposure",
+        "dark_shot_noise": "noisier in brighter pixels; the cold frames stay Gaussian",
+        "hot_pixels": "vanish in differences of frames but for their shot noise",
+    }
+
+    sigma: float = parameter(
+        1.0, "DN", 1e-4, 1e4, "robust standard deviation (quartiles) at the reference gain"
+    )
+    tail: float = parameter(
+        -0.15, "1", -0.45, 0.14, "lambda: .14 Gaussian, 0 logistic, -1/nu Student's t", "linear"
+    )
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add the noise: a Gaussian field bent into shape, so it moves smoothly with ``tail``."""
+        tail = self.value("tail", site.point)
+        scale = self.value("sigma", site.point) * site.gain_ratio / robust_scale(tail)
+        signal += np.float32(scale) * bent(site.normal(), tail)
+        return signal
+
+    def variance(self, point: OperatingPoint) -> float:
+        """Variance of the Tukey-lambda distribution, DN^2."""
+        tail = self.value("tail", point)
+        return (self.value("sigma", point) / robust_scale(tail)) ** 2 * tukey_variance(tail)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """The tail from the 99.9 % quantile over the core; half of the noise is taken as heavy."""
+        high = ("temporal_kurtosis", "temporal_q0.999", "temporal_q0.99")
+        low = ("temporal_q0.001", "temporal_q0.01")
+        if not (shows(clues, high) or shows(clues, low, -1)):
+            return []
+        core = np.asarray(clues.measured("temporal_noise_core"), float)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = np.asarray(clues.measured("temporal_q0.999"), float) / core
+        tails = np.linspace(-0.4, 0.1, 101)
+        reach = [(0.999**t - 0.001**t) / t / robust_scale(t) if t else 0.0 for t in tails + 1e-9]
+        wanted = typical_positive(ratio) or 4.5
+        tail = float(tails[int(np.argmin(np.abs(np.array(reach) - wanted)))])
+        noise = typical_positive(core) or 1.0
+        return [cls(bounded(cls, "sigma", noise / math.sqrt(2.0)), tail)]
+
+
+def bent(z: np.ndarray, tail: float) -> np.ndarray:
+    """Standard normal deviates to Tukey-lambda deviates, by way of their probability."""
+    from scipy.special import ndtr
+
+    p = ndtr(-np.abs(z))  # the small side: exact far into the tail
+    far, near = np.log(p), np.log1p(-p)
+    if abs(tail) < 1e-4:
+        size = near - far
+    else:
+        t = np.float32(tail)
+        size = (np.exp(t * near) - np.exp(t * far)) / t
+    return np.copysign(size, z)
+
+
+def robust_scale(tail: float) -> float:
+    """Quartile of the Tukey-lambda distribution over that of the standard normal."""
+    if abs(tail) < 1e-4:
+        return math.log(3.0) / _QUARTILE
+    return (0.75**tail - 0.25**tail) / tail / _QUARTILE
+
+
+def tukey_variance(tail: float) -> float:
+    """Variance of the Tukey-lambda distribution, lambda > -1/2."""
+    if abs(tail) < 1e-3:
+        return math.pi**2 / 3.0
+    beta = math.gamma(tail + 1.0) ** 2 / math.gamma(2.0 * tail + 2.0)
+    return 2.0 / tail**2 * (1.0 / (1.0 + 2.0 * tail) - beta)

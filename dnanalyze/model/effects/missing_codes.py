@@ -1,0 +1,99 @@
+"""Unequal steps of the converter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import Window
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import bounded, shows, typical_positive
+
+_BLOCK = 64  # codes; also a multiple of every period
+_ORIGIN = 1 << 20  # so that negative codes have a place in the random line
+
+
+@dataclass(frozen=True)
+class MissingCodes(Effect):
+    """Code k is given over a width 1 + d_k; the transfer is straight over blocks of 64 codes."""
+
+    name: ClassVar[str] = "missing_codes"
+    stage: ClassVar[Stage] = Stage.CODE_WIDTHS
+    varies: ClassVar[str] = "digital"
+    summary: ClassVar[str] = (
+        "Some codes occur too often, others hardly ever (differential non-linearity)."
+    )
+    physics: ClassVar[str] = (
+        "A converter's decision levels are not evenly spaced. A code whose step is wider by d "
+        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = -1 it never occurs. "
+        "Mismatched capacitors of a successive-approximation converter, or interpolation in a ramp "
+        "converter, repeat with a period of a power of two; other errors are random. The pattern "
+        "is tied to the codes: it is the same at every temperature, and slides through the noise "
+        "as the level moves. Cure: dither by noise of more than half a DN, or a table of corrected "
+        "levels."
+    )
+    formula: ClassVar[str] = (
+        "y = k for T_k <= x < T_(k+1),  T_(k+1) - T_k = max(0, 1 + d_k), rms d = sigma"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "IEEE Std 1241, Terminology and test methods for analog-to-digital converters",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = ("code_roughness", "unused_codes", "code_comb")
+    confused_with: ClassVar[dict[str, str]] = {
+        "digital_gain": "codes are never reached or twice as frequent, with a period s/(s-1) that "
+        "need not be a power of two",
+        "quantization": "all codes alike",
+    }
+
+    sigma: float = parameter(0.2, "1", 1e-3, 1.5, "rms of the relative width errors d_k")
+    kind: str = choice("random", "every code its own, or a period", "random", "periodic")
+    period: int = choice(4, "codes (periodic)", 2, 4, 8, 16, 32, 64)
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """The code of every pixel."""
+        first = math.floor(float(signal.min()) / _BLOCK) - 1
+        last = math.floor(float(signal.max()) / _BLOCK) + 1
+        levels = self._levels(site, first, last)
+        codes = np.searchsorted(levels, signal.reshape(-1), side="right")
+        codes += first * _BLOCK - 1
+        return codes.astype(np.float32).reshape(signal.shape)
+
+    def _levels(self, site: Site, first: int, last: int) -> np.ndarray:
+        """Lower ends T_k of the codes of blocks ``first`` to ``last``, float32."""
+        sigma = self.value("sigma", site.point)
+        stream = site.silicon.child("widths")
+        if self.kind == "periodic":
+            d = stream.normal(Window(0, 1, 0, self.period), self.period).astype(float)
+            d -= d.mean()
+            d /= np.sqrt(np.mean(d**2))
+            d = np.tile(d, (last - first + 1, _BLOCK // self.period))
+        else:
+            line = Window(0, 1, _ORIGIN + first * _BLOCK, _ORIGIN + (last + 1) * _BLOCK)
+            d = stream.normal(line, 2 * _ORIGIN).astype(float).reshape(-1, _BLOCK)
+            d -= d.mean(axis=1, keepdims=True)
+        widths = np.maximum(0.0, 1.0 + sigma * d)
+        widths *= _BLOCK / widths.sum(axis=1, keepdims=True)
+        starts = np.cumsum(widths, axis=1) - widths
+        starts += _BLOCK * np.arange(first, last + 1)[:, None] - 0.5
+        return starts.reshape(-1).astype(np.float32)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """Sigma from the roughness of the histogram; periods near a power of two are tried too."""
+        if not shows(clues, cls.fingerprint):
+            return []
+        rough = np.asarray(clues.measured("code_roughness"), float)
+        base = np.nan_to_num(np.asarray(clues.simulated("code_roughness"), float))
+        sigma = math.sqrt(typical_positive(rough**2 - base**2))
+        sigma = bounded(cls, "sigma", sigma or 0.1)
+        found: list[Effect] = [cls(sigma)]
+        if shows(clues, ["code_comb"]):
+            period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
+            for candidate in (2, 4, 8, 16, 32, 64):
+                if period and abs(math.log2(candidate / period)) < 0.1:
+                    found.insert(0, cls(sigma, "periodic", candidate))
+        return found

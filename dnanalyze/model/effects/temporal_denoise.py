@@ -1,0 +1,78 @@
+"""Recursive averaging over frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import bounded, shows, typical_positive
+
+
+@dataclass(frozen=True)
+class TemporalDenoise(Effect):
+    """y'_n = (1 - a) y_n + a y'_(n-1); the first frame of a setting starts the recursion."""
+
+    name: ClassVar[str] = "temporal_denoise"
+    stage: ClassVar[Stage] = Stage.TEMPORAL_FILTER
+    varies: ClassVar[str] = "digital"
+    summary: ClassVar[str] = "Temporal denoise: each frame is mixed with those before it."
+    physics: ClassVar[str] = (
+        "Video pipelines mix every frame with a running average of those before. A share a of "
+        "memory lowers the temporal variance to (1-a)/(1+a) and makes successive frames alike, "
+        "with a correlation of a to the power of their distance; the fixed pattern, the spectrum "
+        "within a frame and the hot pixels stay as they were. Filters for moving scenes skip "
+        "pixels that change by more than a threshold, so only small noise is averaged. Numbers "
+        "such as read noise come out too good. It acts at every temperature. Cure: switch it off, "
+        "or take frames far apart."
+    )
+    formula: ClassVar[str] = (
+        "y'_n = (1-a) y_n + a y'_(n-1);  variance (1-a)/(1+a), correlation a^lag"
+    )
+    references: ClassVar[tuple[str, ...]] = ()
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_r1", "temporal_noise", "pattern_correlation",
+    )  # fmt: skip
+    confused_with: ClassVar[dict[str, str]] = {
+        "rts": "a few pixels are correlated in time; the median pixel is not",
+        "persistence": "bright pixels only, and the mean falls after a bright frame",
+        "offset_drift": "whole frames move together; less their means they are independent",
+        "denoise": "correlates neighbours, not frames",
+    }
+    memory: ClassVar[int] = 8
+
+    share: float = parameter(0.2, "1", 0.0, 0.7, "memory a", "linear")
+    threshold: float = parameter(20.0, "DN", 0.01, 1e5, "change that starts a pixel anew (motion)")
+    motion: str = choice("off", "whether a threshold is applied", "off", "on")
+
+    def idle(self) -> tuple[str, ...]:
+        """The threshold where there is none."""
+        return ("threshold",) if self.motion == "off" else ()
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Run the recursion over the frames at hand; codes stay codes."""
+        from dnanalyze.model import filters
+
+        share = np.float32(self.value("share", site.point))
+        threshold = np.float32(self.value("threshold", site.point))
+        state = signal[0]
+        for present in signal[1:]:
+            step = state - present
+            mixed = present + share * step
+            if self.motion == "on":
+                mixed = np.where(np.abs(step) > threshold, present, mixed)
+            state = mixed
+        return filters.rounded_like(signal[-1], state)
+
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """The memory from the lag-1 autocorrelation of the median pixel."""
+        if not shows(clues, ["temporal_r1"]):
+            return []
+        r1 = np.asarray(clues.measured("temporal_r1"), float)
+        share = bounded(cls, "share", typical_positive(r1))
+        noise = typical_positive(np.asarray(clues.measured("temporal_noise"), float)) or 1.0
+        return [cls(share), cls(share, bounded(cls, "threshold", 4.0 * noise), "on")]
