@@ -1,0 +1,74 @@
+"""``dnanalyze add``: put one effect in and refit everything."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    EffectFiles,
+    Json,
+    Model,
+    ModelOut,
+    Quiet,
+    Report,
+    Seed,
+    Tolerance,
+)
+from dnanalyze_cli.session import Session
+
+EffectName = Annotated[
+    str, typer.Argument(metavar="EFFECT", help="A name from `dnanalyze effects`.")
+]
+
+
+def add(
+    captures: Captures,
+    effect: EffectName,
+    model: Model = None,
+    output: ModelOut = None,
+    json: Json = None,
+    report: Report = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+) -> None:
+    """The model with that effect added and everything refitted; the error before and after."""
+    from dnanalyze.diagnosis import add as run
+    from dnanalyze.model.noise_model import dump_model
+    from dnanalyze.model.registry import find
+    from dnanalyze.report import documents
+    from dnanalyze_cli import show
+
+    if not Path(captures).exists() and Path(effect).exists():  # `add EFFECT CAPTURES` reads as well
+        captures, effect = effect, captures
+    session = Session(
+        "add", captures, json, report, None, output, effects=tuple(effects or ()), quiet=quiet
+    )
+    known = session.known()
+    find(effect, known)
+    own = session.model(model, seed)
+    found = session.load(config, tolerance_c)
+    with session.progress(f"Adding {effect}"):
+        result = run(found, effect, own, known=known)
+    show.refinement(session.console, found, result, output)
+
+    def page() -> str:
+        from dnanalyze.comparator.compare import compare
+        from dnanalyze.report.pages.refine import refine_page
+
+        with session.progress("Comparing"):
+            comparison = compare(found, result.model, held=result.bench)
+        return refine_page(found, result, comparison)
+
+    session.write(
+        documents.addition(captures, effect, result, output),
+        page,
+        model=lambda: dump_model(result.model),
+    )

@@ -1,0 +1,53 @@
+"""``dnanalyze compare``: the model against the measurement."""
+
+from __future__ import annotations
+
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    Csv,
+    EffectFiles,
+    Json,
+    Model,
+    Quiet,
+    Report,
+    Seed,
+    Tolerance,
+)
+from dnanalyze_cli.session import Session
+
+
+def compare(
+    captures: Captures,
+    model: Model = None,
+    json: Json = None,
+    report: Report = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+) -> None:
+    """The model against the measurement; without --model the paper's model is fitted first."""
+    from dnanalyze.comparator import compare as run
+    from dnanalyze.report import documents, tables
+    from dnanalyze_cli import show
+
+    session = Session(
+        "compare", captures, json, report, csv, effects=tuple(effects or ()), quiet=quiet
+    )
+    own = session.model(model, seed)
+    found = session.load(config, tolerance_c)
+    with session.progress("Comparing"):
+        comparison = run(found, model=own)
+    show.comparison(session.console, found, comparison)
+
+    def page() -> str:
+        from dnanalyze.report.pages.compare import compare_page
+
+        return compare_page(found, comparison)
+
+    session.write(
+        documents.comparison(captures, comparison), page, lambda: tables.comparison(comparison)
+    )

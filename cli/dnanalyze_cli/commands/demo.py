@@ -1,0 +1,98 @@
+"""``dnanalyze demo``: the whole story on a built-in virtual sensor."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dnanalyze_cli.options import Json, Quiet, Report
+from dnanalyze_cli.session import Session
+
+SHAPE, FRAMES = (256, 256), 6
+
+
+def demo(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FOLDER",
+            help="Where to keep the frames; a temporary folder by default.",
+            show_default=False,
+        ),
+    ] = None,
+    hide: Annotated[
+        str, typer.Option("--hide", metavar="EFFECT", help="What to hide in the sensor.")
+    ] = "column_fpn",
+    level: Annotated[
+        str, typer.Option("--level", help="How strong: weak, middling or strong.")
+    ] = "middling",
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Names the sensor.")] = 1,
+    json: Json = None,
+    report: Report = None,
+    quiet: Quiet = False,
+) -> None:
+    """A virtual sensor with a hidden effect: its frames, the comparison, what is missing."""
+    if folder is not None:
+        _tell(folder, hide, level, seed, json, report, quiet)
+        return
+    with tempfile.TemporaryDirectory(prefix="dnanalyze-") as temporary:
+        _tell(Path(temporary) / "demo", hide, level, seed, json, report, quiet)
+
+
+def _tell(
+    folder: Path,
+    hide: str,
+    level: str,
+    seed: int,
+    json: Path | None,
+    report: Path | None,
+    quiet: bool,
+) -> None:
+    """Make the frames, compare the paper's model with them, let `refine` find what is hidden."""
+    import numpy as np
+
+    from dnanalyze.comparator.compare import compare
+    from dnanalyze.demo import draw_sensor, generate, truth, write_folder
+    from dnanalyze.diagnosis.refine import refine
+    from dnanalyze.report import documents, words
+    from dnanalyze.report.words import number
+    from dnanalyze_cli import show
+
+    session = Session("demo", str(folder), json, report, quiet=quiet)
+    print = session.console.print
+    sensor = draw_sensor(np.random.default_rng(seed))
+    hidden = {hide: level}
+    with session.progress("Exposing"):
+        made = generate(sensor, hidden, SHAPE, frames=FRAMES, seed=seed)
+        write_folder(made, folder, truth(sensor, hidden, seed))
+    print(
+        f"1. A virtual sensor, electron by electron: {made.frame_count} dark frames at "
+        f"{len(made.settings)} temperatures in {folder}. Something is hidden in it.\n"
+    )
+    found = session.load()
+    with session.progress("Comparing"):
+        first = compare(found)
+    print("2. The paper's model, fitted and held against it (`dnanalyze compare`):\n")
+    show.comparison(session.console, found, first)
+    print("3. What is missing, added until nothing is left to find (`dnanalyze refine`):\n")
+    with session.progress("Refining") as progress:
+        result = refine(found, trying=lambda name: progress.now(f"Trying {name}"))
+    show.refinement(session.console, found, result, folder)
+    verdict = "found" if hide in result.effects else "not found"
+    print(f"\n4. What was hidden: {hide}, {level}. It was {verdict}.")
+    last = number(result.steps[-1].error)
+    print(f"   Error {number(first.error)} with the paper's model, {last} now.")
+
+    def page() -> str:
+        from dnanalyze.report.pages.refine import refine_page
+
+        return refine_page(found, result, compare(found, result.model, held=result.bench))
+
+    session.write(
+        documents.refinement(str(folder), result, None)
+        | {"schema": "dnanalyze/demo/1", "hidden": words.texts(hidden)},
+        page,
+    )

@@ -1,0 +1,36 @@
+"""``dnanalyze detect``: hidden DPC, denoise, temporal denoise."""
+
+from __future__ import annotations
+
+from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Report, Tolerance
+from dnanalyze_cli.session import Session
+
+
+def detect(
+    captures: Captures,
+    json: Json = None,
+    report: Report = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    quiet: Quiet = False,
+) -> None:
+    """Whether defect correction or denoise was applied to these raw frames, and which."""
+    from dnanalyze.detection import detect as run
+    from dnanalyze.report import documents, tables
+    from dnanalyze_cli import show
+
+    session = Session("detect", captures, json, report, csv, quiet=quiet)
+    found = session.load(config, tolerance_c)
+    with session.progress("Testing") as tick:
+        detection = run(found, progress=tick)
+    show.detection(session.console, found, detection)
+
+    def page() -> str:
+        from dnanalyze.report.pages.detect import detect_page
+
+        return detect_page(found, detection)
+
+    session.write(
+        documents.detection(captures, detection), page, lambda: tables.findings(detection)
+    )

@@ -1,0 +1,65 @@
+"""``dnanalyze diagnose``: which effect is missing."""
+
+from __future__ import annotations
+
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    Csv,
+    EffectFiles,
+    Json,
+    Model,
+    Quiet,
+    Report,
+    Seed,
+    Tolerance,
+)
+from dnanalyze_cli.session import Session
+
+
+def diagnose(
+    captures: Captures,
+    model: Model = None,
+    json: Json = None,
+    report: Report = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+) -> None:
+    """Which effect is missing, ranked, with the evidence for and against."""
+    from dnanalyze.diagnosis import diagnose as run
+    from dnanalyze.fitting.design import design
+    from dnanalyze.fitting.predictor import bench
+    from dnanalyze.report import documents, tables
+    from dnanalyze_cli import show
+
+    session = Session(
+        "diagnose", captures, json, report, csv, effects=tuple(effects or ()), quiet=quiet
+    )
+    own = session.model(model, seed)
+    found = session.load(config, tolerance_c)
+    with session.progress("Reading") as progress:
+        held = bench(design(found))
+        diagnosis = run(
+            found,
+            model=own,
+            known=session.known(),
+            held=held,
+            tell=lambda name: progress.now(f"Trying {name}"),
+        )
+    show.diagnosis(session.console, found, diagnosis)
+
+    def page() -> str:
+        from dnanalyze.comparator.compare import compare
+        from dnanalyze.report.pages.diagnose import diagnose_page
+
+        with session.progress("Comparing"):
+            comparison = compare(found, diagnosis.model, held=held)
+        return diagnose_page(found, diagnosis, comparison)
+
+    session.write(
+        documents.diagnosis(captures, diagnosis), page, lambda: tables.candidates(diagnosis)
+    )

@@ -1,0 +1,30 @@
+"""``dnanalyze effects``: the catalogue."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from dnanalyze_cli.options import EffectFiles, Json
+from dnanalyze_cli.session import Session
+
+Name = Annotated[
+    str | None, typer.Argument(metavar="NAME", help="One effect in full.", show_default=False)
+]
+
+
+def effects(name: Name = None, json: Json = None, effects: EffectFiles = None) -> None:
+    """The catalogue; with a name, its physics, formula, units, fingerprint, references."""
+    from dnanalyze.model.registry import find
+    from dnanalyze.report import documents
+    from dnanalyze_cli import show
+
+    session = Session("effects", json=json, effects=tuple(effects or ()))
+    known = session.known()
+    if name:
+        known = {name: find(name, known)}
+        show.effect(session.console, known[name])
+    else:
+        show.catalogue(session.console, known)
+    session.write(documents.effects(known))

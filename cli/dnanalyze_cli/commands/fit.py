@@ -1,0 +1,50 @@
+"""``dnanalyze fit``: the model's parameters with their uncertainties."""
+
+from __future__ import annotations
+
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    Csv,
+    EffectFiles,
+    Json,
+    Model,
+    ModelOut,
+    Quiet,
+    Seed,
+    Tolerance,
+)
+from dnanalyze_cli.session import Session
+
+
+def fit(
+    captures: Captures,
+    model: Model = None,
+    output: ModelOut = None,
+    json: Json = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+) -> None:
+    """The model's parameters with uncertainties, as a model file (-o)."""
+    from dnanalyze.fitting import fit as run
+    from dnanalyze.model.noise_model import dump_model
+    from dnanalyze.report import documents, tables
+    from dnanalyze_cli import show
+
+    session = Session(
+        "fit", captures, json, None, csv, output, effects=tuple(effects or ()), quiet=quiet
+    )
+    start = session.model(model, seed)
+    found = session.load(config, tolerance_c)
+    with session.progress("Fitting"):
+        result = run(found, model=start)
+    show.fit(session.console, found, result)
+    session.write(
+        documents.fit(captures, result, output),
+        table=lambda: tables.parameters(result),
+        model=lambda: dump_model(result.model),
+    )

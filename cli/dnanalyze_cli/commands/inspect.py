@@ -1,0 +1,28 @@
+"""``dnanalyze inspect``: what is in the folder."""
+
+from __future__ import annotations
+
+from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Tolerance
+from dnanalyze_cli.session import Session
+
+
+def inspect(
+    captures: Captures,
+    json: Json = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    quiet: Quiet = False,
+) -> None:
+    """What is in the folder, and what is missing for a full analysis."""
+    from dnanalyze.loaders import inspect as look
+    from dnanalyze.report import documents, tables
+    from dnanalyze_cli import show
+
+    session = Session("inspect", captures, json=json, csv=csv, quiet=quiet)
+    found = session.load(config, tolerance_c)
+    seen = look(found)
+    show.inspection(session.console, found, seen)
+    session.write(
+        documents.inspection(captures, seen), table=lambda: tables.operating_points(found)
+    )

@@ -1,0 +1,108 @@
+"""``dnanalyze refine``: diagnose and add until nothing more is missing."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    Csv,
+    EffectFiles,
+    Json,
+    Model,
+    ModelOut,
+    Quiet,
+    Report,
+    Seed,
+    Tolerance,
+)
+from dnanalyze_cli.session import Session
+
+_STEER = "When to stop"
+
+
+def refine(
+    captures: Captures,
+    model: Model = None,
+    output: ModelOut = None,
+    exclude: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--exclude",
+            metavar="EFFECT",
+            rich_help_panel=_STEER,
+            help="Never add this one; may be given again.",
+        ),
+    ] = None,
+    max_effects: Annotated[
+        int | None,
+        typer.Option(
+            "--max-effects", metavar="N", min=0, rich_help_panel=_STEER, help="Add no more than N."
+        ),
+    ] = None,
+    until_error: Annotated[
+        float | None,
+        typer.Option(
+            "--until-error",
+            metavar="E",
+            min=0.0,
+            rich_help_panel=_STEER,
+            help="Stop once the error is E or less.",
+        ),
+    ] = None,
+    json: Json = None,
+    report: Report = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+) -> None:
+    """Diagnose and add until nothing more is missing; the error at each step."""
+    from dnanalyze.diagnosis import refine as run
+    from dnanalyze.model.noise_model import dump_model
+    from dnanalyze.model.registry import find
+    from dnanalyze.report import documents, tables, words
+    from dnanalyze_cli import show
+
+    session = Session(
+        "refine", captures, json, report, csv, output, effects=tuple(effects or ()), quiet=quiet
+    )
+    known = session.known()
+    for name in exclude or ():
+        find(name, known)
+    own = session.model(model, seed)
+    found = session.load(config, tolerance_c)
+    with session.progress("Reading") as progress:
+        result = run(
+            found,
+            model=own,
+            exclude=tuple(exclude or ()),
+            most_effects=max_effects,
+            until_error=until_error,
+            known=known,
+            tell=lambda step: progress.note(
+                f"{words.number(step.error):>7}  {words.step_name(step.added, 0)}"
+            ),
+            trying=lambda name: progress.now(f"Trying {name}"),
+        )
+    show.refinement(session.console, found, result, output)
+
+    def page() -> str:
+        from dnanalyze.comparator.compare import compare
+        from dnanalyze.report.pages.refine import refine_page
+
+        with session.progress("Comparing"):
+            comparison = compare(found, result.model, held=result.bench)
+        return refine_page(found, result, comparison)
+
+    session.write(
+        documents.refinement(captures, result, output),
+        page,
+        lambda: tables.steps(result),
+        lambda: dump_model(result.model),
+    )

@@ -1,0 +1,158 @@
+"""``dnanalyze simulate``: frames of a model, in any format that the loaders read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from dnanalyze.errors import InputError
+from dnanalyze_cli.options import Config, EffectFiles, Json, Quiet, Tolerance
+from dnanalyze_cli.session import Session
+
+_FRAMES = "The frames"
+
+
+def simulate(
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to make.", show_default=False)],
+    model: Annotated[
+        Path, typer.Option("--model", metavar="M.yaml", help="Model file.", show_default=False)
+    ],
+    like: Annotated[
+        str | None,
+        typer.Option(
+            "--like",
+            metavar="CAPTURES",
+            rich_help_panel=_FRAMES,
+            help="Shape, operating points and frames of this folder.",
+        ),
+    ] = None,
+    shape: Annotated[
+        str | None,
+        typer.Option(
+            "--shape", metavar="ROWSxCOLUMNS", rich_help_panel=_FRAMES, help="Such as 1080x1920."
+        ),
+    ] = None,
+    temperatures: Annotated[
+        str | None,
+        typer.Option(
+            "--temperatures", metavar="C,C,...", rich_help_panel=_FRAMES, help="Such as 25,45,65."
+        ),
+    ] = None,
+    exposure: Annotated[
+        str | None,
+        typer.Option(
+            "--exposure", metavar="S,S,...", rich_help_panel=_FRAMES, help="Such as 0.05."
+        ),
+    ] = None,
+    gain: Annotated[
+        str | None,
+        typer.Option("--gain", metavar="G,G,...", rich_help_panel=_FRAMES, help="Such as 1,4."),
+    ] = None,
+    frames: Annotated[
+        int | None,
+        typer.Option(
+            "--frames",
+            metavar="N",
+            min=1,
+            rich_help_panel=_FRAMES,
+            help="Frames at each operating point.",
+        ),
+    ] = None,
+    format: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            rich_help_panel=_FRAMES,
+            help="tif, fits, npy, h5, png, pgm; raw10, raw12, ... with -mipi or -lsb where packed.",
+        ),
+    ] = "tif",
+    seed: Annotated[
+        int | None,
+        typer.Option("--seed", min=0, help="Another virtual sensor than the model file's."),
+    ] = None,
+    json: Json = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    quiet: Quiet = False,
+) -> None:
+    """Draw frames of a model into a new folder, with a manifest."""
+    from dataclasses import replace
+
+    from dnanalyze.loaders import write
+    from dnanalyze.model.simulate import simulate as run
+    from dnanalyze.report import documents
+    from dnanalyze.report.files import atomic_folder
+    from dnanalyze_cli import show
+
+    session = Session("simulate", like, json=json, effects=tuple(effects or ()), quiet=quiet)
+    own = session.model(model)
+    assert own is not None
+    if seed is not None:
+        own = replace(own, seed=seed)
+    pattern = session.load(config, tolerance_c) if like else None
+    size = _shape(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
+    points = _points(own, pattern, temperatures, exposure, gain, frames)
+    made = run(
+        own, size, points, name=str(model), sensor=pattern and replace(pattern.sensor, shape=size)
+    )
+    kind, bits, packing = _format(format)
+    with atomic_folder(out) as folder, session.progress("Simulating") as progress:
+        write(made, folder, kind, bits=bits, packing=packing, progress=progress.now)
+    show.written(session.console, made, out, format)
+    session.write(documents.simulation(made, out, format, model, own.seed, like))
+
+
+def _shape(text: str) -> tuple[int, int]:
+    rows, _, columns = text.lower().partition("x")
+    if not (rows.isdecimal() and columns.isdecimal() and int(rows) and int(columns)):
+        raise InputError(f"--shape {text}: not ROWSxCOLUMNS, such as 1080x1920")
+    return int(rows), int(columns)
+
+
+def _format(text: str) -> tuple[str, int | None, Any]:
+    """Format, bits and packing: ``raw12-mipi`` is headerless, 12 bits, packed as MIPI does."""
+    kind, _, packing = text.partition("-")
+    if kind.startswith("raw") and kind[3:].isdecimal():
+        return "raw", int(kind[3:]), packing or "plain"
+    return text, None, "plain"
+
+
+def _numbers(option: str, text: str | None) -> list[float] | None:
+    if text is None:
+        return None
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(
+            f"{option} {text}: not numbers with commas between, such as 25,45"
+        ) from None
+
+
+def _points(own, pattern, temperatures, exposure, gain, frames):  # type: ignore[no-untyped-def]
+    """Operating points with their number of frames: the pattern's, or a grid of what is named."""
+    from itertools import product
+
+    from dnanalyze.loaders.captures import OperatingPoint
+
+    grid = (
+        _numbers("--temperatures", temperatures),
+        _numbers("--exposure", exposure),
+        _numbers("--gain", gain),
+    )
+    if pattern is not None:
+        if any(grid):
+            raise InputError(
+                "--like: gives the operating points; leave out --temperatures, --exposure, --gain"
+            )
+        return [(s.point, frames or len(s.frames)) for s in pattern.settings]
+    home = own.reference
+    axes = [
+        values or [default]
+        for values, default in zip(
+            grid, (home.temperature_c, home.exposure_s, home.gain), strict=True
+        )
+    ]
+    return [(OperatingPoint(t, e, g), frames or 8) for t, e, g in product(*axes)]

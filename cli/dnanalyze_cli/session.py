@@ -1,0 +1,147 @@
+"""What every command does around its one call: check, load, show progress, write."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dnanalyze.errors import InputError
+from dnanalyze.report.files import atomic_write, check_output
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from dnanalyze.loaders.captures import CaptureSet
+    from dnanalyze.model.effect import Effect
+    from dnanalyze.model.noise_model import NoiseModel
+
+STDOUT = Path("-")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """A progress bar that library calls can feed, or one that stays silent."""
+
+    bars: Any = None
+    task: Any = None
+
+    def __call__(self, done: float = 0, total: float | None = None) -> None:
+        """So much of the total is done."""
+        if self.bars:
+            self.bars.update(self.task, completed=done, total=total)
+
+    def now(self, text: str) -> None:
+        """What is going on, beside the bar."""
+        if self.bars:
+            self.bars.update(self.task, description=text)
+
+    def note(self, text: str) -> None:
+        """A line that stays, above the bar."""
+        if self.bars:
+            self.bars.console.print(text, highlight=False)
+
+
+@dataclass
+class Session:
+    """One run of one command.
+
+    Outputs are checked when the session is made, before any long work, and written at its end,
+    each whole or not at all.
+    """
+
+    command: str
+    captures: str | None = None
+    json: Path | None = None
+    report: Path | None = None
+    csv: Path | None = None
+    output: Path | None = None
+    effects: tuple[Path, ...] = ()
+    quiet: bool = False
+    console: Console = field(init=False)
+
+    def __post_init__(self) -> None:
+        from rich.console import Console
+
+        wanted = [p for p in (self.json, self.report, self.csv, self.output) if p]
+        files = [p for p in wanted if p != STDOUT]
+        for path in files:
+            check_output(path, self.captures)
+            if [p.resolve() for p in files].count(path.resolve()) > 1:
+                raise InputError(f"{path}: named for two outputs; give each its own file")
+        self.console = Console(stderr=self.json == STDOUT, highlight=False, soft_wrap=False)
+        if self.console.width > 110:
+            self.console.width = 110
+
+    def load(self, config: Path | None = None, tolerance_c: float | None = None) -> CaptureSet:
+        """The captures; what the loader had to assume is said on stderr."""
+        from dnanalyze.loaders import load
+
+        assert self.captures is not None
+        found = load(self.captures, config=config, tolerance_c=tolerance_c)
+        for note in found.notes:
+            self.say(f"note: {note}")
+        return found
+
+    def known(self) -> dict[str, type[Effect]]:
+        """The catalogue with the user's own effects."""
+        from dnanalyze.model.registry import catalogue
+
+        return catalogue(self.effects)
+
+    def model(self, path: Path | None, seed: int | None = None) -> NoiseModel | None:
+        """The model file, drawn with this seed where one is given; None where no file is named."""
+        from dnanalyze.model.noise_model import load_model
+
+        if path is None:
+            return None
+        found = load_model(path, self.known())
+        return found if seed is None else replace(found, seed=seed)
+
+    def say(self, text: str) -> None:
+        """A line on stderr, unless --quiet."""
+        if not self.quiet:
+            print(text, file=sys.stderr)
+
+    @contextmanager
+    def progress(self, text: str) -> Iterator[Progress]:
+        """A bar on stderr, gone when done; nothing with --quiet or without a terminal."""
+        if self.quiet or not sys.stderr.isatty():
+            yield Progress()
+            return
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress as Bars
+
+        columns = (TextColumn("{task.description}"), BarColumn(28), TimeElapsedColumn())
+        with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
+            yield Progress(bars, bars.add_task(text, total=None))
+
+    def write(
+        self,
+        content: dict[str, Any],
+        page: Callable[[], str] | None = None,
+        table: Callable[[], Any] | None = None,
+        model: Callable[[], str] | None = None,
+    ) -> None:
+        """Write what was asked for; everything is made before the first file appears."""
+        from dnanalyze.report.plain import to_json
+
+        made: list[tuple[Path, str]] = []
+        if self.output and model:
+            made.append((self.output, model()))
+        if self.report and page:
+            made.append((self.report, page()))
+        if self.csv and table:
+            made.append((self.csv, table().to_csv(index=False)))
+        if self.json:
+            made.append((self.json, to_json(content)))
+        for path, text in made:
+            if path == STDOUT:
+                sys.stdout.write(text)
+            else:
+                atomic_write(path, text)
+                self.say(f"wrote {path}")

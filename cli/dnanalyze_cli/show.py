@@ -1,0 +1,335 @@
+"""Results in the terminal: the verdict first, then small tables that fit 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from dnanalyze.report import capture, words
+from dnanalyze.report.tables import info, worst
+from dnanalyze.report.words import number, point_label, with_error
+
+BAR = 24
+MOST_FAILURES, MOST_ROWS = 6, 8
+
+
+def _verdict(console: Console, line: str, verdict: str, style: str = "bold") -> None:
+    console.print(Text(line, style="dim"))
+    console.print()
+    console.print(Padding(Text(verdict, style=style), (0, 0, 0, 2)))
+    console.print()
+
+
+def _points(console: Console, title: str, sentences: Sequence[str]) -> None:
+    """A heading and a numbered list; nothing where the list is empty."""
+    if not sentences:
+        return
+    console.print(Text(title, style="bold"))
+    grid = Table.grid(padding=(0, 1))
+    grid.add_column(justify="right", style="dim", min_width=4)
+    grid.add_column()
+    for place, text in enumerate(sentences, 1):
+        grid.add_row(f"{place}", Text(words.sentence(text)))
+    console.print(grid)
+    console.print()
+
+
+def _table(
+    console: Console, columns: Sequence[str], rows: Iterable[Sequence[Any]], left: int = 1
+) -> None:
+    """A table whose first ``left`` columns are words, the others numbers."""
+    table = Table(
+        box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False, header_style="dim"
+    )
+    for place, name in enumerate(columns):
+        table.add_column(name, justify="left" if place < left else "right", overflow="fold")
+    empty = True
+    for row in rows:
+        empty = False
+        table.add_row(*(cell if isinstance(cell, Text) else Text(str(cell)) for cell in row))
+    if not empty:
+        console.print(Padding(table, (0, 0, 0, 2)))
+        console.print()
+
+
+def _bar(share: float, style: str = "blue") -> Text:
+    """A bar of up to ``BAR`` cells; even a small share shows."""
+    cells = max(0.0, min(1.0, share)) * BAR
+    whole = int(cells)
+    part = " ▏▎▍▌▋▊▉"[int((cells - whole) * 8)] if cells < BAR else ""
+    return Text(("█" * whole + part).rstrip() or "▏", style=style)
+
+
+def inspection(console: Console, captures: Any, seen: Mapping[str, Any]) -> None:
+    """Operating points, format, and what is missing."""
+    console.print(Text(capture.one_line(captures), style="bold"))
+    console.print()
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="dim", min_width=18)
+    grid.add_column()
+    for key, text in (capture.facts(captures) | _codes(seen["codes"])).items():
+        grid.add_row(key, Text(text))
+    console.print(Padding(grid, (0, 0, 0, 2)))
+    console.print()
+    _table(
+        console,
+        ("operating point", "temperature spans", "frames"),
+        (
+            (point_label(p), _span(p["temperature_span_c"]), p["frames"])
+            for p in seen["operating_points"]
+        ),
+        left=2,
+    )
+    if seen["missing"]:
+        _points(console, "For a full analysis this is missing", seen["missing"])
+    else:
+        console.print("Nothing is missing for a full analysis.")
+
+
+def _codes(codes: Mapping[str, Any]) -> dict[str, str]:
+    """Range of the codes and the bits that they use."""
+    made = {"values": f"{codes['smallest']:g} to {codes['largest']:g} DN"}
+    if codes["step"]:
+        step = f", in steps of {codes['step']}" if codes["step"] > 1 else ""
+        made["bits in use"] = f"{codes['effective_bits']}{step}"
+    return made
+
+
+def _span(span: Sequence[float] | None) -> str:
+    """Width of the temperatures in one operating point."""
+    return f"{span[1] - span[0]:.2g} °C" if span and span[1] > span[0] else "–"
+
+
+_OVERVIEW = {
+    "mean": "mean",
+    "temporal_noise": "temporal",
+    "pattern_noise": "pattern",
+    "frame_noise_core": "spread",
+    "hot_count_5": "hot > 5σ",
+}
+
+
+def statistics(console: Console, captures: Any, measured: Any) -> None:
+    """Level and noise at every operating point, then the trends."""
+    from dnanalyze.report.pages.analyze import headline
+
+    _verdict(console, capture.one_line(captures), headline(measured))
+    names = [n for n in _OVERVIEW if any(n in s.values for s in measured.settings)]
+    if "temporal_noise" in names and "frame_noise_core" in names:
+        names.remove("frame_noise_core")
+    units = [
+        f"{_OVERVIEW[n]}{f' [{info(n).unit}]' if info(n).unit not in ('', '1') else ''}"
+        for n in names
+    ]
+    rows = (
+        (
+            f"{s.point.label()} {s.plane}".strip(),
+            *(number(s.values[n].value, 4) if n in s.values else "–" for n in names),
+        )
+        for s in measured.settings
+    )
+    _table(console, ("operating point", *units), rows)
+    _table(
+        console,
+        ("over temperature", "value"),
+        (
+            (info(k).title, with_error(v.value, v.se, info(k).unit))
+            for k, v in measured.trends.items()
+        ),
+    )
+    reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})
+    _points(console, "What these frames cannot tell", reasons[:MOST_FAILURES])
+
+
+def fit(console: Console, captures: Any, result: Any) -> None:
+    """Parameters with uncertainties, and the pairs that cannot be told apart."""
+    names = words.listing(result.model.names)
+    _verdict(console, capture.one_line(captures), f"Fitted {names}.")
+    _table(
+        console,
+        ("parameter", "value", "unit"),
+        ((p.name, with_error(p.value, p.se), p.unit) for p in result.parameters),
+    )
+    _points(console, "What the data cannot tell apart", list(result.undetermined))
+
+
+def comparison(console: Console, captures: Any, result: Any) -> None:
+    """The error, where the model fails, family by family, and the worst statistics."""
+    headline = words.compare_headline(result.error, result.baselines)
+    _verdict(console, capture.one_line(captures), headline)
+    _points(console, "Where it fails, worst first", result.failures[:MOST_FAILURES])
+    _families(console, result.families)
+    rows = worst(result.statistics, most=MOST_ROWS)
+    _table(
+        console,
+        ("statistic", "where", "measured", "model", "gap", "floors"),
+        (
+            (
+                r["name"],
+                point_label(r),
+                number(r["measured"]),
+                number(r["simulated"]),
+                words.gap(r["measured"], r["simulated"], r.get("unit", "")),
+                number(r["discrepancy"], 2),
+            )
+            for r in rows
+        ),
+        left=2,
+    )
+
+
+def _families(console: Console, families: Mapping[str, float]) -> None:
+    known = {k: v for k, v in families.items() if words.is_number(v)}
+    if not known:
+        return
+    top = max([*known.values(), 1.0])
+    ranked = sorted(known.items(), key=lambda item: -item[1])
+    _table(
+        console,
+        ("family", "", "error"),
+        ((words.family_title(k), _bar(v / top), number(v)) for k, v in ranked),
+        left=2,
+    )
+
+
+def diagnosis(console: Console, captures: Any, result: Any) -> None:
+    """The verdict, the candidates with their evidence, the limits, the next capture."""
+    error = getattr(result, "error", None)
+    headline = words.diagnose_headline(result.verdict, result.candidates, error)
+    _verdict(console, capture.one_line(captures), headline)
+    _table(
+        console,
+        ("candidate", "error after", "explains", "confidence", "confused with"),
+        (
+            (
+                c.effect,
+                number(c.error_after),
+                f"{100 * c.explained:.0f} %",
+                f"{100 * c.confidence:.0f} %",
+                ", ".join(c.confused_with) or "–",
+            )
+            for c in result.candidates[:MOST_ROWS]
+        ),
+    )
+    if result.candidates:
+        best = result.candidates[0]
+        _points(console, f"Evidence for {best.effect}", list(best.evidence))
+    _points(console, "What no candidate explains", list(result.unexplained)[:MOST_FAILURES])
+    _points(
+        console, "What would not have been seen", words.texts(result.detection_limits)[:MOST_ROWS]
+    )
+    if result.next_capture:
+        _points(console, "The next capture", words.texts(result.next_capture))
+
+
+def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
+    """The error step by step."""
+    headline = words.refine_headline(list(result.steps), result.verdict)
+    _verdict(console, capture.one_line(captures), headline)
+    top = max([s.error for s in result.steps if words.is_number(s.error)] + [1.0])
+    _table(
+        console,
+        ("step", "", "error"),
+        (
+            (
+                words.step_name(step.added, place),
+                _bar(step.error / top if words.is_number(step.error) else 0),
+                number(step.error),
+            )
+            for place, step in enumerate(result.steps)
+        ),
+        left=2,
+    )
+    console.print(f"The model holds {words.listing(result.effects)}.")
+    if output is None:
+        console.print("It was not kept; name a file with -o to keep it.", style="dim")
+
+
+def detection(console: Console, captures: Any, result: Any) -> None:
+    """The verdict and the tests behind it."""
+    from dnanalyze.report.pages.detect import headline
+
+    _verdict(console, capture.one_line(captures), headline(result))
+    _points(console, "Evidence", words.texts(getattr(result, "evidence", None)))
+    flagged = sorted(
+        result.findings, key=lambda f: (not f.flagged, f.p_value if f.p_value is not None else 2)
+    )
+    _table(
+        console,
+        ("test", "points to", "at", "p", "effect", "flagged"),
+        (
+            (
+                f.test,
+                f.kind,
+                f"{f.temperature_c:g} °C" if words.is_number(f.temperature_c) else "all",
+                number(f.p_value, 2),
+                number(f.effect_size, 2),
+                "yes" if f.flagged else "no",
+            )
+            for f in flagged[: 2 * MOST_ROWS]
+        ),
+        left=2,
+    )
+
+
+def catalogue(console: Console, known: Mapping[str, Any]) -> None:
+    """All effects along the signal chain."""
+    table = Table(
+        box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False, header_style="dim"
+    )
+    for name in ("effect", "where", "varies", "what it is"):
+        table.add_column(name, no_wrap=name != "what it is")
+    for kind in sorted(known.values(), key=lambda e: (e.stage, e.name)):
+        stage = kind.stage.name.lower().replace("_", " ")
+        table.add_row(Text(kind.name, style="bold"), stage, kind.varies, Text(kind.summary))
+    console.print(table)
+    console.print()
+    console.print("`dnanalyze effects NAME` tells the physics of one.", style="dim")
+
+
+def effect(console: Console, kind: Any) -> None:
+    """One effect in full."""
+    stage = kind.stage.name.lower().replace("_", " ")
+    console.print(
+        Text(kind.name, style="bold"), Text(f" {stage}, {kind.varies}", style="dim"), sep=""
+    )
+    for text in (kind.summary, " ".join(kind.physics.split())):
+        if text:
+            console.print()
+            console.print(Padding(Text(text), (0, 0, 0, 2)))
+    if kind.formula:
+        console.print()
+        console.print(Padding(Text(kind.formula, style="italic"), (0, 0, 0, 4)))
+    console.print()
+    rows = (
+        (
+            name,
+            p.unit or "–",
+            " | ".join(map(str, p.choices))
+            if p.scale == "choice"
+            else f"{p.lower:g} to {p.upper:g}",
+            p.doc,
+        )
+        for name, p in kind.parameters().items()
+    )
+    _table(console, ("parameter", "unit", "range", "meaning"), rows, left=4)
+    if kind.fingerprint:
+        console.print(Padding(Text(f"Moves most: {', '.join(kind.fingerprint)}"), (0, 0, 1, 2)))
+    _points(console, "Confused with", [f"{k}: {v}" for k, v in kind.confused_with.items()])
+    _points(console, "References", list(kind.references))
+
+
+def written(console: Console, made: Any, out: Path, form: str) -> None:
+    """What was simulated and where it lies."""
+    rows, columns = made.sensor.shape
+    console.print(
+        f"{words.plural(made.frame_count, 'frame')} of {rows} × {columns} at "
+        f"{words.plural(len(made.settings), 'operating point')} as {form} in {out}"
+    )

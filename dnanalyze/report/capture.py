@@ -1,0 +1,62 @@
+"""What a capture set is, in facts and in what it lacks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dnanalyze.report.words import is_number, plural
+
+
+def title(captures: Any) -> str:
+    """The folder's own name."""
+    return str(captures.name).rstrip("/").rsplit("/", 1)[-1] or str(captures.name)
+
+
+def spread(values: list[float], unit: str) -> str:
+    """``25 to 105 °C``, ``0.05 s``, or nothing where nothing is known."""
+    known = sorted(set(values))
+    if not known:
+        return ""
+    if len(known) == 1:
+        return f"{known[0]:g} {unit}"
+    return f"{known[0]:g} to {known[-1]:g} {unit}"
+
+
+def known(captures: Any, key: str) -> list[float]:
+    """The values of a field of the operating points, where they are known."""
+    values = [getattr(s.point, key) for s in captures.settings]
+    return [v for v in values if is_number(v)]
+
+
+def facts(captures: Any) -> dict[str, str]:
+    """What to know of the captures, a word to a few words."""
+    sensor = captures.sensor
+    counts = sorted({len(s.frames) for s in captures.settings})
+    each = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    made = {
+        "frames": f"{captures.frame_count} of {sensor.shape[0]} × {sensor.shape[1]} pixels",
+        "operating points": f"{len(captures.settings)}, {each} frame{'s' * (each != '1')} each",
+        "temperature": spread(known(captures, "temperature_c"), "°C"),
+        "exposure": spread(known(captures, "exposure_s"), "s"),
+        "gain": spread(known(captures, "gain"), ""),
+        "channels": ", ".join(
+            sorted({s.point.channel for s in captures.settings if s.point.channel})
+        ),
+        "format": ", ".join(captures.source.formats) if captures.source else "",
+        "converter": f"{sensor.bits} bit" if sensor.bits else "",
+        "black level": f"{sensor.black_level:g} DN" if sensor.black_level is not None else "",
+        "colour filter": "/".join("".join(row) for row in sensor.cfa) if sensor.cfa else "",
+        "pixel pitch": f"{sensor.pixel_pitch_um:g} µm" if sensor.pixel_pitch_um else "",
+    }
+    return {key: text.strip() for key, text in made.items() if text.strip()}
+
+
+def one_line(captures: Any) -> str:
+    """``column: 5 operating points, 25 to 105 °C, 30 frames of 384 × 384``."""
+    sensor = captures.sensor
+    parts = [
+        plural(len(captures.settings), "operating point"),
+        spread(known(captures, "temperature_c"), "°C"),
+        f"{plural(captures.frame_count, 'frame')} of {sensor.shape[0]} × {sensor.shape[1]}",
+    ]
+    return f"{title(captures)}: " + ", ".join(p for p in parts if p)

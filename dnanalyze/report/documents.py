@@ -1,0 +1,191 @@
+"""The JSON documents, one function a command; their keys are the product's public face."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dnanalyze.report.plain import document
+
+Document = dict[str, Any]
+
+
+def _point(point: Any) -> Document:
+    return {key: getattr(point, key) for key in ("temperature_c", "exposure_s", "gain", "channel")}
+
+
+def inspection(where: str, found: dict[str, Any]) -> Document:
+    """What `inspect` found."""
+    return document("inspect", where, **found)
+
+
+def statistics(where: str, measured: Any) -> Document:
+    """Every statistic with its standard error."""
+    from dnanalyze.report.tables import info
+
+    rows = []
+    for setting in measured.settings:
+        values = [
+            {
+                "name": name,
+                "family": info(name).family,
+                "unit": info(name).unit,
+                "scale": info(name).scale,
+                "value": value.value,
+                "se": value.se,
+            }
+            for name, value in setting.values.items()
+        ]
+        rows.append(
+            _point(setting.point)
+            | {
+                "plane": setting.plane,
+                "frames": setting.frames,
+                "shape": setting.shape,
+                "statistics": values,
+                "missing": setting.missing,
+            }
+        )
+    trends = {k: {"value": v.value, "se": v.se} for k, v in measured.trends.items()}
+    return document("analyze", where, sensor=measured.sensor, settings=rows, trends=trends)
+
+
+def fit(where: str, result: Any, output: Path | None) -> Document:
+    """Parameters with their uncertainties, the pairs that the data cannot tell apart, the model."""
+    return document(
+        "fit",
+        where,
+        parameters=[_fields(p, "name", "value", "se", "unit") for p in result.parameters],
+        correlations=result.correlations,
+        undetermined=result.undetermined,
+        model=output,
+        effects=result.model.names,
+        fitted=result.model.to_plain(),
+    )
+
+
+def comparison(where: str | None, result: Any, command: str = "compare") -> Document:
+    """The error, the baselines and every row behind them."""
+    return document(
+        command,
+        where,
+        error=result.error,
+        baselines=result.baselines,
+        families=result.families,
+        failures=result.failures,
+        statistics=result.statistics,
+        model=result.model,
+    )
+
+
+def diagnosis(where: str, result: Any) -> Document:
+    """The verdict and the candidates, best first."""
+    keys = ("effect", "error_after", "explained", "confidence", "confused_with", "evidence")
+    return document(
+        "diagnose",
+        where,
+        error=getattr(result, "error", None),
+        verdict=result.verdict,
+        candidates=[_fields(c, *keys) for c in result.candidates],
+        unexplained=result.unexplained,
+        detection_limits=result.detection_limits,
+        next_capture=result.next_capture,
+    )
+
+
+def refinement(where: str, result: Any, output: Path | None) -> Document:
+    """The error step by step and what the final model holds."""
+    return document(
+        "refine",
+        where,
+        steps=[_step(s) for s in result.steps],
+        effects=result.effects,
+        verdict=result.verdict,
+        model=output,
+        fitted=result.model.to_plain(),
+    )
+
+
+def _step(step: Any) -> Document:
+    """A step; what was taken out again stands under "removed"."""
+    gone = bool(step.added) and step.added.startswith("-")
+    made = {"added": None if gone else step.added, "error": step.error}
+    return (
+        made
+        | ({"removed": step.added[1:]} if gone else {})
+        | _fields(step, "confidence", "evidence")
+    )
+
+
+def addition(where: str, effect: str, result: Any, output: Path | None) -> Document:
+    """The error before and after one effect."""
+    return refinement(where, result, output) | {
+        "schema": "dnanalyze/add/1",
+        "added": effect,
+        "error_before": document("add", where, e=result.steps[0].error)["e"],
+        "error_after": document("add", where, e=result.steps[-1].error)["e"],
+    }
+
+
+def detection(where: str, result: Any) -> Document:
+    """The verdict and every test behind it."""
+    keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged")
+    return document(
+        "detect",
+        where,
+        filtered=result.filtered,
+        kind=result.kind,
+        findings=[_fields(f, *keys) for f in result.findings],
+    )
+
+
+def simulation(
+    made: Any, out: Path, form: str, model: Path, seed: int, like: str | None = None
+) -> Document:
+    """What was written where."""
+    return document(
+        "simulate",
+        str(out),
+        model=model,
+        seed=seed,
+        like=like,
+        format=form,
+        shape=made.sensor.shape,
+        settings=[_point(s.point) | {"frames": len(s.frames)} for s in made.settings],
+    )
+
+
+def effects(known: Mapping[str, Any]) -> Document:
+    """The catalogue."""
+    return document("effects", "", effects=[effect(e) for e in known.values()])
+
+
+def effect(kind: Any) -> Document:
+    """One effect of the catalogue."""
+    return {
+        "name": kind.name,
+        "stage": kind.stage.name.lower(),
+        "varies": kind.varies,
+        "summary": kind.summary,
+        "physics": kind.physics,
+        "formula": kind.formula,
+        "parameters": {
+            name: {
+                "unit": p.unit,
+                "lower": None if p.scale == "choice" else p.lower,
+                "upper": None if p.scale == "choice" else p.upper,
+                "choices": p.choices,
+                "doc": p.doc,
+            }
+            for name, p in kind.parameters().items()
+        },
+        "fingerprint": kind.fingerprint,
+        "confused_with": kind.confused_with,
+        "references": kind.references,
+    }
+
+
+def _fields(item: Any, *keys: str) -> Document:
+    """These attributes of an object; what it lacks is left out."""
+    return {k: getattr(item, k) for k in keys if hasattr(item, k)}

@@ -1,0 +1,211 @@
+"""How every figure looks, and how it becomes part of a page."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+
+# Okabe and Ito's palette: told apart by every kind of colour vision, and by lightness in grey.
+INK, MODEL, GAUSSIAN, ACCENT, QUIET = "#1f2328", "#0072b2", "#d55e00", "#009e73", "#8a929b"
+HAIRLINE, PAPER = "#d9dee3", "#ffffff"
+WIDTH = 10.4  # inch: the width of the page's column
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 6,
+    "axes.labelsize": 8.0,
+    "axes.labelcolor": "#3d444d",
+    "axes.edgecolor": "#8a929b",
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#eceff2",
+    "grid.linewidth": 0.7,
+    "xtick.color": "#59636e",
+    "ytick.color": "#59636e",
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.size": 3,
+    "ytick.major.size": 3,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.visible": False,
+    "ytick.minor.visible": False,
+    "lines.linewidth": 1.3,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "text.color": "#1f2328",
+    "svg.fonttype": "none",
+    "figure.facecolor": "none",
+    "axes.facecolor": "#ffffff",
+    "image.cmap": "cividis",
+    "path.simplify_threshold": 0.5,
+}
+PAGE_FONT = "'Helvetica Neue', 'Liberation Sans', Arial, sans-serif"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure ready for a page: SVG text, a caption, and words for who cannot see it."""
+
+    svg: str
+    caption: str
+    alt: str
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One set of statistics and how it is drawn wherever it appears."""
+
+    label: str
+    statistics: Statistics
+    colour: str = INK
+    dash: str = "-"
+    width: float = 1.3
+    band: bool = False
+
+    def like(self, setting: SettingStatistics) -> SettingStatistics | None:
+        """The statistics of the same operating point and colour plane."""
+        for own in self.statistics.settings:
+            if own.point == setting.point and own.plane == setting.plane:
+                return own
+        return None
+
+
+def layers(
+    measured: Statistics, simulated: Statistics | None = None, gaussian: Statistics | None = None
+) -> tuple[Layer, ...]:
+    """Measured, Gaussian and model, in the order in which they are drawn."""
+    made = [Layer("measured", measured, INK, "-", 1.4, band=True)]
+    if gaussian is not None:
+        made.append(Layer("Gaussian", gaussian, GAUSSIAN, (0, (4, 2)), 1.0))  # type: ignore[arg-type]
+    if simulated is not None:
+        made.append(Layer("model", simulated, MODEL, "-", 1.3))
+    return tuple(made)
+
+
+def chosen(statistics: Statistics, most: int = 5) -> list[SettingStatistics]:
+    """Settings to draw side by side: of one colour plane, evenly from first to last."""
+    if not statistics.settings:
+        return []
+    plane = statistics.settings[0].plane
+    own = [s for s in statistics.settings if s.plane == plane]
+    if len(own) <= most:
+        return own
+    return [own[round(i * (len(own) - 1) / (most - 1))] for i in range(most)]
+
+
+def plane_note(statistics: Statistics) -> str:
+    """Says which colour plane a figure shows, where there are several."""
+    planes = {s.plane for s in statistics.settings}
+    if len(planes) < 2:
+        return ""
+    return f" Colour plane {statistics.settings[0].plane}; the other planes are in the numbers."
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """The style, for the time of drawing only."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(STYLE):
+        yield
+
+
+def figure(rows: int, columns: int, height: float, width: float = WIDTH, **options: Any) -> Any:
+    """A figure and its axes as a 2-D array."""
+    from matplotlib.figure import Figure
+
+    fig = Figure(figsize=(width, height), layout="constrained")
+    fig.get_layout_engine().set(w_pad=0.08, h_pad=0.06, wspace=0.02, hspace=0.04)
+    return fig, fig.subplots(rows, columns, squeeze=False, **options)
+
+
+def picture(draw: Callable[[], Any], caption: str, alt: str) -> Picture | None:
+    """Draw in the style and give the SVG; None where ``draw`` had nothing to show."""
+    with styled():
+        fig = draw()
+        if fig is None:
+            return None
+        stream = io.StringIO()
+        fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None}, dpi=150)
+    svg = stream.getvalue()
+    svg = svg[svg.index("<svg") :].replace("'DejaVu Sans'", PAGE_FONT)
+    return Picture(re.sub(r"\n\s*", "\n", svg), caption, alt)
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def power_label(value: float, _position: int = 0) -> str:
+    """Tick of a log axis without mathematics fonts: 0.01, 100, 10⁵."""
+    if value <= 0:
+        return ""
+    exponent = round(math.log10(value))
+    if not math.isclose(value, 10.0**exponent, rel_tol=1e-6):
+        return f"{value:g}"
+    return f"{value:g}" if -3 <= exponent <= 3 else "10" + str(exponent).translate(_RAISED)
+
+
+def log_axis(axis: Any) -> None:
+    """Ticks at powers of ten in plain text; at 1, 2, 5 where the axis spans little."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    decades = math.log10(high / low) if low > 0 and high > low else 1.0
+    subs = (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
+    axis.set_major_locator(LogLocator(10, subs=subs, numticks=7))
+    axis.set_major_formatter(FuncFormatter(power_label))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def name_layers(fig: Any, drawn: Sequence[Layer]) -> None:
+    """One legend for the whole figure, above it."""
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], color=k.colour, linestyle=k.dash, linewidth=k.width + 0.4, label=k.label)
+        for k in drawn
+    ]
+    if len(handles) > 1:
+        fig.legend(
+            handles=handles, loc="outside upper left", ncols=len(handles), handlelength=2.2,
+            columnspacing=1.6, borderaxespad=0.2,
+        )  # fmt: skip
+
+
+def curve(setting: SettingStatistics | None, *names: str) -> tuple[np.ndarray, ...] | None:
+    """Curves of these names as float arrays, None where one is absent or empty."""
+    if setting is None:
+        return None
+    found = []
+    for name in names:
+        values = setting.curves.get(name)
+        if values is None or np.size(values) == 0:
+            return None
+        found.append(np.asarray(values, dtype=float))
+    return tuple(found)
+
+
+def thinned(x: np.ndarray, y: np.ndarray, most: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    """Means over runs of neighbours, so that a long curve stays light; the ends are kept."""
+    if len(x) <= most:
+        return x, y
+    edges = np.unique(np.linspace(0, len(x), most + 1).astype(int))
+    counts = np.diff(edges)
+    return np.add.reduceat(x, edges[:-1]) / counts, np.add.reduceat(y, edges[:-1]) / counts

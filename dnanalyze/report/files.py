@@ -1,0 +1,90 @@
+"""Files appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from dnanalyze.errors import InputError
+
+
+def atomic_write(path: Path, content: str | bytes) -> None:
+    """Write a file under a temporary name in its folder, then give it its name.
+
+    Raises
+    ------
+    InputError
+        The folder is missing or cannot be written.
+    """
+    raw = content.encode("utf-8") if isinstance(content, str) else content
+    temporary: str | None = None
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(raw)
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+        temporary = None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        if temporary is not None:
+            with suppress(OSError):
+                os.unlink(temporary)
+
+
+@contextmanager
+def atomic_folder(path: Path) -> Iterator[Path]:
+    """A new folder to fill, which takes its name when the block ends without an error.
+
+    Raises
+    ------
+    InputError
+        ``path`` is a file or a folder with something in it, or its parent cannot be written.
+    """
+    if path.is_file() or (path.is_dir() and any(path.iterdir())):
+        raise InputError(f"{path}: exists already; name a new or empty folder")
+    try:
+        temporary = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}."))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+    try:
+        yield temporary
+        os.chmod(temporary, 0o777 & ~_umask())
+        os.replace(temporary, path)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def check_output(path: Path, captures: str | Path | None = None) -> None:
+    """Refuse an output that cannot be written, before the long work begins.
+
+    Captures are only read: an output inside their folder would change them.
+
+    Raises
+    ------
+    InputError
+        ``path`` is a folder, has no folder to stand in, or lies in the capture folder.
+    """
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; name a file")
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        raise InputError(f"{path}: the folder {folder} does not exist; make it first")
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{path}: the folder {folder} cannot be written; name another")
+    if captures is None or "://" in str(captures):
+        return
+    source = Path(captures).resolve()
+    if source.is_dir() and source in path.resolve().parents:
+        raise InputError(f"{path}: lies inside the captures, which are never changed; name another")
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

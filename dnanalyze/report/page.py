@@ -1,0 +1,134 @@
+"""A page: what it holds, and how that becomes one self-contained HTML file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+from dnanalyze.report.figures.style import Picture
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of text under column names.
+
+    Parameters
+    ----------
+    columns : sequence of str
+    rows : sequence of sequence of str
+    words : int
+        The first columns, which hold words; the others hold numbers and stand to the right.
+    title : str
+        What stands on the fold, where ``folded``.
+    folded : bool
+        Closed until the reader opens it; printed in full.
+    """
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+    words: int = 1
+    title: str = ""
+    folded: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with sentences, figures and tables.
+
+    ``badge`` is a number beside the heading (the family's error); ``calm`` says that it is good.
+    """
+
+    key: str
+    title: str
+    text: Sequence[str] = ()
+    points: Sequence[str] = ()
+    pictures: Sequence[Picture | None] = ()
+    tables: Sequence[Table] = ()
+    badge: str = ""
+    calm: bool = True
+    code: str = ""
+
+    @property
+    def empty(self) -> bool:
+        """Nothing to show but the heading."""
+        return not (self.text or self.points or any(self.pictures) or self.tables or self.code)
+
+
+@dataclass(frozen=True)
+class Page:
+    """One report.
+
+    Parameters
+    ----------
+    kind : str
+        What was asked, such as "Comparison".
+    title : str
+        Name of the captures.
+    verdict : str
+        The answer in one or two sentences.
+    tone : str
+        "good", "fair" or "poor"; colours the verdict's edge.
+    points : sequence of str
+        What stands behind the verdict, most important first.
+    figures : sequence of (str, str)
+        Numbers to show large, each with a few words.
+    facts : dict
+        Of the captures.
+    sections : sequence of Section
+    notes : sequence of str
+        What the loader had to assume.
+    """
+
+    kind: str
+    title: str
+    verdict: str
+    sections: Sequence[Section]
+    tone: str = "fair"
+    points: Sequence[str] = ()
+    figures: Sequence[tuple[str, str]] = ()
+    facts: dict[str, str] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+
+def render(page: Page, made: datetime | None = None) -> str:
+    """The HTML file: no script, nothing fetched from elsewhere, everything escaped.
+
+    Parameters
+    ----------
+    page : Page
+    made : datetime, optional
+        When; now by default.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+    import dnanalyze
+
+    environment = Environment(
+        loader=PackageLoader("dnanalyze.report"),
+        autoescape=select_autoescape(default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["data_uri"] = data_uri
+    when = (made or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M UTC")
+    shown = [s for s in page.sections if not s.empty]
+    return environment.get_template("page.html.j2").render(
+        page=page, sections=shown, when=when, version=dnanalyze.__version__
+    )
+
+
+def data_uri(svg: str) -> str:
+    """An SVG as the source of an image; its names stay apart from those of other figures."""
+    from base64 import b64encode
+
+    return "data:image/svg+xml;base64," + b64encode(svg.encode("utf-8")).decode("ascii")
+
+
+def tone_of(error: float | None) -> str:
+    """Tone of an error."""
+    if error is None or not error < 2:
+        return "poor"
+    return "good" if error < 1.3 else "fair"

@@ -1,0 +1,60 @@
+"""The page of `compare`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dnanalyze.report import capture
+from dnanalyze.report.figures import heatmap
+from dnanalyze.report.figures.style import layers
+from dnanalyze.report.page import Page, Section, render, tone_of
+from dnanalyze.report.pages.analyze import missing_section
+from dnanalyze.report.pages.panels import family_panels
+from dnanalyze.report.words import compare_headline, number, sentence
+
+
+def sections(result: Any) -> list[Section]:
+    """The comparison family by family, then the model: for this page and for those built on it."""
+    drawn = layers(result.measured, result.simulated, result.gaussian)
+    return [
+        Section(
+            "error",
+            "Where the model fails",
+            pictures=[
+                heatmap.families(result.families, result.baselines, result.error),
+                heatmap.discrepancies(result.statistics),
+            ],
+        ),
+        *family_panels(drawn, result.families, result.statistics),
+        missing_section(result.measured),
+        model_section(result.model),
+    ]
+
+
+def model_section(model: Any) -> Section:
+    """The model file."""
+    from dnanalyze.model.noise_model import dump_model
+
+    return Section("model", "The model", code=dump_model(model).rstrip() if model else "")
+
+
+def compare_page(captures: Any, result: Any) -> str:
+    """HTML of the page."""
+    baselines = result.baselines
+    page = Page(
+        "Model against sensor",
+        capture.title(captures),
+        compare_headline(result.error, baselines),
+        sections(result),
+        tone=tone_of(result.error),
+        points=[sentence(f) for f in result.failures],
+        figures=[
+            (number(result.error), "error of this model"),
+            (number(baselines.get("paper")), "the paper's model"),
+            (number(baselines.get("gaussian")), "a plain Gaussian"),
+            ("1.0", "a second sensor of the same make"),
+        ],
+        facts=capture.facts(captures),
+        notes=captures.notes,
+    )
+    return render(page)

@@ -1,0 +1,81 @@
+"""The page of `diagnose`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dnanalyze.report import capture
+from dnanalyze.report.figures.candidates import candidates
+from dnanalyze.report.page import Page, Section, Table, render
+from dnanalyze.report.pages import compare
+from dnanalyze.report.words import (
+    diagnose_headline,
+    number,
+    sentence,
+    texts,
+)
+
+TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
+
+
+def sections(result: Any) -> list[Section]:
+    """Candidates with their evidence, what is unexplained, the limits, the next capture."""
+    found = list(result.candidates)
+    rows = [
+        (
+            c.effect,
+            ", ".join(c.confused_with) or "–",
+            number(c.error_after),
+            f"{100 * c.explained:.0f} %",
+            f"{100 * c.confidence:.0f} %",
+        )
+        for c in found
+    ]
+    columns = ("effect", "confused with", "error after", "explains", "confidence")
+    evidence = [
+        Section(
+            f"evidence-{c.effect}",
+            f"Evidence for {c.effect}",
+            points=[sentence(e) for e in c.evidence],
+        )
+        for c in found[:3]
+    ]
+    return [
+        Section(
+            "candidates",
+            "Candidates",
+            pictures=[candidates(found, getattr(result, "error", None))],
+            tables=[Table(columns, rows, words=2)] if rows else [],
+        ),
+        *evidence,
+        Section("unexplained", "What no candidate explains", points=texts(result.unexplained)),
+        Section("next", "The next capture", points=texts(result.next_capture)),
+        Section(
+            "limits",
+            "What would not have been seen",
+            text=[
+                "Below these strengths an effect may be in the sensor without showing here."
+            ]
+            if result.detection_limits
+            else [],
+            points=texts(result.detection_limits),
+        ),
+    ]
+
+
+def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
+    """HTML of the page; with a comparison its panels follow the diagnosis."""
+    error = getattr(result, "error", None)
+    page = Page(
+        "Diagnosis",
+        capture.title(captures),
+        diagnose_headline(result.verdict, list(result.candidates), error),
+        [*sections(result), *(compare.sections(comparison) if comparison is not None else [])],
+        tone=TONES.get(result.verdict, "fair"),
+        points=[sentence(e) for e in (result.candidates[0].evidence if result.candidates else [])]
+        if result.verdict == "missing"
+        else [],
+        facts=capture.facts(captures),
+        notes=captures.notes,
+    )
+    return render(page)

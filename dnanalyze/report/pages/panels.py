@@ -1,0 +1,259 @@
+"""The panel of each family: its figures, its worst statistics, all its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from dnanalyze.report.figures import (
+    codes,
+    distribution,
+    lines,
+    over_temperature,
+    shading,
+    spectrum,
+    tails,
+    timeline,
+    trends,
+)
+from dnanalyze.report.figures.style import Layer, Picture
+from dnanalyze.report.page import Section, Table
+from dnanalyze.report.tables import info, worst
+from dnanalyze.report.words import (
+    FAMILIES,
+    family_title,
+    gap,
+    is_number,
+    number,
+    point_label,
+    with_error,
+)
+
+CALM = 1.3  # error of a family up to which its badge stays quiet
+Drawn = Sequence[Layer]
+
+
+def _some(names: Sequence[str], caption: str) -> Callable[[Drawn], Picture | None]:
+    return lambda drawn: over_temperature.panels(drawn, names, caption)
+
+
+FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
+    "level": (
+        trends.over_temperature,
+        _some(
+            ("temporal_noise_core", "pattern_noise_core", "frame_noise_core", "median"),
+            "The core of the noises, which hot pixels do not move, and the median level.",
+        ),
+    ),
+    "distribution": (
+        distribution.histograms,
+        _some(
+            (
+                "pattern_q0.001",
+                "pattern_q0.99",
+                "pattern_q0.999",
+                "pattern_q0.9999",
+                "frame_q0.001",
+                "frame_q0.99",
+                "frame_q0.999",
+                "temporal_kurtosis",
+            ),
+            "Quantiles of the mean frame less its median, and the tails of the temporal noise.",
+        ),
+    ),
+    "tails": (
+        tails.exceedance,
+        _some(
+            (
+                "hot_count_8",
+                "hot_count_32",
+                "cold_count_8",
+                "transient_high",
+                "transient_adjacent",
+                "hot_pairs",
+                "hot_repeat",
+                "dead_count",
+            ),
+            "Counts of hot and cold pixels, of values that occur in one frame only, and how many "
+            "hot pixels repeat.",
+        ),
+    ),
+    "spectrum": (spectrum.spectra,),
+    "lines": (
+        lines.profiles,
+        _some(
+            (
+                "column_outliers",
+                "row_outliers",
+                "column_periodic_2",
+                "row_periodic_2",
+                "column_taps_2",
+                "temporal_row_lag1",
+                "temporal_column_lag1",
+                "column_extreme",
+            ),
+            "Outlying lines, periods and taps.",
+        ),
+    ),
+    "neighbours": (
+        _some(
+            (
+                "pattern_corr_10",
+                "pattern_corr_01",
+                "pattern_corr_11",
+                "hot_halo",
+                "temporal_corr_10",
+                "temporal_corr_01",
+                "temporal_pmax8",
+                "frame_pmax8",
+            ),
+            "Correlation with the neighbours (along the row, along the column, diagonal), the halo "
+            "around hot pixels, and how often a pixel exceeds all eight neighbours (1 by chance).",
+        ),
+    ),
+    "time": (
+        timeline.frame_means,
+        _some(
+            (
+                "noise_at_50",
+                "noise_at_90",
+                "noise_at_99",
+                "noise_at_999",
+                "temporal_variance_q0.9",
+                "temporal_variance_q0.999",
+                "temporal_r1",
+                "blink_repeat",
+            ),
+            "Temporal variance of ordinary and of ever hotter pixels, its spread over the pixels, "
+            "and whether the frames remember one another.",
+        ),
+    ),
+    "codes": (
+        codes.roughness,
+        _some(
+            ("lattice", "unused_codes", "code_roughness", "low_spike"),
+            "Use of the codes.",
+        ),
+    ),
+    "shading": (shading.maps,),
+}
+
+
+def family_panels(
+    drawn: Drawn,
+    errors: Mapping[str, float] | None = None,
+    rows: Sequence[Mapping[str, Any]] = (),
+) -> list[Section]:
+    """A section for each family that has something to show.
+
+    Parameters
+    ----------
+    drawn : sequence of Layer
+        The measured first.
+    errors : mapping, optional
+        Error of each family.
+    rows : sequence of mapping
+        Rows of a comparison.
+    """
+    errors = errors or {}
+    present = {info(n).family for s in drawn[0].statistics.settings for n in s.values}
+    names = [*FAMILIES, *sorted(present - set(FAMILIES))]
+    made = []
+    for name in names:
+        if name not in present:
+            continue
+        error = errors.get(name)
+        known = is_number(error)
+        tables = [compared(rows, name)] if rows else [measured(drawn[0], name)]
+        made.append(
+            Section(
+                f"family-{name}",
+                family_title(name),
+                pictures=[figure(drawn) for figure in FIGURES.get(name, ())],
+                tables=[t for t in (off_table(rows, name), *tables) if t is not None],
+                badge=number(error) if known else "",
+                calm=not known or error < CALM,  # type: ignore[operator]
+            )
+        )
+    return made
+
+
+def off_table(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
+    """The statistics of a family that are off the most, where any is off by 3 floors."""
+    off = [r for r in worst(list(rows), family, 5) if abs(r["discrepancy"]) >= 3]
+    if not off:
+        return None
+    cells = [
+        (
+            info(r["name"]).title,
+            point_label(r),
+            number(r["measured"]),
+            number(r["simulated"]),
+            gap(r["measured"], r["simulated"], r.get("unit", "")),
+            number(r["discrepancy"], 2),
+        )
+        for r in off
+    ]
+    columns = ("off the most", "where", "measured", "model", "gap", "floors")
+    return Table(columns, cells, words=2)
+
+
+def compared(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
+    """Every row of a family, folded."""
+    own = [r for r in rows if r["family"] == family]
+    if not own:
+        return None
+    cells = [
+        (
+            r["name"],
+            point_label(r),
+            number(r["measured"], 4),
+            number(r["simulated"], 4),
+            r.get("unit", ""),
+            gap(r["measured"], r["simulated"], r.get("unit", "")),
+            number(r["floor"], 2),
+            number(r["discrepancy"], 2),
+        )
+        for r in own
+    ]
+    columns = ("statistic", "where", "measured", "model", "unit", "gap", "floor", "floors off")
+    return Table(columns, cells, words=2, title=f"All {len(cells)} numbers", folded=True)
+
+
+def measured(layer: Layer, family: str) -> Table | None:
+    """Every measured value of a family, folded: a row a statistic, a column a setting."""
+    settings = layer.statistics.settings
+    names = list(dict.fromkeys(n for s in settings for n in s.values if info(n).family == family))
+    if not names:
+        return None
+    if len(settings) <= 6:
+        heads = [f"{s.point.label()} {s.plane}".strip() for s in settings]
+        cells = [(n, info(n).unit, *(_value(s, n) for s in settings)) for n in names]
+        return Table(
+            ("statistic", "unit", *heads),
+            cells,
+            words=2,
+            title=f"All {len(names)} statistics",
+            folded=True,
+        )
+    long = [
+        (n, f"{s.point.label()} {s.plane}".strip(), _value(s, n), info(n).unit)
+        for n in names
+        for s in settings
+        if n in s.values
+    ]
+    return Table(
+        ("statistic", "where", "value", "unit"),
+        long,
+        words=2,
+        title=f"All {len(long)} numbers",
+        folded=True,
+    )
+
+
+def _value(setting: Any, name: str) -> str:
+    found = setting.values.get(name)
+    if found is None:
+        return "–"
+    low, high = over_temperature.ends_of(found, info(name).scale, 1.0)
+    return with_error(found.value, (high - low) / 2)

@@ -1,0 +1,107 @@
+"""The numbers as pandas tables, for CSV files and for whoever goes on in a notebook."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.report.words import is_number
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+POINT = ("temperature_c", "exposure_s", "gain", "channel")
+
+
+@cache
+def _infos() -> dict[str, StatisticInfo]:
+    from dnanalyze.analyzers.catalogue import catalogue
+
+    return dict(catalogue())
+
+
+def info(name: str) -> StatisticInfo:
+    """What a statistic is; one that the registry does not know gets its bare name."""
+    return _infos().get(name) or StatisticInfo(name, "", "", name.replace("_", " "))
+
+
+def operating_points(captures: Any) -> pd.DataFrame:
+    """One row an operating point with its number of frames."""
+    return _frame([_point(s.point) | {"frames": len(s.frames)} for s in captures.settings])
+
+
+def statistics(measured: Any) -> pd.DataFrame:
+    """One row a statistic, operating point and colour plane."""
+    rows = [
+        _point(setting.point)
+        | {"plane": setting.plane, "name": name, "family": info(name).family}
+        | {
+            "value": value.value,
+            "se": value.se,
+            "unit": info(name).unit,
+            "scale": info(name).scale.value,
+        }
+        for setting in measured.settings
+        for name, value in setting.values.items()
+    ]
+    return _frame(rows)
+
+
+def comparison(result: Any) -> pd.DataFrame:
+    """The rows behind the error."""
+    return _frame([dict(row) for row in result.statistics])
+
+
+def parameters(result: Any) -> pd.DataFrame:
+    """The fitted parameters."""
+    keys = ("name", "value", "se", "unit")
+    return _frame([{k: getattr(p, k) for k in keys} for p in result.parameters])
+
+
+def candidates(result: Any) -> pd.DataFrame:
+    """The candidates of a diagnosis, best first."""
+    rows = [
+        {
+            "effect": c.effect,
+            "error_after": c.error_after,
+            "explained": c.explained,
+            "confidence": c.confidence,
+            "confused_with": " ".join(c.confused_with),
+        }
+        for c in result.candidates
+    ]
+    return _frame(rows)
+
+
+def steps(result: Any) -> pd.DataFrame:
+    """The error step by step."""
+    return _frame(
+        [{"step": n, "added": s.added, "error": s.error} for n, s in enumerate(result.steps)]
+    )
+
+
+def findings(result: Any) -> pd.DataFrame:
+    """The tests behind a detection."""
+    keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged")
+    return _frame([{k: getattr(f, k) for k in keys} for f in result.findings])
+
+
+def worst(rows: list[Any], family: str | None = None, most: int = 8) -> list[Any]:
+    """Rows of a comparison by the size of their discrepancy, each statistic once, worst first."""
+    own = [r for r in rows if is_number(r["discrepancy"]) and family in (None, r["family"])]
+    own.sort(key=lambda r: -abs(r["discrepancy"]))
+    seen: dict[str, Any] = {}
+    for row in own:
+        seen.setdefault(row["name"], row)
+    return list(seen.values())[:most]
+
+
+def _point(point: Any) -> dict[str, Any]:
+    return {key: getattr(point, key) for key in POINT}
+
+
+def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    import pandas as pd
+
+    return pd.DataFrame(rows)
