@@ -53,9 +53,7 @@ def sections(result: Any) -> list[Section]:
         Section(
             "limits",
             "What would not have been seen",
-            text=[
-                "Below these strengths an effect may be in the sensor without showing here."
-            ]
+            text=["Below these strengths an effect may be in the sensor without showing here."]
             if result.detection_limits
             else [],
             points=texts(result.detection_limits),
