@@ -5,12 +5,33 @@ from __future__ import annotations
 import difflib
 from functools import cache
 
-from dnanalyze.analyzers import codes, distribution, level, tails, time
+from dnanalyze.analyzers import (
+    codes,
+    distribution,
+    level,
+    lines,
+    neighbours,
+    shading,
+    spectrum,
+    tails,
+    time,
+)
 from dnanalyze.analyzers.family import Family
 from dnanalyze.analyzers.statistics import StatisticInfo
 from dnanalyze.errors import InputError
 
-FAMILIES: tuple[Family, ...] = (level, distribution, tails, time, codes)  # in the order of reports
+# in the order of reports
+FAMILIES: tuple[Family, ...] = (
+    level,
+    distribution,
+    tails,
+    spectrum,
+    lines,
+    neighbours,
+    time,
+    codes,
+    shading,
+)
 
 
 @cache

@@ -6,8 +6,7 @@ import math
 from functools import lru_cache
 
 import numpy as np
-import scipy.ndimage
-from scipy import stats
+from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.lines_infos import INFOS
@@ -55,11 +54,13 @@ def finish(acc: Accumulated) -> FamilyResult:
 
 
 def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
+    import scipy.ndimage
+
     apart = np.abs(mean - scipy.ndimage.median_filter(mean, _MEDIAN_WINDOW, mode="reflect"))
     sigma = 1.4826 * float(np.median(apart))
     if sigma <= 1e-6 * max(1.0, float(apart.max())) and not apart.any():
         why = f"all {kind}s are alike"
-        result.missing |= {f"{kind}_outliers": why, f"{kind}_extreme": why}
+        result.missing.update({f"{kind}_outliers": why, f"{kind}_extreme": why})
         return
     # where most lines equal their neighbours the spread of the rest is the scale
     sigma = sigma or float(np.sqrt(np.mean(apart**2)))
@@ -77,9 +78,9 @@ def _extreme_error(lines: int, beyond: np.ndarray) -> float:
     Gumbel's law for Gaussian lines; where there are outliers, that of the largest of a Pareto tail with
     their Hill exponent: another sensor of the type has other defects.
     """
-    expected = float(stats.norm.isf(0.5 / lines))
-    hazard = float(stats.norm.pdf(expected)) * 2 * lines
-    chance = _GUMBEL_SD / (expected * hazard)
+    expected, step = (-float(special.ndtri(0.5 * p / lines)) for p in (1.0, 0.9))
+    # exceeded by one line, and by .9 of a line: ln(1/.9) steps of Gumbel's scale apart
+    chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
     if not beyond.size:
         return chance
     return max(chance, _GUMBEL_SD * float(np.mean(np.log(beyond))))
@@ -175,6 +176,8 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
             np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True)
         )
         parts.append(("temporal_", temporal, acc.frames - 1.0))
+    else:
+        result.missing["lines"] = "one frame does not tell noise in time from a fixed pattern"
     for prefix, (by_column, by_row, pixels), repeats in parts:
         for kind, power, length in (("column", by_column, rows), ("row", by_row, columns)):
             _line_noise(f"{prefix}{kind}", power, float(pixels), length, repeats, result)

@@ -9,13 +9,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-# What stands where in ``out``
-RANK_PIXELS, RANK_HIGH, RANK_LOW, PEAK_TOP, PEAK_TIES, PEAK_EXCESS = range(6)
-RANK_SUMS, PEAK_SUMS = 3, 8
-LAGS = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))  # (dx, dy); both diagonals count as (1, 1)
-TILE_COUNT, TILE_VARIANCE, TILE_SQUARE, HAAR_COUNT, HAAR_SECOND, HAAR_FOURTH = range(6)
-TILE_SUMS = 6
-TILE = 4
+from dnanalyze.analyzers.neighbours_accumulator import (
+    PEAK_EXCESS,
+    PEAK_TIES,
+    PEAK_TOP,
+    RANK_HIGH,
+    RANK_LOW,
+    RANK_PIXELS,
+    TILE,
+)
 
 _FAST = {"contract", "nsz", "reassoc", "arcp"}
 

@@ -6,11 +6,17 @@ import math
 
 import numpy as np
 
-from dnanalyze.analyzers import neighbour_kernels as kernels
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.halo import FEWEST, halo
 from dnanalyze.analyzers.neighbours_accumulator import (
     EXCESS_SIGMAS,
+    LAGS,
+    PEAK_EXCESS,
+    PEAK_TIES,
+    PEAK_TOP,
+    RANK_HIGH,
+    RANK_LOW,
+    RANK_PIXELS,
     Neighbours,
     lag_products,
     rank_shares,
@@ -68,9 +74,9 @@ def _error(plan: Plan, residuals: np.ndarray) -> float:
 def _ranks(
     part: str, plan: Plan, sums: np.ndarray, frames: int, result: FamilyResult
 ) -> None:
-    pixels = sums[..., kernels.RANK_PIXELS]
+    pixels = sums[..., RANK_PIXELS]
     total = float(pixels.sum())
-    for name, at in (("pmax8", kernels.RANK_HIGH), ("pmin8", kernels.RANK_LOW)):
+    for name, at in (("pmax8", RANK_HIGH), ("pmin8", RANK_LOW)):
         share = float(sums[..., at].sum()) / total
         error = 9 * _error(plan, sums[..., at] - share * pixels) / total
         floor = _RANK_SD / math.sqrt(total)
@@ -88,12 +94,12 @@ def _correlations(
     rows, columns = plan.shape
     variance = products[..., 0]
     total = float(variance.sum())
-    for (dx, dy), name in zip(kernels.LAGS[1:], LAG_NAMES, strict=True):
+    for (dx, dy), name in zip(LAGS[1:], LAG_NAMES, strict=True):
         if not total > 0:
             result.missing[f"{part}_corr_{name}"] = "all pixels are alike"
             continue
         scale = rows * columns / ((rows - dy) * (columns - dx))
-        each = products[..., kernels.LAGS.index((dx, dy))]
+        each = products[..., LAGS.index((dx, dy))]
         ratio = float(each.sum()) / total
         value = ratio * scale + (1 / columns if dy == 0 else 0) + (1 / rows if dx == 0 else 0)
         error = _error(plan, each - ratio * variance) / total * scale
@@ -103,14 +109,14 @@ def _correlations(
 
 def _peaks(plan: Plan, sums: Neighbours, result: FamilyResult) -> None:
     peaks, frames = sums.peaks, sums.frames
-    pixels = peaks[..., kernels.RANK_PIXELS]
+    pixels = peaks[..., RANK_PIXELS]
     for k, sigmas in enumerate(EXCESS_SIGMAS):
-        counts = peaks[..., kernels.PEAK_EXCESS + k] / frames
+        counts = peaks[..., PEAK_EXCESS + k] / frames
         total = float(counts.sum())
         residuals = counts - pixels * (total / float(pixels.sum()))
         variance = max(_error(plan, residuals) ** 2, _ROOT_FLOOR)
         result.values[f"excess_{sigmas:g}"] = Value(total, math.sqrt(variance / (total + 0.375)))
-    top, ties = peaks[..., kernels.PEAK_TOP], peaks[..., kernels.PEAK_TIES]
+    top, ties = peaks[..., PEAK_TOP], peaks[..., PEAK_TIES]
     n = float(top.sum())
     if not n:
         result.missing["ties_max8"] = "no inner pixel is among the top 1 %"
@@ -127,7 +133,7 @@ def _local_variances(plan: Plan, tiles: np.ndarray, result: FamilyResult) -> Non
     n, m1 = float(count.sum()), float(variance.sum())
     if not m1 > 0:
         why = "the frames do not differ"
-        result.missing |= {"local_variance_cv": why, "hh_kurtosis": why}
+        result.missing.update({"local_variance_cv": why, "hh_kurtosis": why})
         return
     m1, m2 = m1 / n, float(square.sum()) / n
     cv = m2 / m1**2 - 1

@@ -10,6 +10,13 @@ from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
 
 EXCESS_SIGMAS = (4.0, 8.0, 16.0)
 TAIL_CLIP = 8.0  # temporal sigmas at which local variances and Haar coefficients are cut
+# What stands where in the block sums
+RANK_PIXELS, RANK_HIGH, RANK_LOW, PEAK_TOP, PEAK_TIES, PEAK_EXCESS = range(6)
+RANK_SUMS, PEAK_SUMS = 3, 8
+LAGS = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))  # (dx, dy); both diagonals count as (1, 1)
+TILE_COUNT, TILE_VARIANCE, TILE_SQUARE, HAAR_COUNT, HAAR_SECOND, HAAR_FOURTH = range(6)
+TILE_SUMS = 6
+TILE = 4
 _TOP_SHARE = 0.01
 _SAMPLE = 65536  # pixels from which the level of the top 1 % is taken
 
@@ -22,16 +29,14 @@ class Neighbours:
     """
 
     def __init__(self, plan: Plan) -> None:
-        from dnanalyze.analyzers import neighbour_kernels as kernels
-
         grid = plan.row_edges.size - 1, plan.column_edges.size - 1
         self.plan = plan
         self.frames = 0
         self.differences = 0
-        self.peaks = np.zeros((*grid, kernels.PEAK_SUMS))
-        self.ranks = np.zeros((*grid, kernels.RANK_SUMS))
-        self.lags = np.zeros((*grid, len(kernels.LAGS)))
-        self.tiles = np.zeros((*grid, kernels.TILE_SUMS))
+        self.peaks = np.zeros((*grid, PEAK_SUMS))
+        self.ranks = np.zeros((*grid, RANK_SUMS))
+        self.lags = np.zeros((*grid, len(LAGS)))
+        self.tiles = np.zeros((*grid, TILE_SUMS))
 
     def add(self, view: FrameView) -> None:
         """Take in the next frame, and its difference to the one before."""
@@ -71,10 +76,10 @@ class Neighbours:
 
 
 def lag_products(plan: Plan, image: np.ndarray, reach: float) -> np.ndarray:
-    """Block sums of the products at `neighbour_kernels.LAGS`; row and column means are removed first."""
+    """Block sums of the products at `LAGS`; row and column means are removed first."""
     from dnanalyze.analyzers import neighbour_kernels as kernels
 
-    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, len(kernels.LAGS)))
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, len(LAGS)))
     by_row, by_column = kernels.line_means(image, reach)
     kernels.lag_sums(image, reach, by_row, by_column, plan.row_edges, plan.column_edges, out)
     return out
@@ -84,7 +89,7 @@ def rank_shares(plan: Plan, image: np.ndarray) -> np.ndarray:
     """Block sums of the shares in being highest and lowest of 9, of one image."""
     from dnanalyze.analyzers import neighbour_kernels as kernels
 
-    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, kernels.RANK_SUMS))
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, RANK_SUMS))
     kernels.rank_sums(image, plan.row_edges, plan.column_edges, out)
     return out
 

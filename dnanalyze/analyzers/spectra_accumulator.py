@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Self
 
-import numba
 import numpy as np
 import scipy.fft
 
@@ -32,11 +31,12 @@ class Spectra:
         self.frames += 1
         if not self.useful:
             return
+        from dnanalyze.analyzers import spectral_kernels as kernels
+
         rows, columns = self.shape
-        clipped = view.clipped[:rows, :columns]
-        transform = scipy.fft.rfft2(clipped, workers=1)
-        _add_power(self.power_sum, transform, 1.0 / (rows * columns))
-        _add(self.sum, clipped)
+        transform = scipy.fft.rfft2(view.clipped[:rows, :columns])
+        kernels.add_power(self.power_sum, transform, 1.0 / (rows * columns))
+        kernels.add_image(self.sum, view.clipped)
 
     def merge(self, later: Self, seam: FrameView) -> None:
         """Take in the frames that follow mine."""
@@ -56,20 +56,3 @@ class Spectra:
         power -= power_of(self.sum / self.frames)
         power *= self.frames / (self.frames - 1)
         return np.maximum(power, 0.0, out=power)
-
-
-@numba.njit(cache=True, nogil=True)
-def _add_power(total, transform, scale):  # type: ignore[no-untyped-def]
-    """total += |transform|^2 scale; the mean's mode is left out."""
-    transform[0, 0] = 0
-    for i in range(total.shape[0]):
-        for k in range(total.shape[1]):
-            y = transform[i, k]
-            total[i, k] += (y.real * y.real + y.imag * y.imag) * scale
-
-
-@numba.njit(cache=True, nogil=True)
-def _add(total, image):  # type: ignore[no-untyped-def]
-    for i in range(total.shape[0]):
-        for j in range(total.shape[1]):
-            total[i, j] += image[i, j]

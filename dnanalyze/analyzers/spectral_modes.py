@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numba
 import numpy as np
 import scipy.fft
 
@@ -114,7 +113,7 @@ def _fine_edges(side: int) -> np.ndarray:
     return np.array(sorted(fixed | set(kept)))
 
 
-def power_of(image: np.ndarray, workers: int = 1) -> np.ndarray:
+def power_of(image: np.ndarray) -> np.ndarray:
     """Power of each mode of an image, its mean removed.
 
     Parameters
@@ -124,16 +123,15 @@ def power_of(image: np.ndarray, workers: int = 1) -> np.ndarray:
 
     Returns
     -------
-    ndarray of float32
+    ndarray
         (rows, columns // 2 + 1), DN^2, of the cropped shape.
     """
+    from dnanalyze.analyzers import spectral_kernels as kernels
+
     rows, columns = good_size(image.shape[0]), good_size(image.shape[1])
-    image = np.asarray(image[:rows, :columns], np.float32)
-    transform = scipy.fft.rfft2(image, workers=workers)
-    transform[0, 0] = 0
-    power = transform.real**2
-    power += transform.imag**2
-    power *= np.float32(1.0 / (rows * columns))
+    transform = scipy.fft.rfft2(np.asarray(image[:rows, :columns], np.float32))
+    power = np.zeros(transform.shape)
+    kernels.add_power(power, transform, 1.0 / (rows * columns))
     return power
 
 
@@ -179,8 +177,10 @@ class ReducedPower:
 
 def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
     """Reduce a 2-D power spectrum, (rows, columns // 2 + 1), DN^2."""
+    from dnanalyze.analyzers import spectral_kernels as kernels
+
     rows, columns = modes.shape
-    radial, by_u, by_v = _reduce(power, modes.index)
+    radial, by_u, by_v = kernels.reduce(power, modes.index)
     half = rows // 2
     vertical = by_v[1 : half + 1].copy()
     vertical[:-1] += by_v[: half : -1]
@@ -194,24 +194,3 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
         by_u[1:] / (rows - 1),
         vertical / n,
     )
-
-
-@numba.njit(cache=True, nogil=True)
-def _reduce(power, index):  # type: ignore[no-untyped-def]
-    """Sums over radial bins, over v != 0 at each u, over u != 0 at each v (the last u half)."""
-    rows, half = power.shape
-    radial = np.zeros(256)
-    by_u = np.zeros(half)
-    by_v = np.zeros(rows)
-    for i in range(1, rows):
-        total = 0.0
-        for k in range(1, half - 1):
-            p = power[i, k]
-            radial[index[i, k]] += p
-            by_u[k] += p
-            total += p
-        p = power[i, half - 1]
-        radial[index[i, half - 1]] += 0.5 * p
-        by_u[half - 1] += p
-        by_v[i] = total + 0.5 * p
-    return radial, by_u, by_v

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numba
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 LOWEST_LINE = 0.02  # cycles/pixel; below it shading is steeper than any local floor
 _REACH = 16  # modes on either side, along v, that make the floor
@@ -58,11 +57,13 @@ def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> P
     Peak or None
         None where the frame is too small or has no power.
     """
+    from dnanalyze.analyzers import spectral_kernels as kernels
+
     rows, columns = shape
     reach = min(_REACH, rows // 4)
     if reach <= _GUARD + 1 or columns < 8:
         return None
-    ratio, i, k, floor, searched = _search(power, columns, reach, _GUARD, LOWEST_LINE)
+    ratio, i, k, floor, searched = kernels.search(power, columns, reach, _GUARD, LOWEST_LINE)
     if not ratio > 0 or searched < 16:
         return None
     peak = float(power[i, k])
@@ -78,49 +79,13 @@ def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> fl
     A ratio of mean powers follows Fisher's F law. A real line of power L above a floor S has the
     variance (S^2 + 2 L S) / repeats.
     """
-    law = stats.f(2 * repeats, 2 * repeats * cells)
-    expected = law.isf(1.0 / searched)
-    hazard = law.pdf(expected) * searched
-    chance = _GUMBEL_SD / (expected * hazard)
-    if ratio < law.isf(1e-3 / searched):
-        return float(chance)
-    return float(max(chance, math.sqrt((2 * ratio - 1) / repeats) / ratio))
-
-
-@numba.njit(cache=True, nogil=True)
-def _search(power, columns, reach, guard, lowest):  # type: ignore[no-untyped-def]
-    """Largest ratio, its row, column and floor, and the number of modes searched."""
-    rows, half = power.shape
-    cells = np.zeros(half)
-    for d in range(-reach, reach + 1):
-        if d != 0 and abs(d) > guard:
-            for k in range(half):
-                cells[k] += power[d % rows, k]
-    best, best_i, best_k, best_floor, searched = 0.0, 0, 0, 0.0, 0
-    for i in range(1, rows):
-        inside = 2 * (reach - guard)
-        # the window moves down by one row
-        for k in range(half):
-            cells[k] += power[(i + reach) % rows, k] - power[(i - 1 - reach) % rows, k]
-            cells[k] += power[(i - 1 - guard) % rows, k] - power[(i + guard) % rows, k]
-        near = min(i, rows - i)
-        masked = guard < near <= reach  # the axis v = 0 lies in the window
-        v = near / rows
-        first = 1
-        if v < lowest:
-            first = max(1, int(math.ceil(math.sqrt(lowest * lowest - v * v) * columns)))
-        for k in range(first, half):
-            low, high = max(1, k - 1), min(half - 1, k + 1)
-            total = 0.0
-            for m in range(low, high + 1):
-                total += cells[m]
-                if masked:
-                    total -= power[0, m]
-            floor = total / ((high - low + 1) * (inside - (1 if masked else 0)))
-            searched += 1
-            if power[i, k] > best * floor and floor > 0:
-                best, best_i, best_k, best_floor = power[i, k] / floor, i, k, floor
-    return best, best_i, best_k, best_floor, searched
+    one, other = 2 * repeats, 2 * repeats * cells
+    expected, step = (float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9))
+    # exceeded by one in `searched`, and by .9 of it: ln(1/.9) steps of Gumbel's scale apart
+    chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
+    if ratio < special.fdtri(one, other, 1 - 1e-3 / searched):
+        return chance
+    return max(chance, math.sqrt((2 * ratio - 1) / repeats) / ratio)
 
 
 def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:

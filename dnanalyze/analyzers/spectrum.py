@@ -19,7 +19,6 @@ from dnanalyze.analyzers.spectral_modes import (
     FIRST_MODES,
     HIGH_BAND,
     MID_BAND,
-    PROFILE_BANDS,
     RADIAL_BANDS,
     SLOPE_BANDS,
     SMALLEST_SIDE,

@@ -10,12 +10,16 @@ import numpy as np
 from dnanalyze.analyzers.family import Accumulated, Accumulator
 from dnanalyze.analyzers.histograms import Histograms
 from dnanalyze.analyzers.maps import PixelMaps
+from dnanalyze.analyzers.neighbours_accumulator import Neighbours
 from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
 from dnanalyze.analyzers.quantiles import Ordered
+from dnanalyze.analyzers.spectra_accumulator import Spectra
 
 ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
     "maps": PixelMaps,
     "histograms": Histograms,
+    "spectra": Spectra,
+    "neighbours": Neighbours,
 }
 HALF = np.float32(np.sqrt(0.5))
 
