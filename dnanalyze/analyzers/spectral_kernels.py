@@ -1,0 +1,83 @@
+"""Compiled loops over Fourier modes, (rows, columns // 2 + 1)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def add_power(total, transform, scale):
+    """total += |transform|^2 scale; the mean's mode is left out."""
+    transform[0, 0] = 0
+    for i in range(total.shape[0]):
+        for k in range(total.shape[1]):
+            y = transform[i, k]
+            total[i, k] += (y.real * y.real + y.imag * y.imag) * scale
+
+
+@njit(cache=True, nogil=True)
+def add_image(total, image):
+    """total += image, which may be larger at the far edges."""
+    for i in range(total.shape[0]):
+        for j in range(total.shape[1]):
+            total[i, j] += image[i, j]
+
+
+@njit(cache=True, nogil=True)
+def reduce(power, index):
+    """Sums over radial bins, over v != 0 at each u, over u != 0 at each v (the last u half)."""
+    rows, half = power.shape
+    radial = np.zeros(256)
+    by_u = np.zeros(half)
+    by_v = np.zeros(rows)
+    for i in range(1, rows):
+        total = 0.0
+        for k in range(1, half - 1):
+            p = power[i, k]
+            radial[index[i, k]] += p
+            by_u[k] += p
+            total += p
+        p = power[i, half - 1]
+        radial[index[i, half - 1]] += 0.5 * p
+        by_u[half - 1] += p
+        by_v[i] = total + 0.5 * p
+    return radial, by_u, by_v
+
+
+@njit(cache=True, nogil=True)
+def search(power, columns, reach, guard, lowest):
+    """Largest ratio, its row, column and floor, and the number of modes searched."""
+    rows, half = power.shape
+    cells = np.zeros(half)
+    for d in range(-reach, reach + 1):
+        if d != 0 and abs(d) > guard:
+            for k in range(half):
+                cells[k] += power[d % rows, k]
+    best, best_i, best_k, best_floor, searched = 0.0, 0, 0, 0.0, 0
+    for i in range(1, rows):
+        inside = 2 * (reach - guard)
+        # the window moves down by one row
+        for k in range(half):
+            cells[k] += power[(i + reach) % rows, k] - power[(i - 1 - reach) % rows, k]
+            cells[k] += power[(i - 1 - guard) % rows, k] - power[(i + guard) % rows, k]
+        near = min(i, rows - i)
+        masked = guard < near <= reach  # the axis v = 0 lies in the window
+        v = near / rows
+        first = 1
+        if v < lowest:
+            first = max(1, math.ceil(math.sqrt(lowest * lowest - v * v) * columns))
+        for k in range(first, half):
+            low, high = max(1, k - 1), min(half - 1, k + 1)
+            total = 0.0
+            for m in range(low, high + 1):
+                total += cells[m]
+                if masked:
+                    total -= power[0, m]
+            floor = total / ((high - low + 1) * (inside - (1 if masked else 0)))
+            searched += 1
+            if power[i, k] > best * floor and floor > 0:
+                best, best_i, best_k, best_floor = power[i, k] / floor, i, k, floor
+    return best, best_i, best_k, best_floor, searched
