@@ -10,9 +10,57 @@ import numpy as np
 from numba import njit
 
 CHUNK = 4096  # pixels whose sums stay in the cache while a batch of frames goes over them
+FAST = {"contract", "nsz", "reassoc"}
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
+@njit(nogil=True, fastmath=FAST)
+def _frame_sums(y, past, centre, cut, hot, out):
+    """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
+    s1, s2, s11 = 0.0, 0.0, 0.0
+    for i in range(y.size):
+        w = np.float64(min(max(y[i] - centre, -cut), cut))
+        x = np.float64(min(max(past[i] - centre, -cut), cut))
+        s1 += w
+        s2 += w * w
+        s11 += w * x
+    above, both = np.int32(0), np.int32(0)
+    for i in range(y.size):
+        above += np.int32(y[i] > hot)
+        both += np.int32((y[i] > hot) & (past[i] > hot))
+    out[0] += s1
+    out[1] += s2
+    out[3] += above
+    if out[5] == 0:
+        out[2] += s11
+        out[4] += both
+
+
+@njit(nogil=True, fastmath=FAST)
+def _pixel_sums(y, past, origin, total, square, lag):
+    for i in range(y.size):
+        v = np.float64(y[i]) - origin
+        total[i] += v
+        square[i] += v * v
+        lag[i] += v * (np.float64(past[i]) - origin)
+
+
+@njit(nogil=True, fastmath=FAST)
+def _extremes(y, number, high, high_at, low):
+    for i in range(y.size):
+        more = y[i] > high[i]
+        high[i] = y[i] if more else high[i]
+        high_at[i] = number if more else high_at[i]
+        low[i] = min(y[i], low[i])
+
+
+@njit(nogil=True, fastmath=FAST)
+def _squares(y, past, limit, pairs):
+    for i in range(y.size):
+        d = np.float64(y[i]) - np.float64(past[i])
+        pairs[i] += min(d * d, limit)
+
+
+@njit(cache=True, nogil=True)
 def add_frames(
     frames, count, number, before, origin, centre, limit, blink_limit, hot,
     total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
@@ -26,8 +74,8 @@ def add_frames(
     number : int
         Number of the first of them in the setting.
     before : ndarray of float32
-        The frame before them; not read where ``number`` is the first frame of this accumulator,
-        that is where ``scalars[0, 5]`` is set.
+        The frame before them. Where there is none, that is where ``scalars[0, 5]`` is set, all
+        ``origin``: its products are 0.
     origin : float
         Sums are of y less this, DN.
     centre, limit, hot : float
@@ -45,50 +93,21 @@ def add_frames(
         there is no frame before.
     """
     n = total.size
-    c = np.float32(centre)
-    cut = np.float32(limit)
-    edge = np.float32(hot)
     for start in range(0, n, CHUNK):
         stop = min(n, start + CHUNK)
         for k in range(count):
-            y = frames[k]
-            alone = scalars[k, 5] > 0
-            past = y if alone else (before if k == 0 else frames[k - 1])
-            s1, s2, s11 = 0.0, 0.0, 0.0
-            above, both = 0, 0
-            for i in range(start, stop):
-                v = y[i] - c
-                w = min(max(v, -cut), cut)
-                x = min(max(past[i] - c, -cut), cut)
-                s1 += w
-                s2 += np.float64(w) * w
-                s11 += np.float64(w) * x
-                above += y[i] > edge
-                both += (y[i] > edge) & (past[i] > edge)
-            scalars[k, 0] += s1
-            scalars[k, 1] += s2
-            scalars[k, 3] += above
-            if not alone:
-                scalars[k, 2] += s11
-                scalars[k, 4] += both
-            for i in range(start, stop):
-                v = np.float64(y[i]) - origin
-                total[i] += v
-                square[i] += v * v
-            if not alone:
-                for i in range(start, stop):
-                    lag[i] += (np.float64(y[i]) - origin) * (np.float64(past[i]) - origin)
-            at = np.int32(number + k)
-            for i in range(start, stop):
-                more = y[i] > high[i]
-                high[i] = y[i] if more else high[i]
-                high_at[i] = at if more else high_at[i]
-                low[i] = min(y[i], low[i])
-            if not alone and at % 2 == 1:
-                pairs = first_pairs if at % 4 == 1 else second_pairs
-                for i in range(start, stop):
-                    d = np.float64(y[i]) - np.float64(past[i])
-                    pairs[i] += min(d * d, blink_limit)
+            y = frames[k][start:stop]
+            past = before[start:stop] if k == 0 else frames[k - 1][start:stop]
+            _frame_sums(
+                y, past, np.float32(centre), np.float32(limit), np.float32(hot), scalars[k]
+            )
+            _pixel_sums(y, past, origin, total[start:stop], square[start:stop], lag[start:stop])
+            at = number + k
+            _extremes(y, np.int32(at), high[start:stop], high_at[start:stop], low[start:stop])
+            if scalars[k, 5] == 0 and at % 4 == 1:
+                _squares(y, past, blink_limit, first_pairs[start:stop])
+            elif scalars[k, 5] == 0 and at % 4 == 3:
+                _squares(y, past, blink_limit, second_pairs[start:stop])
 
 
 @njit(cache=True, nogil=True)
@@ -112,25 +131,62 @@ def tally(values, first, width, counts):
         counts[0, min(max(k, 0), last)] += 1
 
 
-@njit(cache=True, nogil=True)
-def grouped(key, weight, thresholds, row_edges, column_edges, counts, sums):
-    """Count pixels and sum ``weight`` in each block, in groups of ``key`` between the thresholds.
+@njit(nogil=True, fastmath=FAST)
+def _count_below(key, threshold):
+    n = np.int32(0)
+    for i in range(key.size):
+        n += np.int32(key[i] < threshold)
+    return n
 
-    ``key`` and ``weight`` are (rows, columns) float32, ``counts`` and ``sums`` are (row bands,
-    column bands, thresholds + 1) float64. Group g holds thresholds[g-1] <= key < thresholds[g].
+
+@njit(nogil=True, fastmath=FAST)
+def _sum_below(key, weight, threshold):
+    s = 0.0
+    for i in range(key.size):
+        s += np.float64(weight[i]) if key[i] < threshold else 0.0
+    return s
+
+
+@njit(nogil=True, fastmath=FAST)
+def _sum(weight):
+    s = 0.0
+    for i in range(weight.size):
+        s += np.float64(weight[i])
+    return s
+
+
+@njit(cache=True, nogil=True)
+def count_below(key, thresholds, row_edges, column_edges, counts):
+    """Count in each block the pixels below each threshold.
+
+    ``key`` is (rows, columns) float32, ``counts`` (row bands, column bands, thresholds) float64.
     """
     for a in range(row_edges.size - 1):
         for r in range(row_edges[a], row_edges[a + 1]):
             for b in range(column_edges.size - 1):
-                for c in range(column_edges[b], column_edges[b + 1]):
-                    g = 0
-                    for t in thresholds:
-                        g += key[r, c] >= t
-                    counts[a, b, g] += 1
-                    sums[a, b, g] += weight[r, c]
+                part = key[r, column_edges[b] : column_edges[b + 1]]
+                for k in range(thresholds.size):
+                    counts[a, b, k] += _count_below(part, thresholds[k])
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
+@njit(cache=True, nogil=True)
+def sum_below(key, weight, thresholds, row_edges, column_edges, sums):
+    """Sum ``weight`` in each block over the pixels whose key is below each threshold, and over all.
+
+    As `count_below`; ``sums`` is (row bands, column bands, thresholds + 1).
+    """
+    last = thresholds.size
+    for a in range(row_edges.size - 1):
+        for r in range(row_edges[a], row_edges[a + 1]):
+            for b in range(column_edges.size - 1):
+                left, right = column_edges[b], column_edges[b + 1]
+                part = weight[r, left:right]
+                sums[a, b, last] += _sum(part)
+                for k in range(last):
+                    sums[a, b, k] += _sum_below(key[r, left:right], part, thresholds[k])
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
 def power_sums(values, centre):
     """Sums of the first eight powers of flat float32 ``values`` less ``centre``."""
     s1, s2, s3, s4, s5, s6, s7, s8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

@@ -24,7 +24,7 @@ class PixelMaps:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self.frames = 0
-        self.origin = float(round(plan.centre)) if plan.integer else plan.centre
+        self.origin = float(round(plan.centre) if plan.integer else np.float32(plan.centre))
         self.head: list[np.ndarray] = []
         self.tail: list[np.ndarray] = []
         self.scalars = np.empty((0, 6))
@@ -144,7 +144,10 @@ class PixelMaps:
         flat = [f.ravel() for f in frames]
         scalars = np.zeros((len(flat), 6))
         scalars[0, 5] = self._last is None
-        before = flat[0] if self._last is None else self._last.ravel()
+        if self._last is None:
+            before = np.full(n, self.origin, np.float32)
+        else:
+            before = self._last.ravel()
         done = len(self.scalars)
         kernels.add_frames(
             tuple(flat + flat[:1] * (BATCH - len(flat))), len(flat), self._start + done, before,

@@ -8,7 +8,7 @@ import numpy as np
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
-from dnanalyze.analyzers.uncertainty import blocks, clustered_variance
+from dnanalyze.analyzers.uncertainty import clustered_variance, counts_below, share_residuals
 
 HOT = (5, 8, 16, 32, 64, 128)
 COLD = (5, 8)
@@ -128,9 +128,8 @@ def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) ->
     limits = centre + steps * sigma
     quartiles = ordered.quantile(np.array([0.25, 0.5]))
     thresholds = np.concatenate([limits[:2], quartiles, limits[2:]])
-    b = blocks(acc.plan, pattern, thresholds=thresholds)
-    below = b.below()
-    residual = below - b.pixels * (below.sum(axis=(0, 1)) / pixels)
+    below = counts_below(acc.plan, pattern, thresholds)
+    residual = share_residuals(acc.plan, below) * pixels
     bins = sigma * 0.1
     density = (ordered.share_below(quartiles + bins) - ordered.share_below(quartiles - bins)) / (2 * bins)
     low, middle = (-residual[..., 2 + j] / max(density[j], 1e-12) / pixels for j in (0, 1))

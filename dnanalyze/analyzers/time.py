@@ -11,9 +11,11 @@ from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import (
     QuantileErrors,
-    blocks,
+    block_pixels,
     clustered_variance,
+    counts_below,
     mean_error,
+    sums_below,
 )
 
 VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
@@ -156,8 +158,10 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
     limits = acc.pattern_ordered.quantile(CUTS)
-    b = blocks(acc.plan, acc.pattern, variance, limits)
-    pixels, sums = b.counts.sum(axis=(0, 1)), b.sums.sum(axis=(0, 1))
+    counts = counts_below(acc.plan, acc.pattern, limits)
+    counts = np.diff(np.dstack([counts, block_pixels(acc.plan)]), axis=2, prepend=0.0)
+    block_sums = np.diff(sums_below(acc.plan, acc.pattern, variance, limits), axis=2, prepend=0.0)
+    pixels, sums = counts.sum(axis=(0, 1)), block_sums.sum(axis=(0, 1))
     for name, group in zip(GROUPS, (0, 2, 3, 4), strict=True):
         full = f"noise_at_{name}"
         if pixels[group] < FEWEST:
@@ -166,7 +170,7 @@ def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None
             out.missing[full] = "these pixels do not change between the frames"
         else:
             mean = sums[group] / pixels[group]
-            residual = (b.sums[..., group] - mean * b.counts[..., group]) / sums[group]
+            residual = (block_sums[..., group] - mean * counts[..., group]) / sums[group]
             se = math.sqrt(float(clustered_variance(residual)))
             out.values[full] = Value(float(mean), max(se, 1e-3))
 

@@ -16,40 +16,49 @@ from dnanalyze.analyzers.plan import Plan
 from dnanalyze.analyzers.quantiles import Counted, Ordered
 
 
-@dataclass(frozen=True)
-class Blocks:
-    """Sums over blocks in groups of a key: (row bands, column bands, groups)."""
-
-    counts: np.ndarray
-    sums: np.ndarray
-
-    @property
-    def pixels(self) -> np.ndarray:
-        """Pixels of each block, (row bands, column bands, 1)."""
-        return self.counts.sum(axis=2, keepdims=True)
-
-    def below(self) -> np.ndarray:
-        """Pixels below each threshold, (row bands, column bands, thresholds)."""
-        return np.cumsum(self.counts, axis=2)[..., :-1]
+def block_pixels(plan: Plan) -> np.ndarray:
+    """Pixels of each block, (row bands, column bands)."""
+    return np.outer(np.diff(plan.row_edges), np.diff(plan.column_edges)).astype(float)
 
 
-def blocks(
-    plan: Plan,
-    key: np.ndarray,
-    weight: np.ndarray | None = None,
-    thresholds: np.ndarray | tuple[float, ...] = (),
-) -> Blocks:
-    """Counts, and sums of ``weight``, in each block between ``thresholds`` of ``key``."""
+def counts_below(plan: Plan, key: np.ndarray, thresholds: np.ndarray) -> np.ndarray:
+    """Pixels of ``key`` below each threshold, (row bands, column bands, thresholds)."""
+    from dnanalyze.analyzers import kernels
+
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, len(thresholds)))
+    limits = np.asarray(thresholds, np.float32)
+    kernels.count_below(key, limits, plan.row_edges, plan.column_edges, out)
+    return out
+
+
+def sums_below(
+    plan: Plan, key: np.ndarray, weight: np.ndarray, thresholds: np.ndarray | tuple[float, ...] = ()
+) -> np.ndarray:
+    """Sums of ``weight`` where ``key`` is below each threshold, and over all pixels of the block.
+
+    Returns
+    -------
+    ndarray
+        (row bands, column bands, thresholds + 1).
+    """
     from dnanalyze.analyzers import kernels
 
     limits = np.asarray(thresholds, np.float32)
-    shape = (plan.row_edges.size - 1, plan.column_edges.size - 1, limits.size + 1)
-    out = Blocks(np.zeros(shape), np.zeros(shape))
-    kernels.grouped(
-        key, key if weight is None else weight, limits, plan.row_edges, plan.column_edges,
-        out.counts, out.sums,
-    )  # fmt: skip
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, limits.size + 1))
+    kernels.sum_below(key, weight, limits, plan.row_edges, plan.column_edges, out)
     return out
+
+
+def mean_residuals(plan: Plan, weight: np.ndarray) -> np.ndarray:
+    """What each block adds to the error of the mean of ``weight``, (row bands, column bands)."""
+    sums = sums_below(plan, weight, weight)[..., 0]
+    return (sums - block_pixels(plan) * (sums.sum() / plan.pixels)) / plan.pixels
+
+
+def share_residuals(plan: Plan, below: np.ndarray) -> np.ndarray:
+    """What each block adds to the error of the shares ``counts_below`` / pixels; same shape."""
+    share = below.sum(axis=(0, 1)) / plan.pixels
+    return (below - block_pixels(plan)[..., None] * share) / plan.pixels
 
 
 def clustered_variance(residuals: np.ndarray, others: np.ndarray | None = None) -> np.ndarray:
@@ -99,11 +108,7 @@ def mean_error(plan: Plan, *influences: np.ndarray, repeats: float = 1.0) -> flo
 
     With two maps (of two frames) and ``repeats``, that of the mean over so many frames.
     """
-    sides = []
-    for influence in influences:
-        b = blocks(plan, influence)
-        sums, pixels = b.sums[..., 0], b.pixels[..., 0]
-        sides.append((sums - pixels * (sums.sum() / plan.pixels)) / plan.pixels)
+    sides = [mean_residuals(plan, influence) for influence in influences]
     return float(np.sqrt(repeated_variance(sides, repeats)))
 
 
@@ -138,13 +143,10 @@ class QuantileErrors:
     @cached_property
     def _shares(self) -> list[np.ndarray]:
         """Residual share below each quantile, per block: (row bands, column bands, quantiles)."""
-        out = []
-        for each in self.maps:
-            b = blocks(self.plan, each, thresholds=self.values)
-            below = b.below()
-            share = below.sum(axis=(0, 1)) / self.plan.pixels
-            out.append((below - b.pixels * share) / self.plan.pixels)
-        return out
+        return [
+            share_residuals(self.plan, counts_below(self.plan, each, self.values))
+            for each in self.maps
+        ]
 
     @cached_property
     def _slopes(self) -> np.ndarray:
@@ -176,8 +178,7 @@ class QuantileErrors:
 
     def over_mean(self, sample: np.ndarray) -> np.ndarray:
         """Relative standard errors of quantile / mean of a single map."""
-        b = blocks(self.plan, sample)
-        mean = b.sums.sum() / self.plan.pixels
-        residual = (b.sums - b.pixels * mean) / (mean * self.plan.pixels)
+        mean = float(sample.mean(dtype=np.float64))
+        residual = mean_residuals(self.plan, sample)[..., None] / mean
         scale = self._slopes / np.maximum(np.abs(self.values), 1e-30)
         return np.sqrt(clustered_variance(self._shares[0] * scale + residual))
