@@ -9,10 +9,10 @@ if TYPE_CHECKING:
     from dnanalyze.loaders.folder import load as load
     from dnanalyze.loaders.inspection import inspect as inspect
     from dnanalyze.loaders.mosaic import planes as planes
-    from dnanalyze.loaders.writers import write as write
+    from dnanalyze.loaders.writers import write_captures as write_captures
 
-_HOME = {"load": "folder", "inspect": "inspection", "planes": "mosaic", "write": "writers"}
-__all__ = ["inspect", "load", "planes", "write"]
+_HOME = {"load": "folder", "inspect": "inspection", "planes": "mosaic", "write_captures": "writers"}
+__all__ = ["inspect", "load", "planes", "write_captures"]
 
 
 def __getattr__(name: str) -> Any:

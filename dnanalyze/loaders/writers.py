@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any, Literal
+from typing import IO, Any
 
 import numpy as np
 import yaml
@@ -20,18 +20,20 @@ from dnanalyze.loaders.files import unreadable
 from dnanalyze.loaders.manifest import COLUMNS
 from dnanalyze.loaders.packing import PACKED_BITS, pack
 
-FORMATS = ("tif", "fits", "npy", "h5", "png", "pgm", "raw")
-Packing = Literal["plain", "mipi", "lsb"]
+RAW = {  # format to (bits, packing)
+    **{f"raw{bits}": (bits, "plain") for bits in (8, 10, 12, 14, 16)},
+    **{f"raw{bits}-{how}": (bits, how) for bits in PACKED_BITS for how in ("mipi", "lsb")},
+}
+FORMATS = ("tif", "fits", "npy", "h5", "png", "pgm", *RAW)
 
 
-def write(
+def write_captures(
     captures: CaptureSet,
     folder: str | os.PathLike[str],
     format: str = "tif",
     *,
     bits: int | None = None,
-    packing: Packing = "plain",
-    progress: Callable[[str], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Write every frame, one file each, as ``T+065C/dark_000.tif``, and a manifest last.
 
@@ -44,13 +46,13 @@ def write(
     folder : str or path
         Made where absent; must hold no manifest yet.
     format : str
-        One of ``FORMATS``.
+        One of ``FORMATS``; "raw12" is headerless with two bytes a pixel, "raw12-mipi" packed as
+        CSI-2 does, "raw12-lsb" packed from the lowest bit.
     bits : int, optional
-        Bits of a pixel, up to 16; the sensor's where it knows them, otherwise 16.
-    packing : {"plain", "mipi", "lsb"}
-        Of "raw" with 10, 12 or 14 bits.
+        Bits of a pixel, up to 16; the sensor's where it knows them, otherwise 16. Headerless raw
+        has the bits of its name.
     progress : callable, optional
-        Called with the name of each file that is done.
+        ``progress(done, total)`` after each frame.
 
     Returns
     -------
@@ -62,8 +64,10 @@ def write(
     InputError
         Unknown format or bits, or a folder that cannot be written or holds a capture already.
     """
-    bits = bits or captures.sensor.bits or 16
-    encode = _encoder(format, bits, packing)
+    raw = RAW.get(format)
+    bits = raw[0] if raw else bits or min(captures.sensor.bits or 16, 16)
+    encode = _encoder(format, bits)
+    suffix = "raw" if raw else format
     root = Path(folder)
     manifest = root / "manifest.csv"
     if manifest.exists():
@@ -74,14 +78,14 @@ def write(
         for below, setting in zip(_folders(captures), captures.settings, strict=True):
             (root / below).mkdir(parents=True, exist_ok=True)
             for number, frame in enumerate(setting.frames):
-                name = f"{below}/dark_{number:03d}.{format}"
+                name = f"{below}/dark_{number:03d}.{suffix}"
                 with atomic(root / name) as file:
                     encode(file, as_codes(frame.read(), bits), frame.point)
                 p = frame.point
                 rows.append([name, p.temperature_c, p.exposure_s, p.gain, p.channel, number])
                 if progress:
-                    progress(name)
-        if sidecar := _sidecar(captures.sensor, format, bits, packing):
+                    progress(len(rows), captures.frame_count)
+        if sidecar := _sidecar(captures.sensor, bits, raw and raw[1]):
             with atomic(root / "dnanalyze.yaml") as file:
                 file.write(yaml.safe_dump(sidecar, sort_keys=False).encode())
         with atomic(manifest) as file:
@@ -101,8 +105,9 @@ def as_codes(array: np.ndarray, bits: int) -> np.ndarray:
 def atomic(path: Path) -> Iterator[IO[bytes]]:
     """A file that takes its name only when it is complete, and leaves nothing otherwise."""
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    os.close(handle)
     try:
-        with os.fdopen(handle, "w+b") as file:
+        with open(temporary, "w+b") as file:  # by name: encoders ask for it
             yield file
         os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, path)
@@ -120,19 +125,13 @@ def _umask() -> int:
 Encoder = Callable[[IO[bytes], np.ndarray, OperatingPoint], None]
 
 
-def _encoder(format: str, bits: int, packing: str) -> Encoder:
+def _encoder(format: str, bits: int) -> Encoder:
     if format not in FORMATS:
         raise InputError(f"format {format!r}: valid formats: {', '.join(FORMATS)}")
     if not 1 <= bits <= 16:
         raise InputError(f"bits {bits}: valid: 1 to 16")
-    if packing not in ("plain", "mipi", "lsb"):
-        raise InputError(f"packing {packing!r}: valid: plain, mipi, lsb")
-    if format == "raw" and bits not in (8, *PACKED_BITS, 16):
-        raise InputError(f"bits {bits}: headerless raw has 8, 10, 12, 14 or 16")
-    if packing != "plain" and (format != "raw" or bits not in PACKED_BITS):
-        raise InputError(f"packing {packing!r}: only for format 'raw' with 10, 12 or 14 bits")
-    if format == "raw":
-        return lambda file, codes, point: _raw(file, codes, bits, packing)
+    if format in RAW:
+        return lambda file, codes, point: _raw(file, codes, *RAW[format])
     if format == "pgm":
         return lambda file, codes, point: _pgm(file, codes, bits)
     return {"tif": _tif, "fits": _fits, "npy": _npy, "h5": _h5, "png": _png}[format]
@@ -188,12 +187,12 @@ def _raw(file: IO[bytes], codes: np.ndarray, bits: int, packing: str) -> None:
         file.write(pack(codes, bits, packing).tobytes())
 
 
-def _sidecar(sensor: Sensor, format: str, bits: int, packing: str) -> dict[str, Any]:
-    """What the format cannot hold: the raw layout, and the sensor's facts."""
+def _sidecar(sensor: Sensor, bits: int, packing: str | None) -> dict[str, Any]:
+    """What the format cannot hold: the raw layout (``packing`` given), and the sensor's facts."""
     plain: dict[str, Any] = {}
-    if format == "raw":
+    if packing is not None:
         plain = {"width": sensor.shape[1], "height": sensor.shape[0], "bits": bits}
-        plain |= {"packing": packing} if packing != "plain" else {"byte_order": "little"}
+        plain |= {"byte_order": "little"} if packing == "plain" else {"packing": packing}
     facts = {
         "bits": bits if bits < 16 else None,
         "cfa": None if sensor.cfa is None else "".join("".join(row) for row in sensor.cfa),
