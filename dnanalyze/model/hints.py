@@ -1,4 +1,4 @@
-"""What effects share when they guess their own strength from the unexplained part of the statistics."""
+"""What effects share when they guess their strength from what the model leaves unexplained."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Counter-based random numbers: a pixel's number depends on its key and place, on nothing else.
 
-A stream is a 64-bit key. The number of pixel (r, c) is a mix of the key and the pixel's index in the
-full frame, so any window, tile, thread or device draws the same numbers, in any order.
+A stream is a 64-bit key. The number of pixel (r, c) is a mix of the key and the pixel's index in
+the full frame, so any window, tile, thread or device draws the same numbers, in any order.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Stream:
         return Stream(_hash(self.key, *names))
 
     def normal(self, window: Window, width: int) -> np.ndarray:
-        """Standard normal deviates, float32, one a pixel of ``window`` in a frame ``width`` wide."""
+        """Standard normals, float32, one a pixel of ``window`` in a frame ``width`` wide."""
         return draws.normal(self.key, window, width)
 
     def uniform(self, window: Window, width: int) -> np.ndarray:

@@ -76,7 +76,8 @@ class AmpGlow(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the glow."""
-        return signal + site.keep("map", lambda: self._map(site))
+        signal += site.keep("map", lambda: self._map(site))
+        return signal
 
     def _map(self, site: Site) -> np.ndarray:
         height = self.value("amplitude", site.point) * site.thermal(self.value("ea_ev", site.point))
@@ -86,7 +87,7 @@ class AmpGlow(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The three places and lengths that follow the block means best, in the most shaded setting."""
+        """The three places and lengths that follow the most shaded block means best."""
         names = [f"shading_{i}_{j}" for i in range(4) for j in range(4) if i or j]
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
         if not (seen > hints.SIGN).any():

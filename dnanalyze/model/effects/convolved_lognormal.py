@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import draws
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 
 
 @dataclass(frozen=True)
 class ConvolvedLognormal(Effect):
-    """f ~ N(mu, delta^2), L = exp f; h = sum (K + eps) L, eps ~ N(0, sigma^2) for every pixel and tap.
+    """f ~ N(mu, delta^2), L = exp f; h = sum (K + eps) L, eps ~ N(0, sigma^2), each pixel and tap.
 
     Given L, the random part is exactly sigma sqrt(sum L^2) N(0,1): one normal a pixel, not nine.
     """
@@ -20,9 +24,57 @@ class ConvolvedLognormal(Effect):
     name: ClassVar[str] = "convolved_lognormal"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "both"
+    summary: ClassVar[str] = "the paper's model: log-normal dark current under a random 3x3 kernel"
+    physics: ClassVar[str] = (
+        "The logarithm of the dark current is nearly normal over the pixels, since many "
+        "independent factors multiply in it: fields, distances, numbers of defects. mu is its "
+        "mean (the level), delta its spread (the skew and the tail of warm pixels). Each pixel "
+        "passes the share phi to each of its 8 neighbours, and the weights of the 3x3 kernel are "
+        "random at every pixel and frame with spread sigma, which makes a noise that grows with "
+        "the signal. With the seed fixed in the silicon the pattern repeats from frame to frame "
+        "as it does in real sensors; redrawn, as the paper's formula may be read, hot pixels "
+        "move. mu follows temperature through the dark current's activation energy (about .6 to "
+        "1.2 eV: a doubling every 5 to 9 degrees). The spectrum falls from a plateau at low "
+        "frequency: this model alone cannot make 1/f noise. Cool, or shorten the exposure, to "
+        "reduce it."
+    )
+    formula: ClassVar[str] = (
+        "h = sum over 3x3 of (K + eps) L, K = phi, centre 1 - 8 phi; mean m1 = e^(mu + "
+        "delta^2/2); variance V (1 - 16 phi + 72 phi^2) + 9 sigma^2 m2, V = m1^2 (q - 1), m2 = "
+        "m1^2 q, q = e^(delta^2); PSD V |K(u,v)|^2 + 9 sigma^2 m2, K(u,v) = 1 - 9 phi + phi (1 + "
+        "2 cos 2 pi u)(1 + 2 cos 2 pi v)"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Wang, Funatsu and Fowler (the paper)",
+        "Baer, SPIE 6068 (2006)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "mean",
+        "pattern_noise_core",
+        "pattern_q0.99",
+        "pattern_q0.1",
+        "noise_at_99",
+        "pattern_corr_11",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "hot_pixels": (
+            "a log-normal tail bends on a semilog plot; an exponential population is straight"
+        ),
+        "crosstalk": "crosstalk spreads the shot noise too; the kernel spreads the pattern alone",
+        "dark_shot_noise": (
+            "shot variance is proportional to the signal, the kernel's to its square"
+        ),
+    }
     reach: ClassVar[int] = 1
 
-    mu: float = parameter(0.0, "ln DN", -20.0, 12.0, "mean of the log of the seed", "linear")
+    mu: float = parameter(
+        0.0,
+        "ln DN",
+        -20.0,
+        12.0,
+        "mean of the log of the seed; a table may state it per gain",
+        "linear",
+    )
     delta: float = parameter(0.5, "ln DN", 1e-4, 4.0, "spread of the log of the seed")
     phi: float = parameter(
         1e-3, "1", 0.0, 0.125, "kernel weight of each of the 8 neighbours", "linear"
@@ -33,24 +85,36 @@ class ConvolvedLognormal(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the convolved seed to the signal."""
+        taps = site.moment.child("kernel").key
+        mu, delta, phi, sigma = self._numbers(site)
         if self.seed == "fixed":
-            mean, norm = site.keep("seed", lambda: self._seed(site, site.fixed_normal("seed")))
-        else:
-            mean, norm = self._seed(site, site.normal("seed"))
-        sigma = np.float32(self.value("sigma", site.point))
-        return signal + mean + sigma * norm * site.normal("kernel")
+            key = site.silicon.child("seed").key
+            mean, norm = site.keep(
+                "seed", lambda: draws.lognormal(key, mu, delta, phi, site.window, site.shape[1])
+            )
+            return draws.add_scaled_normal(
+                signal, mean, norm, sigma, taps, site.window, site.shape[1]
+            )
+        key = site.moment.child("seed").key
+        return draws.add_lognormal(
+            signal, mu, delta, phi, sigma, (key, taps), site.window, site.shape[1]
+        )
 
-    def _seed(self, site: Site, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        mu, delta, phi = (np.float32(self.value(n, site.point)) for n in ("mu", "delta", "phi"))
-        light = np.exp(mu + delta * z)
+    def _numbers(self, site: Site) -> tuple[float, float, float, float]:
+        """mu (with the exposure), delta, phi, sigma here."""
+        mu, delta, phi, sigma = (self.value(n, site.point) for n in ("mu", "delta", "phi", "sigma"))
         if self.exposure == "proportional":
-            light *= np.float32(site.exposure_ratio)
-        mean = phi * _box(light) + (1 - 9 * phi) * light
-        return mean, np.sqrt(_box(light * light))
+            mu += math.log(max(site.exposure_ratio, 1e-30))
+        return mu, delta, phi, sigma
 
+    def variance(self, point: OperatingPoint) -> float:
+        """V (1 - 16 phi + 72 phi^2) + 9 sigma^2 m2, DN^2, at the reference exposure."""
+        mu, delta, phi, sigma = (self.value(n, point) for n in ("mu", "delta", "phi", "sigma"))
+        q = math.exp(delta**2)
+        square = math.exp(2 * mu + delta**2)  # m1^2
+        return square * ((q - 1) * (1 - 16 * phi + 72 * phi**2) + 9 * sigma**2 * q)
 
-def _box(a: np.ndarray) -> np.ndarray:
-    """Sum over the 3x3 window; the edge is repeated."""
-    p = np.pad(a, 1, mode="edge")
-    r = p[:-2] + p[1:-1] + p[2:]
-    return r[:, :-2] + r[:, 1:-1] + r[:, 2:]
+    @classmethod
+    def guess(cls, clues: Clues) -> list[Effect]:
+        """None: every model begins with this effect, started from moments by the fit."""
+        return []

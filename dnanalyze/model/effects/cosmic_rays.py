@@ -64,7 +64,7 @@ class CosmicRays(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the tracks of this frame that cross the window."""
         y, x, charge = self._points(site)
-        out = np.zeros(signal.shape)
+        out = np.zeros(signal.shape, np.float32)
         top, left = np.floor(y).astype(int), np.floor(x).astype(int)
         fy, fx = y - top, x - left
         for dy, dx, share in (
@@ -76,7 +76,8 @@ class CosmicRays(Effect):
             r, c = top + dy - site.window.top, left + dx - site.window.left
             inside = (r >= 0) & (r < out.shape[0]) & (c >= 0) & (c < out.shape[1])
             np.add.at(out, (r[inside], c[inside]), (charge * share)[inside])
-        return signal + out.astype(np.float32)
+        signal += out
+        return signal
 
     def _points(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Row, column (pixel centres are whole) and charge, DN, of the points of all tracks.
@@ -103,7 +104,7 @@ class CosmicRays(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Rate from the pixels that stand out in one frame; how many of them touch tells the length."""
+        """Rate from the pixels that stand out once; how many of them touch tells the length."""
         if not hints.above(clues, ("transient_high", "transient_adjacent")):
             return []
         hits = np.maximum(hints.unexplained(clues, "transient_high"), 0)

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model import hints
+from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 
@@ -62,14 +62,11 @@ class Crosstalk(Effect):
     diagonal: float = parameter(0.25, "1", 0.0, 1.0, "diagonal share over alpha", "linear")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Convolve with the 3x3 kernel; at the frame's edge the outer rows and columns are repeated."""
-        a = np.float32(self.value("alpha", site.point))
-        b = a * np.float32(self.value("diagonal", site.point))
-        p = np.pad(signal, 1, mode="edge")
-        line = p[:-2] + p[2:]
-        edges = line[:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:]
-        corners = line[:, :-2] + line[:, 2:]
-        return (1 - 4 * a - 4 * b) * signal + a * edges + b * corners
+        """Convolve with the 3x3 kernel; the frame's outer rows and columns are repeated."""
+        alpha = self.value("alpha", site.point)
+        return draws.share_with_neighbours(
+            signal, alpha, alpha * self.value("diagonal", site.point)
+        )
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:

@@ -60,13 +60,14 @@ class DarkCurrentSteps(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the steps."""
-        return signal + site.keep("map", lambda: self._map(site))
+        signal += site.keep("map", lambda: self._map(site))
+        return signal
 
     def _map(self, site: Site) -> np.ndarray:
         lam = self.value("mean_number", site.point)
         step = self.value("step", site.point) * site.thermal(self.value("ea_ev", site.point))
         step *= site.exposure_ratio * site.gain_ratio
-        # u is the probability of a larger number: its small values are finely resolved, like the tail
+        # u is the probability of a larger number: it is finest near 0, where the tail is
         tail = pdtrc(np.arange(int(lam + 12 * np.sqrt(lam) + 24)), lam).astype(np.float32)
         number = tail.size - np.searchsorted(tail[::-1], site.fixed_uniform(), side="right")
         return np.float32(step) * number.astype(np.float32)

@@ -60,7 +60,8 @@ class DarkGradient(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the surface."""
-        return signal + site.keep("map", lambda: self._map(site))
+        signal += site.keep("map", lambda: self._map(site))
+        return signal
 
     def _map(self, site: Site) -> np.ndarray:
         growth = (
@@ -78,7 +79,7 @@ class DarkGradient(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Least squares on the block means; the growth over the settings gives the activation energy."""
+        """Least squares on the block means; their growth gives the activation energy."""
         names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
         if not (seen > hints.SIGN).any():

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import gammaln, ndtri
 
-from dnanalyze.model import hints
+from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 
@@ -58,9 +57,8 @@ class DarkShotNoise(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Replace the mean charge by a count."""
-        k = np.float32(self.value("dn_per_e", site.point) * site.gain_ratio)
-        mean = np.maximum(signal, 0)
-        return k * poisson(mean / k, site.uniform()) + np.minimum(signal, 0)
+        k = self.value("dn_per_e", site.point) * site.gain_ratio
+        return draws.counts(signal, k, site.moment.child("").key, site.window, site.shape[1])
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
@@ -85,38 +83,8 @@ def _slope_of_settings(clues: Clues) -> float | None:
 
 
 def _slope_of_pixels(clues: Clues) -> float | None:
-    """From the noisier half of the pixels: variance between 50 % and 99 % over their difference in level."""
+    """Variance of the upper percent over that of the lower half, over their distance in level."""
     rise = np.asarray(clues.measured("noise_at_99"), float) - clues.measured("noise_at_50")
     level = np.asarray(clues.measured("pattern_q0.99"), float)  # above the median
     slope = rise / np.where(level > 0, level, np.nan) / hints.gains(clues)
     return float(np.nanmedian(slope)) if np.isfinite(slope).any() else None
-
-
-def poisson(mean: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Poisson counts of the given means from one uniform deviate each, float32.
-
-    ``u`` is the probability of the lower tail. Below a mean of 15 the distribution is inverted exactly; above,
-    a Cornish-Fisher expansion of the continuous variable that rounds to it (its even cumulants less Sheppard's
-    corrections) is rounded.
-    """
-    count = np.empty(mean.shape, np.float32)
-    large = mean >= 15
-    lam = mean[large].astype(np.float64)
-    z = ndtri(u[large].astype(np.float64))
-    s2 = lam - 1 / 12
-    g1, g2 = lam / s2**1.5, (lam + 1 / 120) / s2**2
-    w = z + g1 * (z**2 - 1) / 6 + g2 * (z**3 - 3 * z) / 24 - g1**2 * (2 * z**3 - 5 * z) / 36
-    count[large] = np.rint(lam + np.sqrt(s2) * w)
-    lam = mean[~large].astype(np.float64)
-    tail = 1.0 - u[~large].astype(np.float64)
-    n = np.zeros(lam.shape)
-    above = 1.0 - np.exp(-lam)
-    for k in range(1, 64):
-        more = tail <= above
-        if not more.any():
-            break
-        n[more] = k
-        with np.errstate(divide="ignore"):
-            above = above - np.exp(k * np.log(lam) - lam - gammaln(k + 1))
-    count[~large] = n
-    return count

@@ -19,7 +19,7 @@ MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
 
 @dataclass(frozen=True)
 class HotClusters(Effect):
-    """Neyman-Scott process: parents at random, each with a Poisson number of hot pixels around it."""
+    """Neyman-Scott process: parents at random, a Poisson number of hot pixels around each."""
 
     name: ClassVar[str] = "hot_clusters"
     stage: ClassVar[Stage] = Stage.CHARGE
@@ -66,7 +66,8 @@ class HotClusters(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the clusters."""
-        return signal + site.keep("map", lambda: self._map(site))
+        signal += site.keep("map", lambda: self._map(site))
+        return signal
 
     def _map(self, site: Site) -> np.ndarray:
         at = np.flatnonzero(site.fixed_uniform("parent") < self.value("density", site.point))
@@ -95,12 +96,12 @@ class HotClusters(Effect):
         return out.astype(np.float32)
 
     def variance(self, point: OperatingPoint) -> float:
-        """DN^2 at the reference: d nu^2 (2 m + m^2 s), s = the chance that two offspring share a pixel."""
+        """DN^2 at the reference: d nu^2 (2 m + m^2 s), s = chance that two share a pixel."""
         d, m = self.value("density", point), self.value("members", point)
         return d * self.value("scale", point) ** 2 * (2 * m + m * m * self._shared(point))
 
     def _shared(self, point: OperatingPoint) -> float:
-        """Chance that two offspring of a parent fall on the same pixel, by quadrature over the disc."""
+        """Chance that two offspring fall on one pixel, by quadrature over the disc."""
         n = 400
         r = self.value("radius", point)
         far = r * np.sqrt((np.arange(n) + 0.5) / n)[:, None]

@@ -71,7 +71,8 @@ class HotPixels(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the hot pixels."""
-        return signal + site.keep("map", lambda: self._map(site))
+        signal += site.keep("map", lambda: self._map(site))
+        return signal
 
     def _map(self, site: Site) -> np.ndarray:
         scale = self.value("scale", site.point) * site.thermal(self.value("ea_ev", site.point))
@@ -101,7 +102,7 @@ class HotPixels(Effect):
 
 
 def tail_of_counts(clues: Clues) -> tuple[float, np.ndarray] | None:
-    """Fraction and mean amplitude (DN, one a setting) of an exponential tail of unexplained hot pixels.
+    """Fraction and mean amplitude (DN, one a setting) of the unexplained hot pixels.
 
     N(> k s) = N p e^(-k s/nu), with s the robust sigma of the pattern.
     """

@@ -53,7 +53,8 @@ class PixelFpn(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
-        return signal + sigma * site.fixed_normal()
+        signal += sigma * site.fixed_normal()
+        return signal
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2, at the reference gain."""

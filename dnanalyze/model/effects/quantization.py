@@ -45,8 +45,12 @@ class Quantization(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Round and clip."""
         step = np.float32(self.step)
-        codes = np.rint(signal / step) * step
-        return np.clip(codes, np.float32(0), np.float32(2.0**self.bits - 1), out=codes)
+        if step != 1:
+            signal /= step
+        np.rint(signal, out=signal)
+        if step != 1:
+            signal *= step
+        return np.clip(signal, np.float32(0), np.float32(2.0**self.bits - 1), out=signal)
 
     def variance(self, point: OperatingPoint) -> float:
         """q^2 / 12, DN^2, where the noise before it exceeds .4 q."""

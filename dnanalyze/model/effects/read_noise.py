@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
+from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 
@@ -61,12 +61,14 @@ class ReadNoise(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the noise."""
-        sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        sigma = self.value("sigma", site.point) * site.gain_ratio
         spread = np.float32(self.value("spread", site.point))
+        key = site.moment.child("").key
         if spread == 0:
-            return signal + sigma * site.normal()
-        each = site.keep("sigma", lambda: sigma * np.exp(spread * (site.fixed_normal() - spread)))
-        return signal + each * site.normal()
+            return draws.add_normal(signal, sigma, key, site.window, site.shape[1])
+        each = site.keep("spread", lambda: np.exp(spread * (site.fixed_normal() - spread)))
+        signal += np.float32(sigma) * each * site.normal()
+        return signal
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2, at the reference gain; the spread keeps the mean square."""

@@ -76,9 +76,9 @@ class Rts(Effect):
         """Add the step to the blinking pixels that are in their upper level."""
         at, index, step = site.keep("steps", lambda: self._steps(site))
         on = self._state(index, site)
-        out = signal.copy()
-        out.reshape(-1)[at[on]] += step[on]
-        return out
+        rows, columns = np.divmod(at[on], site.window.shape[1])
+        signal[rows, columns] += step[on]
+        return signal
 
     def _steps(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Place in the window, index in the frame, and step (DN) of the blinking pixels."""
@@ -101,7 +101,7 @@ class Rts(Effect):
         return at, index, (np.float32(scale) * step).astype(np.float32)
 
     def _state(self, index: np.ndarray, site: Site) -> np.ndarray:
-        """Whether each pixel is in its upper level: as drawn at the latest renewal up to this frame."""
+        """Whether each pixel is in its upper level, as drawn at its latest renewal."""
         renew = 1.0 - np.exp(-1.0 / self.value("dwell_frames", site.point))
         occupancy = self.value("occupancy", site.point)
         on = np.zeros(index.size, bool)
@@ -155,9 +155,9 @@ class Rts(Effect):
                     ea_ev=thermal[1],
                     dwell_frames=0.5,
                 )
-                guesses.append(cls(**values, amplitudes=kind))
+                guesses.append(cls(**values, amplitudes=kind)  # type: ignore[arg-type])
             values = hints.clip(
                 cls, fraction=p, amplitude=fixed * of_step, ea_ev=0.0, dwell_frames=0.5
             )
-            guesses.append(cls(**values, amplitudes=kind, exposure="none"))
+            guesses.append(cls(**values, amplitudes=kind, exposure="none")  # type: ignore[arg-type])
         return guesses
