@@ -1,8 +1,8 @@
 """Fields of random numbers from a 64-bit key and the pixel's index, and the noise made of them.
 
-The word of a pixel is the SplitMix64 finaliser of key + golden ratio x (index + 1), where index =
-row x width + column in the full frame. A uniform deviate is (word + 1/2) / 2^32 and a normal deviate
-is the inverse of the normal distribution function there: both fields of one key rise together.
+The word of a pixel is the SplitMix64 finaliser of key + golden ratio x (index + 1), where index
+is row x width + column in the full frame. A uniform deviate is (word + 1/2) / 2^32, a normal one the
+inverse of the normal distribution function there: both fields of one key rise together.
 The kernels are imported when first drawn from: the compiler is slow to import.
 """
 
@@ -61,7 +61,7 @@ def uniform_at(key: int, index: np.ndarray) -> np.ndarray:
 def add_normal(
     signal: np.ndarray, scale: float, key: int, window: Window, width: int
 ) -> np.ndarray:
-    """``signal`` + ``scale`` x the key's normal field, in place where it can be."""
+    """``signal`` + ``scale`` x the key's normal field, in place if possible."""
     from dnanalyze.model import kernels
 
     signal = _ready(signal)
@@ -89,7 +89,7 @@ def add_scaled_normal(
 
 
 def counts(signal: np.ndarray, dn_per_e: float, key: int, window: Window, width: int) -> np.ndarray:
-    """K Pois(max(signal, 0)/K) + min(signal, 0), K = ``dn_per_e``; in place where it can be."""
+    """K Pois(max(signal, 0)/K) + min(signal, 0), K = ``dn_per_e``; in place if possible."""
     from dnanalyze.model import kernels
 
     signal = _ready(signal)
@@ -135,7 +135,7 @@ def add_lognormal(
 
 
 def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.ndarray:
-    """3x3 convolution: ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated."""
+    """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated."""
     from dnanalyze.model import kernels
 
     signal = _ready(signal)

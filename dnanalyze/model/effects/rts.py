@@ -148,16 +148,9 @@ class Rts(Effect):
         for kind, share, of_step in (("exponential", 2.0, 0.4), ("fixed", 1.0, 0.8)):
             p = fraction * share
             if thermal is not None and thermal[1] > 0.15:
-                values = hints.clip(
-                    cls,
-                    fraction=p,
-                    amplitude=thermal[0] * of_step,
-                    ea_ev=thermal[1],
-                    dwell_frames=0.5,
-                )
-                guesses.append(cls(**values, amplitudes=kind)  # type: ignore[arg-type])
-            values = hints.clip(
-                cls, fraction=p, amplitude=fixed * of_step, ea_ev=0.0, dwell_frames=0.5
-            )
-            guesses.append(cls(**values, amplitudes=kind, exposure="none")  # type: ignore[arg-type])
+                size, ea = thermal
+                values = hints.clip(cls, fraction=p, amplitude=size * of_step, ea_ev=ea)
+                guesses.append(cls.from_plain({**values, "amplitudes": kind}))
+            values = hints.clip(cls, fraction=p, amplitude=fixed * of_step, ea_ev=0.0)
+            guesses.append(cls.from_plain({**values, "amplitudes": kind, "exposure": "none"}))
         return guesses
