@@ -1,8 +1,8 @@
 """Fields of random numbers from a 64-bit key and the pixel's index, and the noise made of them.
 
 The word of a pixel is the SplitMix64 finaliser of key + golden ratio x (index + 1), where index
-is row x width + column in the full frame. A uniform deviate is (word + 1/2) / 2^32, a normal one the
-inverse of the normal distribution function there: both fields of one key rise together.
+is row x width + column in the full frame. A uniform deviate is (word + 1/2) / 2^32, a normal one
+the inverse of the normal distribution function there: both fields of one key rise together.
 The kernels are imported when first drawn from: the compiler is slow to import.
 """
 

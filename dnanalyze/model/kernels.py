@@ -33,6 +33,10 @@ _L = tuple(
 _L0, _L1, _L2, _L3, _L4, _L5, _L6, _L7 = _L
 
 
+_compiled = njit(nogil=True, cache=True, error_model="numpy")
+_inlined = njit(inline="always", error_model="numpy")
+
+
 @intrinsic
 def _as_int(typing, x):
     """The bits of a float32 as int32."""
@@ -53,7 +57,7 @@ def _as_float(typing, x):
     return types.float32(types.int32), generate
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _mix(z):
     """SplitMix64 finaliser (Steele, Lea and Flood, OOPSLA 2014): 64 bits to 64 well-mixed bits."""
     z = (z ^ (z >> _S30)) * _MIX1
@@ -61,7 +65,7 @@ def _mix(z):
     return z ^ (z >> _S31)
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _log(v):
     """Natural logarithm of a positive normal float32, absolute error < 2e-6 down to 1e-10."""
     i = _as_int(v) - _SQRT_HALF_BITS
@@ -95,7 +99,7 @@ _UNIT = F(2.0**-31)
 _TINY, _BELOW_ONE = F(2.0**-32), F(1 - 2.0**-24)
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _normal(word):
     """Inverse of the normal distribution function at (word + 1/2) / 2^32, word as signed 32 bits.
 
@@ -121,7 +125,7 @@ def _normal(word):
     return x * p
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _row_of_words(key, row, left, width, words):
     """Fill ``words`` (int32) with the random words of one row from column ``left`` on."""
     start = key + (U(row) * U(width) + U(left) + U(1)) * _GOLDEN
@@ -129,17 +133,14 @@ def _row_of_words(key, row, left, width, words):
         words[c] = np.int32(_mix(start + U(c) * _GOLDEN) >> _S32)
 
 
-_COMPILE = {"nogil": True, "cache": True, "error_model": "numpy"}
-
-
-@njit(**_COMPILE)
+@_compiled
 def fill_bits(key, top, left, width, out):
     """Random words, int32, of the window that ``out`` covers."""
     for r in range(out.shape[0]):
         _row_of_words(key, top + r, left, width, out[r])
 
 
-@njit(**_COMPILE)
+@_compiled
 def fill_uniform(key, top, left, width, out):
     """Uniform deviates, float32, with full relative precision towards 0 and never 1."""
     words = np.empty(out.shape[1], np.int32)
@@ -150,7 +151,7 @@ def fill_uniform(key, top, left, width, out):
             line[c] = min((F(np.uint32(words[c])) + _HALF) * _TINY, _BELOW_ONE)
 
 
-@njit(**_COMPILE)
+@_compiled
 def fill_normal(key, top, left, width, out):
     """Standard normal deviates, float32."""
     words = np.empty(out.shape[1], np.int32)
@@ -161,7 +162,7 @@ def fill_normal(key, top, left, width, out):
             line[c] = _normal(words[c])
 
 
-@njit(**_COMPILE)
+@_compiled
 def add_normal(key, top, left, width, scale, signal):
     """signal += scale z, one scale for all, in place."""
     words = np.empty(signal.shape[1], np.int32)
@@ -172,7 +173,7 @@ def add_normal(key, top, left, width, scale, signal):
             line[c] += scale * _normal(words[c])
 
 
-@njit(**_COMPILE)
+@_compiled
 def add_scaled_normal(key, top, left, width, offset, scale, factor, signal):
     """signal += offset + factor scale z, offset and scale one a pixel, in place."""
     words = np.empty(signal.shape[1], np.int32)
@@ -187,7 +188,7 @@ FEW = F(10)  # electrons; below, Poisson counts come by exact inversion
 _BLOCK = 256
 
 
-@njit(**_COMPILE)
+@_compiled
 def replace_by_counts(key, top, left, width, k, signal):
     """signal = k Pois(max(signal, 0)/k) + min(signal, 0), in place."""
     columns = signal.shape[1]
@@ -212,7 +213,7 @@ def replace_by_counts(key, top, left, width, k, signal):
             line[c] = k * count[c] + (line[c] if line[c] < 0 else F(0))
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _many(words, mean, count):
     """Poisson counts of means from `FEW` on.
 
@@ -236,7 +237,7 @@ def _many(words, mean, count):
         count[c] = n if n > 0 else F(0)
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _few(words, mean, count, work):
     """Poisson counts of means below `FEW`: the k whose tail P(X > k) first drops to 1 - u."""
     lam, p, above, tail = work[0], work[1], work[2], work[3]
@@ -280,7 +281,7 @@ def _few(words, mean, count, work):
             break
 
 
-@njit(**_COMPILE)
+@_compiled
 def share_with_neighbours(signal, edge, corner, out):
     """out = 3x3 convolution of signal, weights ``edge`` and ``corner``, sum 1; edges repeated."""
     rows, columns = signal.shape
@@ -310,7 +311,7 @@ _LOG2E, _LN2_HIGH, _LN2_LOW = F(1.4426950408889634), F(0.693359375), F(-2.121944
 _BIAS = np.int32(127)
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _exp(x):
     """Exponential of a float32, relative error below 2e-7, held inside the normal range."""
     x = x if x > F(-87) else F(-87)
@@ -327,7 +328,7 @@ def _exp(x):
     return p * _as_float((np.int32(n) + _BIAS) << _SHIFT)
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _seed_row(key, row, left, width, mu, delta, words, light):
     """One row of exp(mu + delta z)."""
     _row_of_words(key, row, left, width, words)
@@ -335,7 +336,7 @@ def _seed_row(key, row, left, width, mu, delta, words, light):
         light[c] = _exp(mu + delta * _normal(words[c]))
 
 
-@njit(inline="always", error_model="numpy")
+@_inlined
 def _kernel_row(up, here, down, phi, column, square, mean, norm):
     """Mean and norm of the random 3x3 kernel on one row; the end columns are repeated."""
     n = here.size
@@ -350,7 +351,7 @@ def _kernel_row(up, here, down, phi, column, square, mean, norm):
         norm[c] = np.sqrt(square[c] + square[c + 1] + square[c + 2])
 
 
-@njit(**_COMPILE)
+@_compiled
 def fill_lognormal(key, top, left, width, mu, delta, phi, mean, norm):
     """Mean and norm of the paper's random kernel on a log-normal seed; the edges are repeated."""
     rows, columns = mean.shape
@@ -365,9 +366,9 @@ def fill_lognormal(key, top, left, width, mu, delta, phi, mean, norm):
         _kernel_row(up, light[r % 3], down, phi, column, square, mean[r], norm[r])
 
 
-@njit(**_COMPILE)
+@_compiled
 def add_lognormal(seed, taps, top, left, width, mu, delta, phi, sigma, signal):
-    """The paper's model in one pass: `fill_lognormal` of key ``seed``, with noise of key ``taps``."""
+    """The paper's model in one pass: `fill_lognormal` of key ``seed``, noise of key ``taps``."""
     rows, columns = signal.shape
     words = np.empty(columns, np.int32)
     light = np.empty((3, columns), np.float32)

@@ -65,7 +65,8 @@ class CosmicRays(Effect):
         """Add the tracks of this frame that cross the window."""
         y, x, charge = self._points(site)
         out = np.zeros(signal.shape, np.float32)
-        top, left = np.floor(y).astype(int), np.floor(x).astype(int)
+        top = np.floor(y).astype(int)
+        left = np.floor(x).astype(int)
         fy, fx = y - top, x - left
         for dy, dx, share in (
             (0, 0, (1 - fy) * (1 - fx)),
@@ -73,7 +74,8 @@ class CosmicRays(Effect):
             (1, 0, fy * (1 - fx)),
             (1, 1, fy * fx),
         ):
-            r, c = top + dy - site.window.top, left + dx - site.window.left
+            r = top + dy - site.window.top
+            c = left + dx - site.window.left
             inside = (r >= 0) & (r < out.shape[0]) & (c >= 0) & (c < out.shape[1])
             np.add.at(out, (r[inside], c[inside]), (charge * share)[inside])
         signal += out
