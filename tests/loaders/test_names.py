@@ -1,0 +1,116 @@
+"""What names say, and what they do not."""
+
+import pytest
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.names import from_names, from_regex
+from dnanalyze.loaders.recording import Metadata
+
+
+@pytest.mark.parametrize(
+    ("name", "temperature"),
+    [
+        ("T+065C", 65.0),
+        ("T-010.5C", -10.5),
+        ("T-10C", -10.0),
+        ("65C", 65.0),
+        ("t025", 25.0),
+        ("m10C", -10.0),
+        ("neg10C", -10.0),
+        ("dark_-10C", -10.0),
+        ("temp_25", 25.0),
+        ("temp=-7.5", -7.5),
+        ("temperature_40C_exp_1s", 40.0),
+        ("25degC", 25.0),
+        ("DARK_2x2_5.000secs_-7.00C00003216", -7.0),
+        ("DARK_2x2_5.000secs_-8.2C00003222", -8.2),
+        # no temperatures
+        ("dark-65C", None),  # minus or dash: not guessed
+        ("SN12C3456", None),
+        ("00123C", None),
+        ("IMG_0025", None),
+        ("1C2D", None),
+        ("t1", None),
+        ("t10s", None),
+        ("t2.5ms", None),
+        ("20230525", None),
+        ("frame_0065", None),
+        ("C65", None),
+        ("999C", None),
+        ("12Cu", None),
+        ("a65C", None),
+        ("part025", None),
+    ],
+)
+def test_temperature(name, temperature):
+    assert from_names([name]).temperature_c == temperature
+
+
+@pytest.mark.parametrize(
+    ("name", "exposure"),
+    [
+        ("exp_0.05s", 0.05),
+        ("exp10s_dc", 10.0),
+        ("5.000secs", 5.0),
+        ("darks-expos60s-Neg5-Vis.00000000.DARK", 60.0),
+        ("darks-expos1-Neg5-Vis.00000003.DARK", 1.0),
+        ("DARK_2x2_5.000secs_-7.00C00003216", 5.0),
+        ("balanced_dark_1us-02", 1e-6),
+        ("exposure_20ms", 0.02),
+        ("exptime=0.5", 0.5),
+        ("t10s", 10.0),
+        ("0p05s", 0.05),
+        # no exposures
+        ("exp10", None),
+        ("dark_001", None),
+        ("10stops", None),
+        ("sensors2", None),
+        ("SN5s6", None),
+        ("1.2.5s", None),
+        ("rows", None),
+        ("T+065C", None),
+    ],
+)
+def test_exposure(name, exposure):
+    found = from_names([name]).exposure_s
+    assert found == (None if exposure is None else pytest.approx(exposure, rel=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("name", "gain"),
+    [
+        ("gain4", 4.0),
+        ("Gain_2.5x", 2.5),
+        ("gain20dB", 10.0),
+        ("ISO800", 800.0),
+        ("iso_1600", 1600.0),
+        ("again4", None),
+        ("isotope99", None),
+        ("gains", None),
+        ("ISO8", None),
+    ],
+)
+def test_gain(name, gain):
+    assert from_names([name]).gain == gain
+
+
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [("dark_HCG_001", "hcg"), ("lofic", "lofic"), ("long", "long"), ("long_exposure", None),
+     ("along", None), ("shorts", None)],
+)  # fmt: skip
+def test_channel(name, channel):
+    assert from_names([name]).channel == channel
+
+
+def test_the_nearest_name_wins_field_by_field():
+    found = from_names(["dark_exp_1s", "25C_exp_2s", "T+065C_gain4"])
+    assert found == Metadata(25.0, 1.0, 4.0)
+
+
+def test_regex_reads_named_groups():
+    pattern = r"(?P<channel>[a-z]+)_(?P<temperature_c>-?\d+)K_(?P<frame>\d+)"
+    assert from_regex(pattern, "x/dark_300K_07.tif") == Metadata(300.0, None, None, "dark", 7.0)
+    assert from_regex(pattern, "other.tif") == Metadata()
+    with pytest.raises(InputError, match=r"a\.tif: name_regex takes gain from 'a'"):
+        from_regex(r"(?P<gain>\w)\.tif", "a.tif")
