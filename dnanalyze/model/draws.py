@@ -128,9 +128,9 @@ def add_lognormal(
     from dnanalyze.model import kernels
 
     signal = _ready(signal)
-    seed, taps = map(np.uint64, keys)
-    numbers = (np.float32(x) for x in (mu, delta, phi, sigma))
-    kernels.add_lognormal(seed, taps, window.top, window.left, width, *numbers, signal)
+    seed, taps = (np.uint64(k) for k in keys)
+    a, b, c, d = (np.float32(x) for x in (mu, delta, phi, sigma))
+    kernels.add_lognormal(seed, taps, window.top, window.left, width, a, b, c, d, signal)
     return signal
 
 

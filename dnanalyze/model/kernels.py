@@ -6,6 +6,8 @@ the same key gives the same bits on every machine. Branch-free, to fill whole ve
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
@@ -38,7 +40,7 @@ _inlined = njit(inline="always", error_model="numpy")
 
 
 @intrinsic
-def _as_int(typing, x):
+def _bits_of_float(typing, x):
     """The bits of a float32 as int32."""
 
     def generate(context, builder, signature, args):
@@ -48,13 +50,17 @@ def _as_int(typing, x):
 
 
 @intrinsic
-def _as_float(typing, x):
+def _float_of_bits(typing, x):
     """The float32 of the bits of an int32."""
 
     def generate(context, builder, signature, args):
         return builder.bitcast(args[0], ir.FloatType())
 
     return types.float32(types.int32), generate
+
+
+_as_int: Any = _bits_of_float
+_as_float: Any = _float_of_bits
 
 
 @_inlined

@@ -64,7 +64,8 @@ class CosmicRays(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the tracks of this frame that cross the window."""
         y, x, charge = self._points(site)
-        out = np.zeros(signal.shape, np.float32)
+        rows, columns = site.window.shape
+        out = np.zeros((rows, columns), np.float32)
         top = np.floor(y).astype(int)
         left = np.floor(x).astype(int)
         fy, fx = y - top, x - left
@@ -76,7 +77,7 @@ class CosmicRays(Effect):
         ):
             r = top + dy - site.window.top
             c = left + dx - site.window.left
-            inside = (r >= 0) & (r < out.shape[0]) & (c >= 0) & (c < out.shape[1])
+            inside = (r >= 0) & (r < rows) & (c >= 0) & (c < columns)
             np.add.at(out, (r[inside], c[inside]), (charge * share)[inside])
         signal += out
         return signal
