@@ -1,0 +1,63 @@
+"""What inspect says, and what it says is missing."""
+
+import json
+
+import numpy as np
+import pytest
+from frame_files import noise
+
+from dnanalyze.loaders import inspect, load
+
+
+def folder(root, **files):
+    for name, array in files.items():
+        path = root / (name.replace("__", "/") + ".npy")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.save(path, array)
+    return load(root)
+
+
+def test_plain_data_for_json(tmp_path):
+    found = inspect(folder(tmp_path, T20C_exp_1s__a=noise(0), T20C_exp_1s__b=noise(1)))
+    assert json.loads(json.dumps(found)) == found
+    assert found["frames"] == 2
+    assert found["format"] == "NumPy"
+    assert found["dtype"] == "uint16"
+    assert found["shape"] == [16, 20]
+    assert found["tolerance_c"] == 1.5
+    (point,) = found["operating_points"]
+    assert point["temperature_span_c"] == [20.0, 20.0]
+    assert point["frames"] == 2
+
+
+def test_effective_bits_see_through_a_shift(tmp_path):
+    shifted = np.random.default_rng(0).integers(0, 4096, (64, 64)).astype(np.uint16) << 4
+    codes = inspect(folder(tmp_path, a=shifted))["codes"]
+    assert codes["step"] == 16
+    assert codes["effective_bits"] == 12
+
+
+def test_floats_have_no_codes(tmp_path):
+    codes = inspect(folder(tmp_path, a=noise().astype(np.float32) + 0.5))["codes"]
+    assert codes["step"] is None
+    assert codes["largest"] == noise().max() + 0.5
+
+
+@pytest.mark.parametrize(
+    ("names", "said", "unsaid"),
+    [
+        (["a"], ["single frame", "No temperature", "No exposure"], ["At most"]),
+        (["T20C_exp_1s__a", "T20C_exp_1s__b"], ["At most 2 frames", "One temperature", "One exp"],
+         ["single frame"]),
+        (["T20C_exp_1s__a", "T40C_exp_1s__b"], ["single frame", "One exposure"], ["One temp"]),
+        (["T20C_exp_1s__a", "T40C__b"], ["1 operating points have no exposure"], ["No exposure"]),
+        (["T20C_exp_0s__a"], ["Bias frames only"], ["One exposure"]),
+        (["T20C_exp_0s__a", "T40C_exp_1s__a", "T40C_exp_1s__b"], ["1 of 2 operating points have a single"],
+         ["One exposure", "One temperature"]),
+    ],
+)  # fmt: skip
+def test_missing(tmp_path, names, said, unsaid):
+    found = inspect(folder(tmp_path, **{n: noise(k) for k, n in enumerate(names)}))
+    text = " ".join(found["missing"])
+    assert all(s in text for s in said), text
+    assert not any(s in text for s in unsaid), text
