@@ -34,6 +34,15 @@ def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
     )
 
 
+def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
+    """A measured curve or map as float64; None where the setting lacks it."""
+    try:
+        values = np.asarray(clues.curve(name, setting), float)
+    except KeyError:
+        return None
+    return values if values.size else None
+
+
 def exposure_and_gain(clues: Clues) -> np.ndarray:
     """Exposure times gain over the reference's, one a setting; 1 where unknown."""
     ratios = []

@@ -93,11 +93,8 @@ class AmpGlow(Effect):
         if not (seen > hints.SIGN).any():
             return []
         setting = int(np.argmax((seen**2).sum(0)))
-        try:
-            blocks = np.asarray(clues.curve("block_means", setting), float)
-        except KeyError:
-            return []
-        if blocks.ndim != 2 or blocks.size < 9:
+        blocks = hints.curve(clues, "block_means", setting)
+        if blocks is None or min(blocks.shape) < 3:
             return []
         found = []
         for place in SOURCES:
@@ -110,11 +107,9 @@ class AmpGlow(Effect):
         for _, place, length in found[:3]:
             heights = np.full(len(clues.points), np.nan)
             for j in range(heights.size):
-                try:
-                    each = np.asarray(clues.curve("block_means", j), float)
-                except KeyError:
-                    continue
-                heights[j] = _fit(place, length, each, clues.shape)[1]
+                each = hints.curve(clues, "block_means", j)
+                if each is not None:
+                    heights[j] = _fit(place, length, each, clues.shape)[1]
             fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
             if fitted is not None:
                 height, ea = fitted

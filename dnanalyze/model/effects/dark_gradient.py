@@ -87,11 +87,8 @@ class DarkGradient(Effect):
         growth = hints.exposure_and_gain(clues)
         fits = np.full((len(growth), 4), np.nan)
         for j in range(len(growth)):
-            try:
-                blocks = np.asarray(clues.curve("block_means", j), float)
-            except KeyError:
-                continue
-            if blocks.ndim == 2 and min(blocks.shape) >= 3:
+            blocks = hints.curve(clues, "block_means", j)
+            if blocks is not None and min(blocks.shape) >= 3:
                 fits[j] = surface(blocks) / growth[j]
         size = np.sqrt((fits**2).sum(1))
         fitted = hints.thermal_fit(clues, size, 0.63)

@@ -63,13 +63,12 @@ class Quantization(Effect):
             return []
         top, step = 0, 0
         for setting in range(len(clues.points)):
-            try:
-                codes = np.asarray(clues.curve("histogram_codes", setting), float)
-                counts = np.asarray(clues.curve("histogram_counts", setting), float)
-            except KeyError:
+            codes = hints.curve(clues, "histogram_codes", setting)
+            counts = hints.curve(clues, "histogram_counts", setting)
+            if codes is None or counts is None:
                 continue
-            seen = codes[: counts.size][counts[: codes.size] > 0]
-            if seen.size == 0 or not np.all(seen == np.rint(seen)):
+            seen = codes[counts > 0]
+            if not np.all(seen == np.rint(seen)):
                 continue
             top = max(top, int(seen.max()))
             step = int(np.gcd.reduce(np.r_[step, seen.astype(np.int64)]))
