@@ -137,8 +137,11 @@ def _quantiles(acc: Accumulated, what: str, errors: QuantileErrors, out: FamilyR
 def _temporal(acc: Accumulated, out: FamilyResult) -> None:
     law, differences = acc.differences, acc.end_differences
     p = np.array([float(level) for level in TEMPORAL_LEVELS])
-    errors = QuantileErrors(acc.plan, differences, law, p, acc.difference_repeats)
-    se = np.maximum(errors.of(np.eye(p.size)), floor(acc))
+    errors = QuantileErrors(acc.plan, differences, law, p, acc.frames - 1)
+    shift = math.sqrt(acc.drift_variance) / (acc.frames - 1)  # of whole differences, averaged
+    wide = errors.values * acc.drift_error(acc.difference_sigma**2) / 2
+    se = np.sqrt(errors.of(np.eye(p.size)) ** 2 + wide**2 + shift**2)
+    se = np.maximum(se, floor(acc))
     for k, level in enumerate(TEMPORAL_LEVELS):
         name = f"temporal_q{level}"
         if min(p[k], 1 - p[k]) * law.total < FEWEST:

@@ -137,6 +137,12 @@ class Accumulated:
         """Variance of the frame means, DN^2; 0 for one frame."""
         return float(np.var(self.frame_means, ddof=1)) if self.frames > 1 else 0.0
 
+    def drift_error(self, variance: float) -> float:
+        """Relative error of a temporal variance because frame means scatter and are few."""
+        if self.frames < 2:
+            return 0.0
+        return min(self.drift_variance / variance, 1.0) * float(np.sqrt(2 / (self.frames - 1)))
+
     @cached_property
     def temporal_variance(self) -> np.ndarray | None:
         """Unbiased variance of each pixel over the frames, DN^2, float32; None for one frame."""

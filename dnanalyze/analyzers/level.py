@@ -10,7 +10,7 @@ from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import QuantileErrors, mean_error
 
-RESOLUTION = 0.01  # DN, below which quantiles of codes are not told apart
+RESOLUTION = 0.005  # DN, below which quantiles of codes are not told apart
 
 INFOS = (
     StatisticInfo(
@@ -96,15 +96,8 @@ def _log_core(width: float, error: float, acc: Accumulated, drift: bool) -> Valu
     width = max(width, floor(acc))
     relative = max(error, floor(acc)) / width
     if drift:
-        relative = math.hypot(relative, _drift_share(acc, width**2))
+        relative = math.hypot(relative, acc.drift_error(width**2) / 2)
     return Value(width, relative)
-
-
-def _drift_share(acc: Accumulated, variance: float) -> float:
-    """Relative error of a spread because frame means scatter and are few."""
-    if acc.frames < 2:
-        return 0.0
-    return 0.5 * min(acc.drift_variance / variance, 1.0) * math.sqrt(2 / (acc.frames - 1))
 
 
 def _temporal(acc: Accumulated, values: dict[str, Value]) -> None:
@@ -114,8 +107,7 @@ def _temporal(acc: Accumulated, values: dict[str, Value]) -> None:
     least = floor(acc) ** 2
     if mean > 0:
         relative = mean_error(acc.plan, variance) / mean
-        drift = _drift_share(acc, mean)
-        se = max(math.hypot(relative / 2, drift), least / mean)
+        se = max(math.hypot(relative, acc.drift_error(mean)) / 2, least / mean)
         values["temporal_noise"] = Value(math.sqrt(mean), se)
     values["s2_temporal"] = Value(mean, max(mean_error(acc.plan, variance), least))
     quartiles = np.array([0.25, 0.75])

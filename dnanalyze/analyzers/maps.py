@@ -76,7 +76,7 @@ class PixelMaps:
         c, limit = np.float32(self.plan.centre), np.float32(reach)
         a = np.clip(last - c, -limit, limit).astype(float)
         b = np.clip(seam.frame - c, -limit, limit).astype(float)
-        edge = np.float32(self._hot)
+        edge = np.float32(self.hot_limit)
         first[2], first[4], first[5] = np.vdot(a, b), np.sum((last > edge) & (seam.frame > edge)), 0
         self.scalars = np.concatenate([self.scalars, first[None], later.scalars[1:]])
         self.head = [*self.head, *later.head][:2]
@@ -122,7 +122,8 @@ class PixelMaps:
         return BLINK_CUT * 2.0 * self.plan.difference_sigma**2
 
     @property
-    def _hot(self) -> float:
+    def hot_limit(self) -> float:
+        """Level above which a pixel of a frame counts as hot, DN."""
         return self.plan.centre + HOT_SIGMAS * self.plan.sigma
 
     def _map(self, flat: np.ndarray) -> np.ndarray:
@@ -151,7 +152,7 @@ class PixelMaps:
         done = len(self.scalars)
         kernels.add_frames(
             tuple(flat + flat[:1] * (BATCH - len(flat))), len(flat), self._start + done, before,
-            self.origin, self.plan.centre, CLIP * self.plan.sigma, self._blink_limit, self._hot,
+            self.origin, self.plan.centre, CLIP * self.plan.sigma, self._blink_limit, self.hot_limit,
             *self._sums, scalars,
         )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, scalars])

@@ -16,9 +16,9 @@ TRIM = 0.0005  # share left out on either side
 def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | None:
     """Strength and spacing of equally spaced peaks.
 
-    The power of the empirical characteristic function at frequency 1/q, over its median between
-    1/(1.7 q) and 1.7/q: for a smooth law the ratio is near 1, and n |mean exp(2 pi i x/q)|^2 is
-    an exponential deviate where the law itself has no power left.
+    The power of the empirical characteristic function at frequency 1/q, over the higher of its
+    medians just below and just above that frequency: a smooth law's power falls, so that its ratio
+    is below 1, and where none is left, n |mean exp(2 pi i x/q)|^2 is an exponential deviate.
 
     Parameters
     ----------
@@ -51,20 +51,20 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     if last - first < 8:
         return None
     k = np.unique(np.geomspace(first, last, 256).astype(int))
-    floor = np.array([_around(power, i) for i in k])
+    floor = np.array([_around(power, int(i)) for i in k])
     ratio = power[k] / np.maximum(floor, 0.5)
     best = int(np.argmax(ratio))
-    independent = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
-    noise = 1.28 / (math.log(independent) + 0.577)
-    se = min(noise, 2 / math.sqrt(max(power[k[best]], 1.0))) if ratio[best] > 1 else noise
+    trials = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
+    extreme = 1.28 / (math.log(trials) + 0.577)  # Gumbel's law
+    se = min(extreme, 2 / math.sqrt(max(power[k[best]], 1.0)))
     strength = Value(float(max(ratio[best], 0.1)), max(se, 0.05))
     spacing = float(1 / frequency[k[best]])
     return strength, Value(spacing, spacing**2 / (high - low) / math.sqrt(max(ratio[best], 1.0)))
 
 
 def _around(power: np.ndarray, i: int) -> float:
+    """The higher of the medians on either side: above what a falling spectrum has here."""
     near, far = 1.2, 1.7
     below = power[max(1, int(i / far)) : max(2, int(i / near))]
     above = power[math.ceil(i * near) : math.ceil(i * far) + 1]
-    return float(np.median(np.concatenate([below, above])))
-
+    return max(float(np.median(below)), float(np.median(above)))

@@ -8,12 +8,19 @@ import numpy as np
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
-from dnanalyze.analyzers.uncertainty import clustered_variance, counts_below, share_residuals
+from dnanalyze.analyzers.uncertainty import (
+    clustered_variance,
+    counts_below,
+    mean_residuals,
+    repeated_variance,
+    share_residuals,
+)
 
 HOT = (5, 8, 16, 32, 64, 128)
 COLD = (5, 8)
 TRANSIENT = 8.0  # robust temporal sigmas
 DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
+PAIR_ERROR = math.sqrt(2.0)  # root scale: clumps are Poisson, and hold two pixels at least
 TAIL_SHARE = 0.001  # of the pixels, for the tail index
 
 INFOS = (
@@ -76,8 +83,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     centre, sigma = acc.pattern_centre, lower_sigma(acc)
     _counts(acc, centre, sigma, out)
     hot = acc.pattern > np.float32(centre + 8 * sigma)
-    paired = with_neighbour(hot)
-    out.values["hot_pairs"] = _count(int(np.sum(paired)), paired, acc, single=2.0)
+    out.values["hot_pairs"] = Value(float(in_clumps(hot).sum()), PAIR_ERROR)
     _densities(acc, out)
     _exceedance(acc, centre, sigma, out)
     _tail_index(acc, out)
@@ -98,27 +104,20 @@ def lower_sigma(acc: Accumulated) -> float:
     return max(float(middle - low) / 0.6745, 1e-3 * acc.pattern_sigma)
 
 
-def with_neighbour(mask: np.ndarray) -> np.ndarray:
-    """Positions (2, n) of the set pixels that have a set 8-neighbour, as a mask over the set ones."""
-    return _has_neighbour(mask, np.ones(int(mask.sum()), bool))[1]
-
-
-def _has_neighbour(mask: np.ndarray, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions of the set pixels, and whether a neighbour is set and of the same kind."""
+def in_clumps(mask: np.ndarray, kind: np.ndarray | None = None) -> np.ndarray:
+    """For each set pixel of ``mask``, in order: has it a set 8-neighbour (with the same ``kind``)?"""
     rows, columns = np.nonzero(mask)
+    kinds = np.zeros(rows.size) if kind is None else kind[rows, columns]
     width = mask.shape[1] + 2
     keys = (rows + 1) * width + columns + 1
+    if not keys.size:
+        return np.zeros(0, bool)
     found = np.zeros(keys.size, bool)
     for shift in (-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1):
         at = np.searchsorted(keys, keys + shift)
-        at = np.minimum(at, max(keys.size - 1, 0))
-        found |= (keys[at] == keys + shift) & (kind[at] == kind) if keys.size else found
-    return np.stack([rows, columns]), found
-
-
-def _count(count: int, positions: np.ndarray | None, acc: Accumulated, single: float = 1.0) -> Value:
-    """A count with its error on the root scale; ``single`` is the variance of a Poisson clump."""
-    return Value(float(count), math.sqrt(single))
+        at = np.minimum(at, keys.size - 1)
+        found |= (keys[at] == keys + shift) & (kinds[at] == kinds)
+    return found
 
 
 def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
@@ -190,8 +189,14 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
         return
     pixels = before / (acc.frames - 1)
     share = both / before
-    shrunk = (share * pixels + 1) / (pixels + 2)
-    out.values["hot_repeat"] = Value(share, math.sqrt(shrunk * (1 - shrunk) / (pixels + 2)))
+    pairs = [acc.maps.head] if acc.frames == 2 else [acc.maps.head, acc.maps.tail]
+    sides = []
+    for first, second in pairs:
+        hot = first > np.float32(acc.maps.hot_limit)
+        lasting = hot & (second > np.float32(acc.maps.hot_limit))
+        sides.append(mean_residuals(acc.plan, lasting - np.float32(share) * hot))
+    se = math.sqrt(float(repeated_variance(sides, acc.frames - 1))) * acc.plan.pixels / pixels
+    out.values["hot_repeat"] = Value(share, max(se, 1 / (pixels + 2)))
 
 
 def _transients(acc: Accumulated, out: FamilyResult) -> None:
@@ -199,13 +204,21 @@ def _transients(acc: Accumulated, out: FamilyResult) -> None:
     high, high_at, low = acc.maps.extremes()
     limit = np.float32(TRANSIENT * sigma * math.sqrt(k * (k - 1)) / k)
     # y - mean of the others = (y - mean of all) K / (K - 1)
-    rise = (high - acc.pattern) > limit
-    fall = (acc.pattern - low) > limit
-    out.values["transient_high"] = _count(int(rise.sum()), None, acc)
-    out.values["transient_low"] = _count(int(fall.sum()), None, acc)
-    rows, columns = np.nonzero(rise)
-    _, adjacent = _has_neighbour(rise, high_at[rows, columns])
-    out.values["transient_adjacent"] = _count(int(adjacent.sum()), None, acc, single=2.0)
+    high -= acc.pattern
+    np.subtract(acc.pattern, low, out=low)
+    out.values["transient_high"] = _transient_count(acc, high, limit)
+    out.values["transient_low"] = _transient_count(acc, low, limit)
+    rise = high > limit
+    out.values["transient_adjacent"] = Value(float(in_clumps(rise, high_at).sum()), PAIR_ERROR)
+
+
+def _transient_count(acc: Accumulated, rise: np.ndarray, limit: np.float32) -> Value:
+    """Pixels above the limit; its error is that of drifting frames, which move all pixels."""
+    count, inside = float(np.sum(rise > limit)), float(np.sum(rise > 0.9 * limit))
+    slope = (inside - count) / 0.1  # per relative change of the limit
+    relative = acc.drift_error(acc.difference_sigma**2) / 2
+    relative = math.hypot(relative, math.sqrt(acc.drift_variance / acc.frames) / float(limit))
+    return Value(count, math.sqrt(1 + (slope * relative) ** 2 / (count + 0.375)))
 
 
 def _dead(acc: Accumulated, out: FamilyResult) -> None:
@@ -216,4 +229,4 @@ def _dead(acc: Accumulated, out: FamilyResult) -> None:
     elif acc.difference_sigma <= DEAD_NOISE:
         out.missing["dead_count"] = f"the temporal noise is below {DEAD_NOISE:g} DN"
     else:
-        out.values["dead_count"] = _count(int(np.sum(noise == 0)), None, acc)
+        out.values["dead_count"] = Value(float(np.sum(noise == 0)), 1.0)

@@ -145,6 +145,7 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
     p = np.array([float(level) for level in VARIANCE_LEVELS])
     errors = QuantileErrors(acc.plan, (variance,), Ordered(variance), p)
     relative = errors.over_mean(variance)
+    drift = acc.drift_error(mean)
     for k, name in enumerate(names):
         value = float(errors.values[k]) / mean
         if (1 - p[k]) * acc.plan.pixels < FEWEST:
@@ -152,7 +153,7 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
         elif value <= 0:
             out.missing[name] = "most pixels do not change between the frames"
         else:
-            out.values[name] = Value(value, max(float(relative[k]), 1e-3))
+            out.values[name] = Value(value, max(math.hypot(relative[k], drift * (1 - value) / value), 1e-3))
     _noise_at(acc, variance, out)
 
 
@@ -172,6 +173,7 @@ def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None
             mean = sums[group] / pixels[group]
             residual = (block_sums[..., group] - mean * counts[..., group]) / sums[group]
             se = math.sqrt(float(clustered_variance(residual)))
+            se = math.hypot(se, acc.drift_error(float(mean)))
             out.values[full] = Value(float(mean), max(se, 1e-3))
 
 
@@ -187,7 +189,9 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
         r1 = acc.maps.lag_one() / (variance * np.float32(k - 1))
     r1[~noisy] = -1.0 / k
     errors = QuantileErrors(acc.plan, (r1,), Ordered(r1), np.array([0.5]))
-    se = float(errors.of(np.array([1.0])))
+    mean = float(variance.mean(dtype=np.float64))
+    drift = acc.drift_error(mean) / math.sqrt(2)  # whole frames move alike: one series, not many
+    se = math.hypot(float(errors.of(np.array([1.0]))), drift)
     out.values["temporal_r1"] = Value(float(errors.values[0]) + 1 / k, max(se, 1e-4))
 
 

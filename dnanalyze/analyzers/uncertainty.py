@@ -61,27 +61,25 @@ def share_residuals(plan: Plan, below: np.ndarray) -> np.ndarray:
     return (below - block_pixels(plan)[..., None] * share) / plan.pixels
 
 
-def clustered_variance(residuals: np.ndarray, others: np.ndarray | None = None) -> np.ndarray:
-    """Variance of the sum over blocks, or the covariance of two such sums.
-
-    Parameters
-    ----------
-    residuals, others : ndarray
-        (row bands, column bands, ...), of zero sum over the blocks.
-    """
-    a, b = residuals, residuals if others is None else others
+def _scatter(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance of two sums over blocks: that of single blocks, and what lines add to it."""
     rows, columns = a.shape[:2]
 
-    def scatter(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def covariance(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         n = x.shape[0]
-        return (x * y).sum(axis=0) * n / max(n - 1, 1)
+        return np.asarray((x * y).sum(axis=0) * n / max(n - 1, 1))
 
     flat = (rows * columns, *a.shape[2:])
-    each = scatter(a.reshape(flat), b.reshape(flat))
+    each = covariance(a.reshape(flat), b.reshape(flat))
     if rows < 2 or columns < 2:
-        return each
-    both = scatter(a.sum(axis=1), b.sum(axis=1)) + scatter(a.sum(axis=0), b.sum(axis=0)) - each
-    return np.maximum(both, each) if others is None else both
+        return each, np.zeros_like(each)
+    bands = covariance(a.sum(axis=1), b.sum(axis=1)) + covariance(a.sum(axis=0), b.sum(axis=0))
+    return each, bands - 2 * each
+
+
+def clustered_variance(residuals: np.ndarray) -> np.ndarray:
+    """Variance of the sum of ``residuals``, (row bands, column bands, ...), over the blocks."""
+    return repeated_variance([residuals], 1.0)
 
 
 def repeated_variance(sides: list[np.ndarray], repeats: float) -> np.ndarray:
@@ -90,17 +88,19 @@ def repeated_variance(sides: list[np.ndarray], repeats: float) -> np.ndarray:
     Parameters
     ----------
     sides : list of ndarray
-        Block residuals of one frame, or of two frames that share the pixels but not the temporal
-        noise; their covariance is the part that further frames do not reduce.
+        Block residuals, (row bands, column bands, ...), of zero sum over the blocks: of one frame,
+        or of two frames that share the pixels but not the temporal noise. Their covariance is the
+        part that further frames do not reduce.
     repeats : float
         Independent frames behind the estimate.
     """
-    single = np.mean([clustered_variance(side) for side in sides], axis=0)
-    if repeats <= 1 or len(sides) < 2:
-        return single
-    together = clustered_variance((sides[0] + sides[1]) / 2)
-    common = np.clip(2 * together / np.maximum(single, 1e-300) - 1, 0.0, 1.0)
-    return single * (common + (1 - common) / repeats)
+    singles = [_scatter(side, side) for side in sides]
+    parts = [np.maximum(np.mean(part, axis=0), 0.0) for part in zip(*singles, strict=True)]
+    if repeats > 1 and len(sides) > 1:
+        shared = _scatter(sides[0], sides[1])
+        common = [np.clip(c, 0.0, part) for c, part in zip(shared, parts, strict=True)]
+        parts = [c + (part - c) / repeats for c, part in zip(common, parts, strict=True)]
+    return parts[0] + parts[1]
 
 
 def mean_error(plan: Plan, *influences: np.ndarray, repeats: float = 1.0) -> float:
