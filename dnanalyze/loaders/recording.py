@@ -148,7 +148,8 @@ class FrameReader:
 
 def one_line(error: BaseException) -> str:
     """An exception's text on one line, shortened."""
-    text = " ".join(str(error).split()) or type(error).__name__
+    parts = [a.decode("utf-8", "replace") if isinstance(a, bytes) else str(a) for a in error.args]
+    text = " ".join(" ".join(parts).split()) or type(error).__name__
     return text if len(text) <= 160 else text[:157] + "..."
 
 

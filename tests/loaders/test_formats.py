@@ -74,6 +74,16 @@ def test_tiff_float_and_signed(tmp_path):
     check(tmp_path, [noise().astype(np.int16) - 100])
 
 
+def test_tiff_lzw(tmp_path):
+    from PIL import Image
+
+    pages = [Image.fromarray(a) for a in STACK]
+    pages[0].save(
+        tmp_path / "a.tif", compression="tiff_lzw", save_all=True, append_images=pages[1:]
+    )
+    check(tmp_path, STACK)
+
+
 @pytest.mark.parametrize("dtype", ["uint8", "int16", "uint16", "int32", "uint32", "float32"])
 def test_fits(tmp_path, dtype):
     fits.PrimaryHDU(STACK.astype(dtype)).writeto(tmp_path / "cube.fits")

@@ -50,7 +50,7 @@ def test_floats_have_no_codes(tmp_path):
         (["T20C_exp_1s__a", "T20C_exp_1s__b"], ["At most 2 frames", "One temperature", "One exp"],
          ["single frame"]),
         (["T20C_exp_1s__a", "T40C_exp_1s__b"], ["single frame", "One exposure"], ["One temp"]),
-        (["T20C_exp_1s__a", "T40C__b"], ["1 operating points have no exposure"], ["No exposure"]),
+        (["T20C_exp_1s__a", "T40C__b"], ["1 of 2 operating points have no exposure"], ["No exposure"]),
         (["T20C_exp_0s__a"], ["Bias frames only"], ["One exposure"]),
         (["T20C_exp_0s__a", "T40C_exp_1s__a", "T40C_exp_1s__b"], ["1 of 2 operating points have a single"],
          ["One exposure", "One temperature"]),

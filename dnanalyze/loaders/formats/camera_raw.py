@@ -13,10 +13,10 @@ import tifffile
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import MIN_SIDE, check_memory, check_shape
+from dnanalyze.loaders.checks import MIN_SIDE, check_length, check_memory, check_shape
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.headers import from_header
-from dnanalyze.loaders.recording import Metadata, Recording, shifted_cfa
+from dnanalyze.loaders.recording import Metadata, Recording, one_line, shifted_cfa
 
 # The rim of a masked area sees stray light and the start of the readout.
 _GUARD_ROWS, _GUARD_COLUMNS = 16, 4
@@ -28,12 +28,12 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     LibRaw knows the levels only after it has decoded the pixels, so that is done for the first
     file of a camera; the others take them from it.
     """
+    metadata = _exif(path, name)
     with open_raw(path) as raw:
         sizes = raw.sizes
         shape = sizes.raw_height, sizes.raw_width
         check_shape(name, shape)
         check_memory(name, 6 * shape[0] * shape[1])
-        metadata = _exif(path)
         same = previous is not None and (previous.format, previous.shape) == (_kind(path), shape)
         if metadata is None or not same:
             _unpack(raw, name)
@@ -96,7 +96,7 @@ def open_raw(path: Path) -> Any:
         return rawpy.imread(str(path))
     except rawpy.LibRawError as error:
         raise InputError(
-            f"{path.name}: LibRaw cannot open it ({_text(error)}); it is damaged, truncated or of "
+            f"{path.name}: LibRaw cannot open it ({one_line(error)}); it is damaged, truncated or of "
             "an unknown camera: copy it again, or convert it to DNG"
         ) from error
 
@@ -106,7 +106,7 @@ def _unpack(raw: Any, name: str) -> None:
         raw.unpack()
     except rawpy.LibRawError as error:
         raise InputError(
-            f"{name}: LibRaw cannot decode it ({_text(error)}); copy the file again or leave it out"
+            f"{name}: LibRaw cannot decode it ({one_line(error)}); copy the file again or leave it out"
         ) from error
 
 
@@ -141,19 +141,31 @@ def _colour_filter(raw: Any, active: Window) -> Any:
     return shifted_cfa(visible, -active.top, -active.left)
 
 
-def _exif(path: Path) -> Metadata | None:
-    """Exposure and ISO of files built like a TIFF (DNG, CR2, NEF, ARW); None for others."""
+def _exif(path: Path, name: str) -> Metadata | None:
+    """Exposure and ISO of files built like a TIFF (DNG, CR2, NEF, ARW); None for others.
+
+    Raises
+    ------
+    InputError
+        The file ends before the pixels that it declares.
+    """
     names = ("ExposureTime", "ISOSpeedRatings")
     found: dict[str, Any] = {}
+    needed = 0
     try:
         with tifffile.TiffFile(path) as tif:
-            page: Any = tif.pages[0]
-            for tag in page.tags.values():
+            first: Any = tif.pages[0]
+            for tag in first.tags.values():
                 values = tag.value if tag.name == "ExifTag" else {tag.name: tag.value}
                 if isinstance(values, dict):
                     found.update({k: v for k, v in values.items() if k in names})
+            pages: list[Any] = [*tif.pages, *(first.pages or ())]
+            for page in pages:
+                runs = zip(page.dataoffsets, page.databytecounts, strict=False)
+                needed = max([needed, *(start + length for start, length in runs)])
     except Exception:  # no TIFF, or one that tifffile does not know: LibRaw reads it
         return None
+    check_length(name, needed, path.stat().st_size)
     return from_header(found) if found else None
 
 
@@ -164,8 +176,3 @@ def _shot(raw: Any) -> Metadata:
         return Metadata()
     exposure, iso = float(other.shutter_speed), float(other.iso_speed)
     return Metadata(exposure_s=exposure or None, gain=iso or None)
-
-
-def _text(error: Exception) -> str:
-    parts = [p.decode("utf-8", "replace") if isinstance(p, bytes) else str(p) for p in error.args]
-    return " ".join(parts) or type(error).__name__

@@ -63,9 +63,24 @@ class TiffPages:
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of page ``index``."""
+        number = self.pages[index]
         with tifffile.TiffFile(self.path) as tif:
-            page = tif.pages[self.pages[index]]
-            return page.asarray().reshape(page.shape[-2:])[window.slices]
+            page = tif.pages[number]
+            try:
+                return page.asarray()[window.slices]
+            except ValueError as error:  # tifffile leaves LZW and others to imagecodecs
+                if "imagecodecs" not in str(error):
+                    raise
+        return _by_pillow(self.path, number)[window.slices]
+
+
+def _by_pillow(path: Path, page: int) -> np.ndarray:
+    """One page decoded by libtiff, through Pillow."""
+    from PIL.TiffImagePlugin import TiffImageFile  # the plugin: our own bound stands for PIL's
+
+    with TiffImageFile(path) as image:
+        image.seek(page)
+        return np.asarray(image)
 
 
 def _pages(tif: tifffile.TiffFile) -> list[Any]:
