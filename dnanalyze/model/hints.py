@@ -1,30 +1,11 @@
-"""What effects share when they guess their strength from what the model leaves unexplained."""
+"""How an unexplained amplitude goes with temperature, exposure and gain, for first guesses."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
-
-SIGN = 2.5  # a statistic this many floors off is a sign worth trying
-
-
-def above(clues: Clues, names: Sequence[str], least: float = SIGN) -> bool:
-    """Whether the measurement exceeds the model by ``least`` floors anywhere."""
-    return any(bool(np.any(np.nan_to_num(clues.z(name)) > least)) for name in names)
-
-
-def below(clues: Clues, names: Sequence[str], least: float = SIGN) -> bool:
-    """Whether the model exceeds the measurement by ``least`` floors anywhere."""
-    return any(bool(np.any(np.nan_to_num(clues.z(name)) < -least)) for name in names)
-
-
-def unexplained(clues: Clues, name: str) -> np.ndarray:
-    """Measured minus simulated, one a setting."""
-    return np.asarray(clues.measured(name), float) - np.asarray(clues.simulated(name), float)
 
 
 def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
@@ -34,17 +15,8 @@ def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
     )
 
 
-def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
-    """A measured curve or map as float64; None where the setting lacks it."""
-    try:
-        values = np.asarray(clues.curve(name, setting), float)
-    except KeyError:
-        return None
-    return values if values.size else None
-
-
 def exposure_and_gain(clues: Clues) -> np.ndarray:
-    """Exposure times gain over the reference's, one a setting; 1 where unknown."""
+    """Exposure times gain over the reference's, one a setting; 1 where unknown, NaN where 0."""
     ratios = []
     for point in clues.points:
         ratio = 1.0
@@ -54,7 +26,7 @@ def exposure_and_gain(clues: Clues) -> np.ndarray:
         ):
             if here is not None and there:
                 ratio *= here / there
-        ratios.append(ratio)
+        ratios.append(ratio or np.nan)
     return np.array(ratios)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import SIGN, curve
 
 # (row, column) of the source in units of the frame; None: all along that direction
 SOURCES: dict[str, tuple[float | None, float | None]] = {
@@ -90,10 +91,10 @@ class AmpGlow(Effect):
         """The three places and lengths that follow the most shaded block means best."""
         names = [f"shading_{i}_{j}" for i in range(4) for j in range(4) if i or j]
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-        if not (seen > hints.SIGN).any():
+        if not (seen > SIGN).any():
             return []
         setting = int(np.argmax((seen**2).sum(0)))
-        blocks = hints.curve(clues, "block_means", setting)
+        blocks = curve(clues, "block_means", setting)
         if blocks is None or min(blocks.shape) < 3:
             return []
         found = []
@@ -107,7 +108,7 @@ class AmpGlow(Effect):
         for _, place, length in found[:3]:
             heights = np.full(len(clues.points), np.nan)
             for j in range(heights.size):
-                each = hints.curve(clues, "block_means", j)
+                each = curve(clues, "block_means", j)
                 if each is not None:
                     heights[j] = _fit(place, length, each, clues.shape)[1]
             fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)

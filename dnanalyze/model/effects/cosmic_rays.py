@@ -12,6 +12,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import excess, shows
 
 SPACING = 0.25  # of the points along a track, pixels
 
@@ -108,10 +109,10 @@ class CosmicRays(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Rate from the pixels that stand out once; how many of them touch tells the length."""
-        if not hints.above(clues, ("transient_high", "transient_adjacent")):
+        if not shows(clues, ("transient_high", "transient_adjacent")):
             return []
-        hits = np.maximum(hints.unexplained(clues, "transient_high"), 0)
-        touching = np.maximum(hints.unexplained(clues, "transient_adjacent"), 0)
+        hits = np.maximum(excess(clues, "transient_high"), 0)
+        touching = np.maximum(excess(clues, "transient_adjacent"), 0)
         good = np.isfinite(hits) & (hits > 0)
         if not good.any():
             return []

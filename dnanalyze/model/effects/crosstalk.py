@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import excess, shows
 
 
 @dataclass(frozen=True)
@@ -71,14 +72,14 @@ class Crosstalk(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Half the unexplained correlation of neighbours in the setting where it is largest."""
-        if not hints.above(clues, cls.fingerprint):
+        if not shows(clues, cls.fingerprint):
             return []
         shares = []
         for family in ("temporal", "pattern"):
-            edge = [hints.unexplained(clues, f"{family}_corr_{lag}") for lag in ("10", "01")]
+            edge = [excess(clues, f"{family}_corr_{lag}") for lag in ("10", "01")]
             mean = np.mean(edge, axis=0)
             shares += [float(v) / 2 for v in mean[np.isfinite(mean)]]
-        halo = np.asarray(hints.unexplained(clues, "hot_halo"), float)
+        halo = np.asarray(excess(clues, "hot_halo"), float)
         shares += [float(v) for v in halo[np.isfinite(halo)]]
         alpha = max(shares, default=0.0)
         if alpha <= 0:

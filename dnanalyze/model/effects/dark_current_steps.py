@@ -12,6 +12,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import SIGN, shows
 
 
 @dataclass(frozen=True)
@@ -79,11 +80,11 @@ class DarkCurrentSteps(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """The spacing of the peaks, setting by setting; few or many atoms a pixel."""
-        if not hints.above(clues, ("pattern_steps",)):
+        if not shows(clues, ("pattern_steps",)):
             return []
         z = np.nan_to_num(clues.z("pattern_steps"))
         spacing = np.asarray(clues.measured("pattern_step_dn"), float)
-        spacing = np.where(z > hints.SIGN, spacing, np.nan)
+        spacing = np.where(z > SIGN, spacing, np.nan)
         fitted = hints.thermal_fit(clues, spacing / hints.exposure_and_gain(clues), 0.35)
         if fitted is None:
             return []

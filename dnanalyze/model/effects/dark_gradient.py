@@ -11,6 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import SIGN, curve
 
 TERMS = ("x", "y", "xx", "yy")
 
@@ -82,12 +83,12 @@ class DarkGradient(Effect):
         """Least squares on the block means; their growth gives the activation energy."""
         names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-        if not (seen > hints.SIGN).any():
+        if not (seen > SIGN).any():
             return []
         growth = hints.exposure_and_gain(clues)
         fits = np.full((len(growth), 4), np.nan)
         for j in range(len(growth)):
-            blocks = hints.curve(clues, "block_means", j)
+            blocks = curve(clues, "block_means", j)
             if blocks is not None and min(blocks.shape) >= 3:
                 fits[j] = surface(blocks) / growth[j]
         size = np.sqrt((fits**2).sum(1))

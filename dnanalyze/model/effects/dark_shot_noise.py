@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ class DarkShotNoise(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Slope of temporal variance over mean, between settings and between pixels of a frame."""
-        if not (hints.above(clues, cls.fingerprint) or hints.below(clues, cls.fingerprint)):
+        if not (shows(clues, cls.fingerprint) or shows(clues, cls.fingerprint, -1)):
             return []
         slopes = [s for s in (_slope_of_settings(clues), _slope_of_pixels(clues)) if s and s > 0]
         if len(slopes) == 2 and 0.5 < slopes[0] / slopes[1] < 2:

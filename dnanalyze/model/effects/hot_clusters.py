@@ -12,6 +12,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.effects.hot_pixels import tail_of_counts
+from dnanalyze.model.evidence import shows
 
 REACH = 8
 MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
@@ -114,7 +115,7 @@ class HotClusters(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """The tail of the unexplained hot pixels, split into small and large clusters."""
-        if not hints.above(clues, ("hot_pairs", "hot_halo_2")):
+        if not shows(clues, ("hot_pairs", "hot_halo_2")):
             return []
         found = tail_of_counts(clues)
         if found is None:

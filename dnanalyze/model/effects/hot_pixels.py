@@ -11,6 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import excess, shows
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)
 
@@ -88,7 +89,7 @@ class HotPixels(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Unexplained counts over the threshold: a straight line on a semilog plot."""
-        if not hints.above(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
+        if not shows(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
             return []
         found = tail_of_counts(clues)
         if found is None:
@@ -108,7 +109,7 @@ def tail_of_counts(clues: Clues) -> tuple[float, np.ndarray] | None:
     """
     sigma = np.asarray(clues.measured("pattern_noise_core"), float)
     sigma = np.where(np.isfinite(sigma), sigma, clues.measured("frame_noise_core"))
-    extra = np.array([hints.unexplained(clues, f"hot_count_{k}") for k in THRESHOLDS])
+    extra = np.array([excess(clues, f"hot_count_{k}") for k in THRESHOLDS])
     pixels = float(np.prod(clues.shape))
     amplitude = np.full(sigma.size, np.nan)
     fractions = []

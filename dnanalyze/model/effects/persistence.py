@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import excess, shows
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,9 @@ class Persistence(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """From the correlation of neighbouring frames, for a fast and for a slow release."""
-        if not hints.above(clues, ("temporal_r1",)):
+        if not shows(clues, ("temporal_r1",)):
             return []
-        r1 = hints.unexplained(clues, "temporal_r1")
+        r1 = excess(clues, "temporal_r1")
         r1 = r1[np.isfinite(r1)]
         share = float(r1.max()) if r1.size else 0.0
         if share <= 0:

@@ -11,6 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class PixelFpn(Effect):
         """From the unexplained pattern variance of the settings with the least pattern."""
         low = ("pattern_q0.01", "pattern_q0.1")
         high = tuple(n for n in cls.fingerprint if n not in low)
-        if not (hints.above(clues, high) or hints.below(clues, low)):
+        if not (shows(clues, high) or shows(clues, low, -1)):
             return []
         gain = hints.gains(clues)
         name = "pattern_noise_core"

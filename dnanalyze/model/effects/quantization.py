@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice
+from dnanalyze.model.evidence import curve, shows
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,12 @@ class Quantization(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Integer frames where the model's are not; range and step from the codes that occur."""
-        if not hints.above(clues, ("lattice",)):
+        if not shows(clues, ("lattice",)):
             return []
         top, step = 0, 0
         for setting in range(len(clues.points)):
-            codes = hints.curve(clues, "histogram_codes", setting)
-            counts = hints.curve(clues, "histogram_counts", setting)
+            codes = curve(clues, "histogram_codes", setting)
+            counts = curve(clues, "histogram_counts", setting)
             if codes is None or counts is None:
                 continue
             seen = codes[counts > 0]

@@ -11,6 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ class ReadNoise(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """From the unexplained temporal variance of the least noisy settings."""
-        if not hints.above(clues, cls.fingerprint):
+        if not shows(clues, cls.fingerprint):
             return []
         gain = hints.gains(clues)
         lost = hints.unexplained_variance(clues, "temporal_noise_core") / gain**2

@@ -11,6 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,7 @@ class Rts(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Step from the noisiest pixels' unexplained variance, fraction from the frame's."""
-        if not hints.above(clues, cls.fingerprint[:6]):
+        if not shows(clues, cls.fingerprint[:6]):
             return []
         total = np.asarray(clues.measured("temporal_noise"), float) ** 2
         core = np.asarray(clues.measured("temporal_noise_core"), float) ** 2
