@@ -40,7 +40,7 @@ for panel, commands in {
         app.command(rich_help_panel=panel, no_args_is_help=False)(command)
 
 # The base of every usage error; Typer carries its own copy of Click, so it is found through Typer.
-_UsageError = typer.BadParameter.__bases__[0]
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 INTERRUPTED, TERMINATED = 130, 143
 
 
@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return _fail(str(error))
     except _UsageError as error:
-        return _fail(error.format_message())  # type: ignore[attr-defined]
+        return _fail(str(getattr(error, "format_message", error.__str__)()))
     except typer.Exit as leave:
         return leave.exit_code
     except MemoryError:

@@ -167,13 +167,14 @@ def comparison(console: Console, captures: Any, result: Any) -> None:
     _points(console, "Where it fails, worst first", result.failures[:MOST_FAILURES])
     _families(console, result.families)
     rows = worst(result.statistics, most=MOST_ROWS)
+    parts = words.varied(result.statistics)
     _table(
         console,
         ("statistic", "where", "measured", "model", "gap", "floors"),
         (
             (
                 r["name"],
-                point_label(r),
+                point_label(r, parts),
                 number(r["measured"]),
                 number(r["simulated"]),
                 words.gap(r["measured"], r["simulated"], r.get("unit", "")),

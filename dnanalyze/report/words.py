@@ -58,15 +58,32 @@ def with_error(value: Any, error: Any, unit: str = "") -> str:
     return f"{value:.{decimals}f} ± {error:.{decimals}f}{tail}"
 
 
-def point_label(row: Any) -> str:
-    """Operating point of a row of a table (mapping or object): ``65 C, 0.05 s``."""
-    get = row.get if isinstance(row, Mapping) else lambda k: getattr(row, k, None)
+POINT_FORMS = {"temperature_c": "{:.4g} °C", "exposure_s": "{:.4g} s", "gain": "gain {:.4g}"}
+
+
+def varied(rows: Iterable[Mapping[str, Any]]) -> set[str]:
+    """The parts of the operating point, and "plane", in which rows differ."""
+    seen: dict[str, set[Any]] = {}
+    for row in rows:
+        for key in (*POINT_FORMS, "channel", "plane"):
+            seen.setdefault(key, set()).add(row.get(key))
+    return {key for key, values in seen.items() if len(values) > 1}
+
+
+def point_label(row: Any, only: Iterable[str] | None = None) -> str:
+    """Operating point of a row of a table (mapping or object): ``65 °C, 0.05 s``.
+
+    ``only`` names the parts to say, such as those in which the rows of the table differ.
+    """
+    only = only or None
+
+    def get(key: str) -> Any:
+        if only is not None and key not in only:
+            return None
+        return row.get(key) if isinstance(row, Mapping) else getattr(row, key, None)
+
     parts = [str(get("channel"))] if get("channel") is not None else []
-    for key, form in (
-        ("temperature_c", "{:.4g} °C"),
-        ("exposure_s", "{:.4g} s"),
-        ("gain", "gain {:.4g}"),
-    ):
+    for key, form in POINT_FORMS.items():
         if is_number(get(key)):
             parts.append(form.format(get(key)))
     if get("plane"):

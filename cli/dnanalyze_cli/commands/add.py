@@ -40,7 +40,8 @@ def add(
     quiet: Quiet = False,
 ) -> None:
     """The model with that effect added and everything refitted; the error before and after."""
-    from dnanalyze.diagnosis import add as run
+    from dnanalyze.diagnosis.refine import add as run
+    from dnanalyze.fitting.fit import fit
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents
@@ -56,6 +57,7 @@ def add(
     own = session.model(model, seed)
     found = session.load(config, tolerance_c)
     with session.progress(f"Adding {effect}"):
+        own = own or fit(found, replicates=0).model
         result = run(found, effect, own, known=known)
     show.refinement(session.console, found, result, output)
 

@@ -16,7 +16,7 @@ def analyze(
     quiet: Quiet = False,
 ) -> None:
     """Every statistic at every operating point, with its uncertainty."""
-    from dnanalyze.analyzers import analyze as run
+    from dnanalyze.analyzers.analyze import analyze as run
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 

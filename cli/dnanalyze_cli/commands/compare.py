@@ -30,7 +30,7 @@ def compare(
     quiet: Quiet = False,
 ) -> None:
     """The model against the measurement; without --model the paper's model is fitted first."""
-    from dnanalyze.comparator import compare as run
+    from dnanalyze.comparator.compare import compare as run
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 

@@ -30,7 +30,7 @@ def diagnose(
     quiet: Quiet = False,
 ) -> None:
     """Which effect is missing, ranked, with the evidence for and against."""
-    from dnanalyze.diagnosis import diagnose as run
+    from dnanalyze.diagnosis.diagnose import diagnose as run
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
     from dnanalyze.report import documents, tables

@@ -30,7 +30,7 @@ def fit(
     quiet: Quiet = False,
 ) -> None:
     """The model's parameters with uncertainties, as a model file (-o)."""
-    from dnanalyze.fitting import fit as run
+    from dnanalyze.fitting.fit import fit as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show

@@ -63,7 +63,7 @@ def refine(
     quiet: Quiet = False,
 ) -> None:
     """Diagnose and add until nothing more is missing; the error at each step."""
-    from dnanalyze.diagnosis import refine as run
+    from dnanalyze.diagnosis.refine import refine as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables, words

@@ -95,9 +95,8 @@ def simulate(
     pattern = session.load(config, tolerance_c) if like else None
     size = _shape(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
     points = _points(own, pattern, temperatures, exposure, gain, frames)
-    made = run(
-        own, size, points, name=str(model), sensor=pattern and replace(pattern.sensor, shape=size)
-    )
+    sensor = replace(pattern.sensor, shape=size) if pattern else None
+    made = run(own, size, points, name=str(model), sensor=sensor)
     kind, bits, packing = _format(format)
     with atomic_folder(out) as folder, session.progress("Simulating") as progress:
         write(made, folder, kind, bits=bits, packing=packing, progress=progress.now)
@@ -131,7 +130,7 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
         ) from None
 
 
-def _points(own, pattern, temperatures, exposure, gain, frames):  # type: ignore[no-untyped-def]
+def _points(own, pattern, temperatures, exposure, gain, frames):
     """Operating points with their number of frames: the pattern's, or a grid of what is named."""
     from itertools import product
 

@@ -13,6 +13,7 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     name_layers,
     picture,
     plane_note,
@@ -32,13 +33,13 @@ def roughness(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
 
     def draw() -> Any:
         fig, axes = figure(1, len(settings), 2.1, sharey=True)
-        for ax, setting in zip(axes[0], settings, strict=True):
+        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
             ax.axhline(1, color="#8a929b", linewidth=0.7)
             for layer in layers:
                 found = _ratio(layer.like(setting))
                 if found is not None:
                     ax.step(*found, where="mid", color=layer.colour, linewidth=layer.width)
-            ax.set_title(setting.point.label())
+            ax.set_title(title)
             ax.set_xlabel("code [DN]")
             ax.set_ylim(bottom=0)
         axes[0, 0].set_ylabel("counts over neighbours'")

@@ -15,6 +15,7 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     log_axis,
     name_layers,
     picture,
@@ -34,8 +35,9 @@ def histograms(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
 
     def draw() -> Any:
         fig, axes = figure(1, len(settings), 2.75, sharey=True)
-        for ax, setting in zip(axes[0], settings, strict=True):
+        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
             _panel(ax, setting, drawn)
+            ax.set_title(title)
         axes[0, 0].set_ylabel("share of pixels per DN")
         axes[0, 0].set_ylim(*_floor(settings))
         log_axis(axes[0, 0].yaxis)
@@ -63,7 +65,7 @@ def _panel(ax: Any, setting: SettingStatistics, drawn: Sequence[Layer]) -> None:
         found = curve(layer.like(setting), *_NAMES)
         if found is None:
             continue
-        x, n, total = _binned(*found, low, high, width)
+        x, n, total = _binned(found, low, high, width)
         density = np.where(n > 0, n / total / width, np.nan)
         ax.plot(x, density, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
         if layer.band:
@@ -78,7 +80,6 @@ def _panel(ax: Any, setting: SettingStatistics, drawn: Sequence[Layer]) -> None:
             )
     ax.set_yscale("log")
     ax.set_xlim(low, high)
-    ax.set_title(setting.point.label())
     ax.set_xlabel("dark value [DN]")
 
 
@@ -86,7 +87,7 @@ def _range(codes: np.ndarray, counts: np.ndarray) -> tuple[float, float]:
     """From the lowest value to where little of the tail is left."""
     share = np.cumsum(counts) / counts.sum()
     low, middle = codes[np.searchsorted(share, TAIL)], codes[np.searchsorted(share, 0.5)]
-    high = codes[min(len(codes) - 1, np.searchsorted(share, 1 - TAIL))]
+    high = codes[np.minimum(len(codes) - 1, np.searchsorted(share, 1 - TAIL))]
     core = max(codes[np.searchsorted(share, 0.9)] - codes[np.searchsorted(share, 0.1)], 2.0)
     low, high = max(low, middle - 6 * core), min(high, middle + 6 * core)
     edge = 0.04 * (high - low) + 0.5
@@ -94,9 +95,10 @@ def _range(codes: np.ndarray, counts: np.ndarray) -> tuple[float, float]:
 
 
 def _binned(
-    codes: np.ndarray, counts: np.ndarray, low: float, high: float, width: float
+    found: tuple[np.ndarray, ...], low: float, high: float, width: float
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Centres and counts of bins that hold the same number of codes each, and the count of all."""
+    codes, counts = found
     edges = np.arange(low, high + width, width)
     n, _ = np.histogram(codes, bins=edges, weights=counts)
     return (edges[:-1] + edges[1:]) / 2, n, float(counts.sum())

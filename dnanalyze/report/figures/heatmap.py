@@ -15,10 +15,12 @@ from dnanalyze.report.figures.style import (
     Picture,
     figure,
     picture,
+    power_label,
 )
 from dnanalyze.report.tables import worst
-from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label
+from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label, varied
 
+BASELINES = (("paper", "paper's model", QUIET), ("gaussian", "Gaussian", GAUSSIAN))
 LIMIT = 12.0  # floors at which the colour saturates
 
 
@@ -29,7 +31,8 @@ def discrepancies(rows: Sequence[Mapping[str, Any]], most: int = 36) -> Picture 
         return None
     plane = rows[0].get("plane", "")
     own = [r for r in rows if r.get("plane", "") == plane]
-    points = list(dict.fromkeys(point_label({**r, "plane": ""}) for r in own))
+    parts = varied(own) - {"plane"}
+    points = list(dict.fromkeys(point_label(r, parts) for r in own))
     order = list(FAMILIES)
     names = worst(own, most=most)
     names.sort(key=lambda r: order.index(r["family"]) if r["family"] in order else 99)
@@ -37,7 +40,7 @@ def discrepancies(rows: Sequence[Mapping[str, Any]], most: int = 36) -> Picture 
     grid = np.full((len(names), len(points)), np.nan)
     for row in own:
         if row["name"] in place:
-            spot = place[row["name"]], points.index(point_label({**row, "plane": ""}))
+            spot = place[row["name"]], points.index(point_label(row, parts))
             grid[spot] = row["discrepancy"]
 
     def draw() -> Any:
@@ -93,61 +96,62 @@ def families(
     if not known:
         return None
     ranked = sorted(known.items(), key=lambda item: item[1])
+    marks = [("a second sensor", 1.0, INK), ("this model", error, MODEL)]
+    marks += [
+        (text, baselines.get(key, np.nan), colour)
+        for key, text, colour in (
+            ("paper", "paper's model", QUIET),
+            ("gaussian", "Gaussian", GAUSSIAN),
+        )
+    ]
+    marks = [m for m in marks if is_number(m[1])]
 
     def draw() -> Any:
-        fig, axes = figure(1, 1, 0.7 + 0.24 * len(ranked))
+        fig, axes = figure(1, 1, 1.0 + 0.24 * len(ranked))
         ax = axes[0, 0]
         ax.grid(False)
         values = [v for _, v in ranked]
-        ax.barh(
-            range(len(ranked)),
-            values,
-            color=[MODEL if v >= 1.3 else "#8fbbd9" for v in values],
-            height=0.62,
-        )
+        colours = [MODEL if v >= 1.3 else "#8fbbd9" for v in values]
+        ax.barh(range(len(ranked)), values, color=colours, height=0.62)
         ax.set_yticks(range(len(ranked)), [family_title(k) for k, _ in ranked])
         ax.tick_params(axis="y", length=0)
         ax.spines["left"].set_visible(False)
-        top = max([*values, *(v for v in (error, *baselines.values()) if is_number(v))])
+        top = max(*values, *(v for _, v, _ in marks))
         if top > 30:
             ax.set_xscale("symlog", linthresh=1.0)
-            from dnanalyze.report.figures.style import power_label
-
             ax.xaxis.set_major_formatter(power_label)
+        ax.set_xlim(0, top * 1.15)
+        _lines(ax, marks, len(ranked))
         for n, value in enumerate(values):
             ax.annotate(
-                number(value),
-                (value, n),
-                (4, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=7.5,
-            )
-        ax.axvline(1.0, color=INK, linewidth=0.9)
-        marks = (("second sensor", 1.0, INK), ("all families", error, MODEL),
-                 ("Gaussian", baselines.get("gaussian"), GAUSSIAN),
-                 ("paper's model", baselines.get("paper"), QUIET))  # fmt: skip
-        _marks(ax, marks, len(ranked))
+                number(value), (value, n), (4, 0), textcoords="offset points", va="center",
+                fontsize=7.5, bbox={"facecolor": "#ffffff", "edgecolor": "none", "pad": 1},
+            )  # fmt: skip
         ax.set_xlabel("error")
-        ax.set_xlim(0, top * 1.12)
         return fig
 
     return picture(
         draw,
         "Error of each family of statistics. 1 is what a second sensor of the same make gives. "
-        "The lines mark the error over all families, and that of the baselines.",
+        "The lines mark errors over all families.",
         "Error of each family of statistics as bars.",
     )
 
 
-def _marks(ax: Any, marks: Sequence[tuple[str, Any, str]], top: int) -> None:
-    shown: list[float] = []
-    for text, value, colour in marks:
-        if not is_number(value) or any(abs(value - v) < 1e-6 * max(1, v) for v in shown):
-            continue
-        shown.append(value)
-        ax.axvline(
-            value, color=colour, linewidth=0.9, linestyle="-" if value == 1.0 else (0, (3, 2))
-        )
-        ax.annotate(text, (value, top - 0.45), (3, 0), textcoords="offset points",
-                    color=colour, fontsize=7.2, annotation_clip=False)  # fmt: skip
+def _lines(ax: Any, marks: Sequence[tuple[str, float, str]], top: int) -> None:
+    """A line an error, named above the bars; names that would touch stand on two levels."""
+    low, high = ax.get_xlim()
+    place = ax.transScale.transform
+    span = place((high, 0))[0] - place((low, 0))[0]
+    last, level = -1.0, 0
+    for text, value, colour in sorted(marks, key=lambda m: m[1]):
+        spot = (place((value, 0))[0] - place((low, 0))[0]) / span
+        level = level + 1 if spot - last < 0.1 else 0
+        last = spot
+        dash = "-" if value == 1.0 else (0, (3, 2))
+        ax.axvline(value, color=colour, linewidth=0.9, linestyle=dash, zorder=3)
+        ax.annotate(
+            text, (value, 1), (2, 3 + 9 * level), xycoords=("data", "axes fraction"),
+            textcoords="offset points", color=colour, fontsize=7.2, annotation_clip=False,
+        )  # fmt: skip
+    ax.set_ylim(-0.6, top - 0.4)

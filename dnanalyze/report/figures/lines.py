@@ -13,6 +13,7 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     log_axis,
     name_layers,
     picture,
@@ -29,13 +30,14 @@ def profiles(drawn: Sequence[Layer]) -> Picture | None:
     settings = chosen(measured, 2)
     if not any(curve(s, f"{side}_mean") for s in settings for side in SIDES):
         return None
-    rows = [(side, s) for side in SIDES for s in settings if curve(s, f"{side}_mean")]
+    named = list(zip(settings, labels(settings), strict=True))
+    rows = [(side, s, t) for side in SIDES for s, t in named if curve(s, f"{side}_mean")]
 
     def draw() -> Any:
         fig, axes = figure(
             len(rows), 3, 0.5 + 1.55 * len(rows), gridspec_kw={"width_ratios": (2.2, 1, 1)}
         )
-        for (side, setting), (line, fixed, temporal) in zip(rows, axes, strict=True):
+        for (side, setting, title), (line, fixed, temporal) in zip(rows, axes, strict=True):
             for layer in drawn:
                 own = layer.like(setting)
                 found = curve(own, f"{side}_mean")
@@ -44,18 +46,18 @@ def profiles(drawn: Sequence[Layer]) -> Picture | None:
                     "linestyle": layer.dash,
                     "linewidth": 0.85 * layer.width,
                 }
-                if found is not None:
+                if found is not None and layer.label != "Gaussian":
                     y = found[0] - np.nanmean(found[0])
                     line.plot(*thinned(np.arange(len(y), dtype=float), y, 900), **style)
                 for ax, part in ((fixed, "pattern"), (temporal, "temporal")):
                     spectrum = curve(own, f"{part}_{side}_spectrum")
                     if spectrum is not None:
                         ax.plot(*_spectrum(spectrum[0]), **style)
-            line.set_title(f"{side} means of the fixed pattern, {setting.point.label()}")
+            line.set_title(f"{side} means of the fixed pattern, {title}")
             line.set_ylabel("DN")
             line.margins(x=0.01)
-            for ax, title in ((fixed, "their spectrum, fixed"), (temporal, "temporal")):
-                ax.set_title(title)
+            for ax, part in ((fixed, "their spectrum, fixed"), (temporal, "temporal")):
+                ax.set_title(part)
                 if ax.lines:
                     ax.set_xscale("log")
                     ax.set_yscale("log")
@@ -80,7 +82,7 @@ def profiles(drawn: Sequence[Layer]) -> Picture | None:
     )
 
 
-def _spectrum(power: np.ndarray, most: int = 120) -> tuple[np.ndarray, np.ndarray]:
+def _spectrum(power: np.ndarray, most: int = 30) -> tuple[np.ndarray, np.ndarray]:
     """Frequency and power, pooled into steps of equal ratio; the mean itself is left out."""
     f = np.linspace(0, 0.5, len(power))[1:]
     s = power[1:]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -38,7 +39,7 @@ def panels(drawn: Sequence[Layer], names: Sequence[str], caption: str) -> Pictur
     rows = math.ceil(len(wanted) / columns)
 
     def draw() -> Any:
-        fig, axes = figure(rows, columns, 0.4 + 1.85 * rows)
+        fig, axes = figure(rows, columns, 0.4 + 1.95 * rows)
         for ax, name in zip(axes.flat, wanted, strict=False):
             _panel(ax, name, own, axis, drawn)
         for ax in list(axes.flat)[len(wanted) :]:
@@ -91,12 +92,13 @@ def _panel(
         ax.set_yscale("log")
         log_axis(ax.yaxis)
     unit = f" [{about.unit.replace('^2', '²')}]" if about.unit not in ("", "1") else ""
-    ax.set_title(_short(about.title or name) + unit, fontsize=7.6)
+    ax.set_title(_title((about.title or name) + unit), fontsize=7.4, fontweight="normal")
     ax.margins(x=0.08, y=0.15)
 
 
-def _short(text: str, most: int = 40) -> str:
-    return text if len(text) <= most else text[: most - 1].rstrip() + "…"
+def _title(text: str) -> str:
+    """On two lines at most."""
+    return "\n".join(textwrap.wrap(text, 40, max_lines=2, placeholder=" …"))
 
 
 def ends_of(value: Any, scale: Scale, reach: float = 2.0) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     picture,
     plane_note,
 )
@@ -46,7 +47,7 @@ def maps(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
             bar = fig.colorbar(image, ax=list(axes[:, place]), shrink=0.6, aspect=24, pad=0.02)
             bar.outline.set_visible(False)
             bar.ax.tick_params(labelsize=7, length=2)
-            axes[0, place].set_title(setting.point.label())
+            axes[0, place].set_title(labels(settings)[place])
         for row, layer in zip(axes, drawn, strict=True):
             row[0].set_ylabel(layer.label)
         return fig

@@ -16,12 +16,14 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     log_axis,
     name_layers,
     picture,
     plane_note,
 )
 
+FEWEST_MODES = 12  # in a drawn point: power scatters as 1 / sqrt(modes)
 PARTS = {"pattern": "fixed pattern", "temporal": "temporal noise", "frame": "single frames"}
 
 
@@ -44,8 +46,8 @@ def spectra(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
                 _panel(ax, setting, drawn, part)
             row[0].set_ylabel(f"{PARTS[part]}\n[DN²]")
             log_axis(row[0].yaxis)
-        for ax, setting in zip(axes[0], settings, strict=True):
-            ax.set_title(setting.point.label())
+        for ax, title in zip(axes[0], labels(settings), strict=True):
+            ax.set_title(title)
         for ax in axes[-1]:
             log_axis(ax.xaxis)
             ax.set_xlabel("cycles/pixel")
@@ -55,7 +57,7 @@ def spectra(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
     return picture(
         draw,
         "Power spectra over radial frequency, normalised so that white noise of variance s² is "
-        "at s². The axes are masked, so that what rows and columns add is left out (their own panel "
+        "at s². The axes are masked: what rows and columns add is left out (their own panel "
         "shows it). Band: two standard errors. Thin grey line: the full spectrum with the axes."
         + plane_note(measured),
         "Radial power spectra of " + " and ".join(PARTS[p] for p in parts),
@@ -69,40 +71,42 @@ def _names(part: str) -> tuple[str, str]:
 def _panel(ax: Any, setting: SettingStatistics, drawn: Sequence[Layer], part: str) -> None:
     full = curve(setting, f"{part}_radial_f", f"{part}_radial_full_s")
     if full is not None:
-        f, s = _sparse(*full)[:2]
+        f, s, _ = _pooled(full, setting)
         ax.plot(f, s, color=QUIET, linewidth=0.7)
+    repeats = max(1, setting.frames - 1) if part == "temporal" else 1
     for layer in drawn:
         found = curve(layer.like(setting), *_names(part))
         if found is None:
             continue
-        f, s, members = _sparse(*found)
+        f, s, modes = _pooled(found, setting)
         ax.plot(f, s, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
         if layer.band:
-            spread = 2 * s / np.sqrt(_modes(f, members, setting, part))
-            low = np.maximum(s - spread, s * 0.02)
-            ax.fill_between(f, low, s + spread, color=INK, alpha=0.15, lw=0)
+            spread = np.exp(2 / np.sqrt(modes * repeats))
+            ax.fill_between(f, s / spread, s * spread, color=INK, alpha=0.15, lw=0)
     ax.set_xscale("log")
     ax.set_yscale("log")
 
 
-def _sparse(f: np.ndarray, s: np.ndarray, most: int = 90) -> tuple[np.ndarray, ...]:
-    """Rings pooled into steps of equal ratio: frequency, power, and the pooled width."""
+def _pooled(
+    found: tuple[np.ndarray, ...], setting: SettingStatistics, most: int = 70
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rings pooled into steps of nearly equal ratio with enough modes each: f, power, modes.
+
+    A ring of radius f and width df holds pi f df rows columns independent modes.
+    """
+    f, s = found
     keep = (f > 0) & np.isfinite(s) & (s > 0)
     f, s = f[keep], s[keep]
     if len(f) < 2:
         return f, s, np.ones_like(f)
-    step = float(np.median(np.diff(f)))
-    edges = np.geomspace(f[0] * 0.999, f[-1] * 1.001, most + 1)
-    slot = np.searchsorted(edges, f) - 1
-    weight = np.bincount(slot, f, most)  # a ring holds modes in proportion to its radius
-    full = weight > 0
-    power = np.bincount(slot, s * f, most)[full] / weight[full]
-    radius = np.bincount(slot, f * f, most)[full] / weight[full]
-    return radius, power, np.bincount(slot, minlength=most)[full] * step
-
-
-def _modes(f: np.ndarray, width: np.ndarray, setting: SettingStatistics, part: str) -> np.ndarray:
-    """Independent modes of a ring: half of 2 pi f df rows columns, for each independent repeat."""
-    pixels = setting.shape[0] * setting.shape[1]
-    repeats = {"temporal": max(1, setting.frames - 1)}.get(part, 1)
-    return np.maximum(np.pi * f * width * pixels * repeats, 1.0)
+    modes = np.pi * f * np.gradient(f) * setting.shape[0] * setting.shape[1]
+    ratio = (f[-1] / f[0]) ** (1.0 / most)
+    slots, begun, held = np.zeros(len(f), int), f[0], 0.0
+    for i in range(1, len(f)):
+        held += modes[i - 1]
+        fresh = held >= FEWEST_MODES and f[i] >= begun * ratio
+        slots[i] = slots[i - 1] + fresh
+        if fresh:
+            begun, held = f[i], 0.0
+    total = np.bincount(slots, modes)
+    return np.bincount(slots, f * modes) / total, np.bincount(slots, s * modes) / total, total

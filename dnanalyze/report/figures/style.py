@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.report.words import point_label, varied
 
 # Okabe and Ito's palette: told apart by every kind of colour vision, and by lightness in grey.
 INK, MODEL, GAUSSIAN, ACCENT, QUIET = "#1f2328", "#0072b2", "#d55e00", "#009e73", "#8a929b"
@@ -110,6 +111,12 @@ def chosen(statistics: Statistics, most: int = 5) -> list[SettingStatistics]:
     return [own[round(i * (len(own) - 1) / (most - 1))] for i in range(most)]
 
 
+def labels(settings: Sequence[SettingStatistics]) -> list[str]:
+    """Short titles of settings: only what differs between them."""
+    only = varied(vars(s.point) for s in settings)
+    return [point_label(s.point, only) for s in settings]
+
+
 def plane_note(statistics: Statistics) -> str:
     """Says which colour plane a figure shows, where there are several."""
     planes = {s.plane for s in statistics.settings}
@@ -164,14 +171,14 @@ def power_label(value: float, _position: int = 0) -> str:
 
 def log_axis(axis: Any) -> None:
     """Ticks at powers of ten in plain text; at 1, 2, 5 where the axis spans little."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     low, high = axis.get_view_interval()
     decades = math.log10(high / low) if low > 0 and high > low else 1.0
     subs = (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
     axis.set_major_locator(LogLocator(10, subs=subs, numticks=7))
     axis.set_major_formatter(FuncFormatter(power_label))
-    axis.set_minor_formatter(NullFormatter())
+    axis.set_minor_locator(NullLocator())
 
 
 def name_layers(fig: Any, drawn: Sequence[Layer]) -> None:

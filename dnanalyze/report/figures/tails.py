@@ -14,6 +14,7 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     log_axis,
     name_layers,
     picture,
@@ -32,7 +33,7 @@ def exceedance(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
 
     def draw() -> Any:
         fig, axes = figure(1, len(settings), 2.6, sharey=True)
-        for ax, setting in zip(axes[0], settings, strict=True):
+        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
             for layer in drawn:
                 found = curve(layer.like(setting), *_NAMES)
                 if found is None:
@@ -48,7 +49,7 @@ def exceedance(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
             ax.set_yscale("log")
             log_axis(ax.xaxis)
             ax.set_ylim(bottom=0.7)
-            ax.set_title(setting.point.label())
+            ax.set_title(title)
             ax.set_xlabel("k [robust sigmas]")
         axes[0, 0].set_ylabel("pixels above k")
         log_axis(axes[0, 0].yaxis)

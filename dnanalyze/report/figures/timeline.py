@@ -13,6 +13,7 @@ from dnanalyze.report.figures.style import (
     chosen,
     curve,
     figure,
+    labels,
     name_layers,
     picture,
     plane_note,
@@ -28,7 +29,7 @@ def frame_means(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
 
     def draw() -> Any:
         fig, axes = figure(1, len(settings), 1.9)
-        for ax, setting in zip(axes[0], settings, strict=True):
+        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
             for layer in drawn:
                 y = _means(layer.like(setting))
                 if y is not None:
@@ -36,7 +37,7 @@ def frame_means(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
                         np.arange(1, len(y) + 1), y, marker="o", markersize=2.6, color=layer.colour,
                         linestyle=layer.dash, linewidth=layer.width,
                     )  # fmt: skip
-            ax.set_title(setting.point.label())
+            ax.set_title(title)
             ax.set_xlabel("frame")
             ax.xaxis.get_major_locator().set_params(integer=True)
         axes[0, 0].set_ylabel("frame mean [DN]")

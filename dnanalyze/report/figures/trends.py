@@ -11,8 +11,6 @@ import numpy as np
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
 from dnanalyze.report.figures.style import (
     ACCENT,
-    GAUSSIAN,
-    INK,
     MODEL,
     Layer,
     Picture,
@@ -24,7 +22,7 @@ from dnanalyze.report.figures.style import (
 )
 from dnanalyze.report.words import is_number, with_error
 
-NOISES = (("temporal_noise", "temporal", INK), ("pattern_noise", "fixed pattern", GAUSSIAN))
+NOISES = (("temporal_noise", "temporal noise"), ("pattern_noise", "fixed-pattern noise"))
 
 
 def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
@@ -37,8 +35,12 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
 
     def draw() -> Any:
         fig, axes = figure(1, 3, 2.9, gridspec_kw={"width_ratios": (1.25, 1, 1)})
-        _arrhenius(axes[0, 0], drawn, warm)
-        for ax, (name, title, _) in zip(axes[0, 1:], NOISES, strict=True):
+        pedestal = pedestal_of(drawn[0])
+        if pedestal is None:
+            _noise(axes[0, 0], drawn, warm, "mean", "mean dark value, its pedestal unknown")
+        else:
+            _arrhenius(axes[0, 0], drawn, warm, pedestal)
+        for ax, (name, title) in zip(axes[0, 1:], NOISES, strict=True):
             _noise(ax, drawn, warm, name, title)
         name_layers(fig, drawn)
         return fig
@@ -51,19 +53,17 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
     )
 
 
-def pedestal_of(layer: Layer) -> float:
-    """The pedestal, DN: from the trends, else the sensor, else just below the lowest mean."""
+def pedestal_of(layer: Layer) -> float | None:
+    """The pedestal, DN: from the trends, else from the sensor, else unknown."""
     found = layer.statistics.trends.get("pedestal")
     if found is not None and is_number(found.value):
         return float(found.value)
     if layer.statistics.sensor.black_level is not None:
         return float(layer.statistics.sensor.black_level)
-    means = [s.values["mean"].value for s in layer.statistics.settings if "mean" in s.values]
-    return min(means) - 0.05 * (max(means) - min(means))
+    return None
 
 
-def _arrhenius(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any]) -> None:
-    pedestal = pedestal_of(drawn[0])
+def _arrhenius(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any], pedestal: float) -> None:
     inverse = np.array([1000 / (s.point.temperature_c + KELVIN) for s in warm])
     for layer in drawn:
         own = [layer.like(s) for s in warm]
@@ -119,7 +119,7 @@ def _noise(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any], name: str, titl
                 celsius, y, marker="o", markersize=3.2, color=layer.colour, linestyle=layer.dash,
                 linewidth=layer.width,
             )  # fmt: skip
-    ax.set_title(f"{title} noise")
+    ax.set_title(title)
     ax.set_xlabel("°C")
     ax.set_ylabel("DN")
     if ax.lines:

@@ -17,7 +17,7 @@ def headline(measured: Any) -> str:
     """Noise from the coldest to the warmest setting, and the law of the dark signal."""
     plane = measured.settings[0].plane
     own = [s for s in measured.settings if s.plane == plane]
-    parts = []
+    parts: list[str] = []
     for name, words in (
         ("temporal_noise", "noise between frames"),
         ("pattern_noise", "fixed pattern"),

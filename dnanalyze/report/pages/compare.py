@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from dnanalyze.report import capture
@@ -12,6 +13,8 @@ from dnanalyze.report.pages.analyze import missing_section
 from dnanalyze.report.pages.panels import family_panels
 from dnanalyze.report.words import compare_headline, number, sentence
 
+FIRST = 6  # failures that stand with the verdict; the rest follow
+
 
 def sections(result: Any) -> list[Section]:
     """The comparison family by family, then the model: for this page and for those built on it."""
@@ -20,6 +23,7 @@ def sections(result: Any) -> list[Section]:
         Section(
             "error",
             "Where the model fails",
+            points=[sentence(f) for f in result.failures[FIRST:]],
             pictures=[
                 heatmap.families(result.families, result.baselines, result.error),
                 heatmap.discrepancies(result.statistics),
@@ -38,6 +42,18 @@ def model_section(model: Any) -> Section:
     return Section("model", "The model", code=dump_model(model).rstrip() if model else "")
 
 
+def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str]]:
+    """The error beside the baselines and what a second sensor would give."""
+    paper = baselines.get("paper")
+    named = "error of the paper's model" if paper == error else "error of this model"
+    made = [(number(error), named)]
+    if paper is not None and paper != error:
+        made.append((number(paper), "the paper's model"))
+    if "gaussian" in baselines:
+        made.append((number(baselines["gaussian"]), "a plain Gaussian"))
+    return [*made, ("1", "a second sensor of the same make")]
+
+
 def compare_page(captures: Any, result: Any) -> str:
     """HTML of the page."""
     baselines = result.baselines
@@ -47,13 +63,8 @@ def compare_page(captures: Any, result: Any) -> str:
         compare_headline(result.error, baselines),
         sections(result),
         tone=tone_of(result.error),
-        points=[sentence(f) for f in result.failures],
-        figures=[
-            (number(result.error), "error of this model"),
-            (number(baselines.get("paper")), "the paper's model"),
-            (number(baselines.get("gaussian")), "a plain Gaussian"),
-            ("1.0", "a second sensor of the same make"),
-        ],
+        points=[sentence(f) for f in result.failures[:FIRST]],
+        figures=numbers(result.error, baselines),
         facts=capture.facts(captures),
         notes=captures.notes,
     )

@@ -10,6 +10,7 @@ from dnanalyze.report.figures import (
     distribution,
     lines,
     over_temperature,
+    planes,
     shading,
     spectrum,
     tails,
@@ -26,6 +27,7 @@ from dnanalyze.report.words import (
     is_number,
     number,
     point_label,
+    varied,
     with_error,
 )
 
@@ -78,7 +80,7 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
             "hot pixels repeat.",
         ),
     ),
-    "spectrum": (spectrum.spectra,),
+    "spectrum": (spectrum.spectra, planes.planes),
     "lines": (
         lines.profiles,
         _some(
@@ -183,10 +185,11 @@ def off_table(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
     off = [r for r in worst(list(rows), family, 5) if abs(r["discrepancy"]) >= 3]
     if not off:
         return None
+    parts = varied(rows)
     cells = [
         (
             info(r["name"]).title,
-            point_label(r),
+            point_label(r, parts),
             number(r["measured"]),
             number(r["simulated"]),
             gap(r["measured"], r["simulated"], r.get("unit", "")),
@@ -203,10 +206,11 @@ def compared(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
     own = [r for r in rows if r["family"] == family]
     if not own:
         return None
+    parts = varied(rows)
     cells = [
         (
             r["name"],
-            point_label(r),
+            point_label(r, parts),
             number(r["measured"], 4),
             number(r["simulated"], 4),
             r.get("unit", ""),
