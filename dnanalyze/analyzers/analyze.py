@@ -77,10 +77,11 @@ def analyze_windows(
             for part in parts:
                 where = placed.index(part.window)
                 settings[where].append(part.finish(setting.point))
-    return [
-        Statistics(captures.name, captures.sensor, tuple(each), trends(each, captures.sensor))
-        for each in settings
-    ]
+    out = []
+    for each in settings:
+        laws, rated = trends(each, captures.sensor)
+        out.append(Statistics(captures.name, captures.sensor, tuple(rated), laws))
+    return out
 
 
 def _pool(workers: int | None, outer: Window, stack: ExitStack) -> ThreadPoolExecutor | None:

@@ -15,6 +15,7 @@ from dnanalyze.analyzers import (
     spectrum,
     tails,
     time,
+    trends,
 )
 from dnanalyze.analyzers.family import Family
 from dnanalyze.analyzers.statistics import StatisticInfo
@@ -37,7 +38,8 @@ FAMILIES: tuple[Family, ...] = (
 @cache
 def catalogue() -> dict[str, StatisticInfo]:
     """What each statistic is, by name, in the order of reports."""
-    return {info.name: info for family in FAMILIES for info in family.INFOS}
+    infos = [info for family in FAMILIES for info in family.INFOS]
+    return {info.name: info for info in [*infos, *trends.INFOS]}
 
 
 def find(name: str) -> StatisticInfo:

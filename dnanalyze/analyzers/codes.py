@@ -105,8 +105,9 @@ def _ends(counts: Counted, repeats: float, acc: Accumulated, out: FamilyResult) 
         return
     for name, end, next_to in (("low_spike", n[0], n[1]), ("high_spike", n[-1], n[-2])):
         ratio = (end + 1) / (next_to + 1)
+        fall = min(math.log(ratio), 0.0) ** 2
         # Poisson, with some counts more: which code is the last one seen is itself chance
-        se = math.sqrt(repeats * (1 / (end + 5) + 1 / (next_to + 5)))
+        se = math.sqrt(repeats * (1 / (end + 5) + 1 / (next_to + 5)) + fall / (end + 3))
         values[name] = Value(float(ratio), max(se, 0.02))
 
 
@@ -133,7 +134,7 @@ def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:
     if power <= 0:
         out.missing["code_roughness"] = "the histogram of codes is perfectly smooth"
     else:
-        out.values["code_roughness"] = Value(math.sqrt(power), max(relative, 0.02))
+        out.values["code_roughness"] = Value(math.sqrt(power), max(relative, 0.05))
     _comb(rough, noise, out)
     over = float(np.sum(rough > OVERUSED * np.sqrt(noise)))
     out.values["overused_codes"] = Value(over, 1.0)
@@ -150,10 +151,10 @@ def _comb(rough: np.ndarray, noise: np.ndarray, out: FamilyResult) -> None:
     if value <= 0:
         out.missing["code_comb"] = out.missing["code_comb_period"] = "the histogram has no period"
         return
-    trials = max((amplitude.size - 2) / 2, 2.0)  # half, for counts differ in their noise
+    trials = max((amplitude.size - 2) / 2, 1.3)  # half, for counts differ in their noise
     extreme = 0.64 / (math.log(trials) + 0.577)  # Gumbel's law, half for an amplitude
     direct = math.sqrt(2 * float(noise.mean()) / n) / value
-    out.values["code_comb"] = Value(value, max(min(extreme, direct), 0.02))
+    out.values["code_comb"] = Value(value, min(extreme, max(direct, 0.1)))
     out.values["code_comb_period"] = Value(n / best, (n / best) ** 2 / n / 2)
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import QuantileErrors, mean_error
 
@@ -94,7 +95,7 @@ def _frames(acc: Accumulated, values: dict[str, Value]) -> None:
 def _log_core(width: float, error: float, acc: Accumulated, drift: bool) -> Value:
     """A spread on the log scale; where whole frames move, its error has that part too."""
     width = max(width, floor(acc))
-    relative = max(error, floor(acc)) / width
+    relative = max(error, floor(acc) / 2) / width
     if drift:
         relative = math.hypot(relative, acc.drift_error(width**2) / 2)
     return Value(width, relative)
@@ -119,15 +120,22 @@ def _temporal(acc: Accumulated, values: dict[str, Value]) -> None:
 
 
 def _pattern(acc: Accumulated, values: dict[str, Value]) -> None:
+    levels = np.array([0.16, 0.25, 0.75, 0.84])
+    spreads = np.array([[-0.5, 0.0, 0.0, 0.5], [0.0, -1 / 1.349, 1 / 1.349, 0.0]]).T
+    errors = QuantileErrors(acc.plan, (acc.pattern,), acc.pattern_ordered, levels)
+    core, quartiles = errors.of(spreads)
+    width = float(errors.values @ spreads[:, 0])
+    values["pattern_noise_core"] = _log_core(width, float(core), acc, drift=False)
+    quartiles = float(quartiles) / acc.pattern_sigma
     clipped = acc.clipped_pattern
     squares = (clipped - clipped.mean(dtype=np.float64).astype(np.float32)) ** 2
     variance = float(squares.mean(dtype=np.float64))
     if variance > 0:
-        relative = max(mean_error(acc.plan, squares) / variance / 2, 1e-6)
-        values["pattern_noise"] = Value(math.sqrt(variance), relative)
-    errors = QuantileErrors(acc.plan, (acc.pattern,), acc.pattern_ordered, CORE)
-    width = float(errors.values @ SPREAD)
-    values["pattern_noise_core"] = _log_core(width, float(errors.of(SPREAD)), acc, drift=False)
+        # the cut moves with the robust sigma
+        cut = CLIP * acc.pattern_sigma
+        ends = np.mean(np.abs(clipped) >= np.float32(0.999 * cut)) * cut**2 / variance
+        relative = mean_error(acc.plan, squares) / variance / 2 + float(ends) * quartiles
+        values["pattern_noise"] = Value(math.sqrt(variance), max(relative, 1e-6))
 
 
 def emva_split(acc: Accumulated) -> dict[str, Value]:

@@ -10,6 +10,7 @@ from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.statistics import Value
 
 BINS = 2048
+FOUND = 20.0  # ratio from which a peak is no chance
 TRIM = 0.0005  # share left out on either side
 
 
@@ -30,7 +31,7 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     Returns
     -------
     strength, spacing : Value
-        Largest ratio, its relative error; the spacing q, DN. None where no spacing is possible.
+        Largest ratio, 1 at least, its relative error; the spacing q, DN. None where no spacing is possible.
     """
     low, high = ordered.quantile(np.array([TRIM, 1 - TRIM]))
     least = max(3 * residue, 2.5 * ordered.step)
@@ -56,8 +57,9 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     best = int(np.argmax(ratio))
     trials = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
     extreme = 1.28 / (math.log(trials) + 0.577)  # Gumbel's law
-    se = min(extreme, 2 / math.sqrt(max(power[k[best]], 1.0)))
-    strength = Value(float(max(ratio[best], 0.1)), max(se, 0.05))
+    found = math.hypot(0.2, 2 / math.sqrt(max(power[k[best]], 1.0)))  # 0.2: that of the floor
+    se = found if ratio[best] > FOUND else max(extreme, 0.4)
+    strength = Value(float(max(ratio[best], 1.0)), se)
     spacing = float(1 / frequency[k[best]])
     return strength, Value(spacing, spacing**2 / (high - low) / math.sqrt(max(ratio[best], 1.0)))
 

@@ -21,6 +21,7 @@ COLD = (5, 8)
 TRANSIENT = 8.0  # robust temporal sigmas
 DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
 PAIR_ERROR = math.sqrt(2.0)  # root scale: clumps are Poisson, and hold two pixels at least
+MOST_LISTED = 1 << 16  # hot pixels
 TAIL_SHARE = 0.001  # of the pixels, for the tail index
 
 INFOS = (
@@ -85,6 +86,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     hot = acc.pattern > np.float32(centre + 8 * sigma)
     out.values["hot_pairs"] = Value(float(in_clumps(hot).sum()), PAIR_ERROR)
     _densities(acc, out)
+    out.curves["hot_pixels"] = _hot_pixels(acc)
     _exceedance(acc, centre, sigma, out)
     _tail_index(acc, out)
     if acc.frames == 1:
@@ -129,14 +131,14 @@ def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) ->
     thresholds = np.concatenate([limits[:2], quartiles, limits[2:]])
     below = counts_below(acc.plan, pattern, thresholds)
     residual = share_residuals(acc.plan, below) * pixels
-    bins = sigma * 0.1
+    bins = max(0.2 * sigma, acc.pattern_step)
     density = (ordered.share_below(quartiles + bins) - ordered.share_below(quartiles - bins)) / (2 * bins)
     low, middle = (-residual[..., 2 + j] / max(density[j], 1e-12) / pixels for j in (0, 1))
     for k, step in enumerate(steps):
         column = k if k < 2 else k + 2
         count = float(below[..., column].sum())
         count = count if k < 2 else pixels - count
-        h = 0.1 * abs(step) * sigma
+        h = max(0.1 * abs(step) * sigma, acc.pattern_step)
         crowd = abs(float(np.diff(ordered.count_above(limits[k] + np.array([-h, h])))[0])) / (2 * h)
         move = middle + step * (middle - low) / 0.6745
         total = residual[..., column] - move * crowd
@@ -159,6 +161,15 @@ def _densities(acc: Accumulated, out: FamilyResult) -> None:
         out.values["hot_density_pattern"] = Value(above * scale, math.sqrt(above + 1) * scale)
     else:
         out.missing["hot_density_pattern"] = "one frame cannot tell fixed from temporal noise"
+
+
+def _hot_pixels(acc: Accumulated) -> np.ndarray:
+    """Flat index of the pixels of F above 5 robust sigma; of the brightest ones if they are many."""
+    ordered = acc.pattern_ordered
+    limit = acc.pattern_centre + 5 * acc.pattern_sigma
+    if int(ordered.count_above(limit)) > MOST_LISTED:
+        limit = float(ordered.sorted[-MOST_LISTED])
+    return np.flatnonzero(acc.pattern > np.float32(limit))
 
 
 def _exceedance(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
@@ -196,7 +207,7 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
         lasting = hot & (second > np.float32(acc.maps.hot_limit))
         sides.append(mean_residuals(acc.plan, lasting - np.float32(share) * hot))
     se = math.sqrt(float(repeated_variance(sides, acc.frames - 1))) * acc.plan.pixels / pixels
-    out.values["hot_repeat"] = Value(share, max(se, 1 / (pixels + 2)))
+    out.values["hot_repeat"] = Value(share, max(se, 0.5 / (pixels + 2)))
 
 
 def _transients(acc: Accumulated, out: FamilyResult) -> None:

@@ -93,11 +93,18 @@ def finish(acc: Accumulated) -> FamilyResult:
     return out
 
 
+def log_spread_error(degrees: int) -> float:
+    """Standard error of the log of a Gaussian sample's standard deviation; degrees of freedom."""
+    from scipy.special import polygamma
+
+    return 0.5 * math.sqrt(float(polygamma(1, degrees / 2)))
+
+
 def _drift(acc: Accumulated, out: FamilyResult) -> None:
     k, means = acc.frames, acc.frame_means
     sd = math.sqrt(acc.drift_variance)
     least = 1e-6 * acc.plan.sigma
-    out.values["drift"] = Value(max(sd, least), 1 / math.sqrt(2 * (k - 1)))
+    out.values["drift"] = Value(max(sd, least), log_spread_error(k - 1))
     if k < 3:
         out.missing["drift_trend"] = "needs at least three frames"
         return
@@ -192,7 +199,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
     mean = float(variance.mean(dtype=np.float64))
     drift = acc.drift_error(mean) / math.sqrt(2)  # whole frames move alike: one series, not many
     se = math.hypot(float(errors.of(np.array([1.0]))), drift)
-    out.values["temporal_r1"] = Value(float(errors.values[0]) + 1 / k, max(se, 1e-4))
+    out.values["temporal_r1"] = Value(float(errors.values[0]) + 1 / k, max(se, 5e-4))
 
 
 def _blinking(acc: Accumulated, out: FamilyResult) -> None:

@@ -1,13 +1,306 @@
-"""What holds over temperature and exposure."""
+"""What holds over temperature and exposure: the dark signal's laws, and hot pixels that stay."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
-from dnanalyze.analyzers.statistics import SettingStatistics, Value
-from dnanalyze.loaders.captures import Sensor
+import numpy as np
+
+from dnanalyze.analyzers.statistics import SettingStatistics, StatisticInfo, Value
+from dnanalyze.loaders.captures import OperatingPoint, Sensor
+
+BOLTZMANN_EV = 8.617333e-5
+KELVIN = 273.15
+BIAS_SHARE = 1e-3  # of the longest exposure, up to which a frame counts as bias
+BLACK_LEVEL_ERROR = 0.5  # DN, of a recorded black level
+RELATIVE_ERROR = 0.02  # of the dark signal: a thermometer good to about 0.2 C
+BETTER = 13.8  # drop of chi^2 for two more parameters: p = .001
+HEADROOM = 4.0  # standard errors above 0 from which a dark rate tells an activation energy
+
+INFOS = (
+    StatisticInfo("pedestal", "trends", "DN", "black level", compared=False),
+    StatisticInfo("activation_energy_ev", "trends", "eV", "activation energy", compared=False),
+    StatisticInfo("activation_energy_1_ev", "trends", "eV", "lower of two energies", compared=False),
+    StatisticInfo("activation_energy_2_ev", "trends", "eV", "higher of two energies", compared=False),
+    StatisticInfo(
+        "activation_share", "trends", "1", "share of the higher energy at mid temperature", compared=False
+    ),
+    StatisticInfo("doubling_step_c", "trends", "C", "temperature step that doubles", compared=False),
+    StatisticInfo("dark_rate_dn_s", "trends", "DN/s", "dark rate of the typical pixel", compared=False),
+    StatisticInfo(
+        "hot_repeat_settings", "trends", "1", "share of hot pixels that are so in the next setting",
+        compared=False,
+    ),
+)  # fmt: skip
 
 
-def trends(settings: Sequence[SettingStatistics], sensor: Sensor) -> dict[str, Value]:
-    """Dark rate over temperature and exposure."""
-    return {}
+def trends(
+    settings: Sequence[SettingStatistics], sensor: Sensor
+) -> tuple[dict[str, Value], list[SettingStatistics]]:
+    """Laws over temperature and exposure of the median dark signal, which hot pixels do not move.
+
+    Settings of one gain and channel go together; the laws are those of the largest such group.
+    Colour planes are averaged.
+
+    Returns
+    -------
+    laws : dict
+        By name, see ``INFOS``; what the settings cannot tell is absent.
+    settings : list of SettingStatistics
+        As given, with ``dark_rate_dn_s`` added where the pedestal is known.
+    """
+    out: dict[str, Value] = {}
+    rates: dict[OperatingPoint, Value] = {}
+    groups: dict[object, list[OperatingPoint]] = {}
+    for point in dict.fromkeys(s.point for s in settings):
+        groups.setdefault((point.channel, point.gain), []).append(point)
+    for points in sorted(groups.values(), key=len, reverse=True):
+        series = _series(points, settings)
+        found, dark = dark_signal(series, sensor.black_level)
+        rates |= dict(zip(points, dark, strict=True)) if dark else {}
+        for name, value in found.items():
+            out.setdefault(name, value)
+    repeat = hot_repeat(settings)
+    if repeat is not None:
+        out["hot_repeat_settings"] = repeat
+    return out, [
+        replace(s, values=s.values | {"dark_rate_dn_s": rates[s.point]}) if s.point in rates else s
+        for s in settings
+    ]
+
+
+@dataclass(frozen=True)
+class Series:
+    """Dark level over settings of one gain: temperature (K, NaN unknown), exposure (s), level (DN)."""
+
+    kelvin: np.ndarray
+    exposure: np.ndarray
+    level: np.ndarray
+    error: np.ndarray
+    timed: bool  # exposures are known, else they count as 1 s
+
+
+def _series(points: list[OperatingPoint], settings: Sequence[SettingStatistics]) -> Series:
+    level, error = [], []
+    for point in points:
+        medians = [s.values["median"] for s in settings if s.point == point]
+        level.append(float(np.mean([m.value for m in medians])))
+        error.append(math.sqrt(sum(m.se**2 for m in medians)) / len(medians))
+    timed = all(p.exposure_s is not None for p in points)
+    kelvin = [math.nan if p.temperature_c is None else p.temperature_c + KELVIN for p in points]
+    exposure = [p.exposure_s if timed and p.exposure_s is not None else 1.0 for p in points]
+    return Series(np.array(kelvin), np.array(exposure), np.array(level), np.array(error), timed)
+
+
+def dark_signal(
+    series: Series, black_level: float | None = None
+) -> tuple[dict[str, Value], list[Value]]:
+    """Pedestal, activation energies and doubling step of a series, and its dark rates, DN/s.
+
+    The pedestal is that of bias frames (interpolated over temperature) where there are some, else
+    one constant, fitted along with the rates, to which a recorded black level counts as one
+    more measurement. What cannot be told is absent; no rates without a pedestal.
+    """
+    bias = series.timed & (series.exposure <= BIAS_SHARE * series.exposure.max())
+    dark = ~bias
+    if not dark.any() or len(series.level) < 2 and black_level is None:
+        return {}, []
+    out: dict[str, Value] = {}
+    if bias.any():
+        pedestal = _bias_level(series, bias)
+        pedestal_se = np.full(series.level.size, float(np.max(series.error[bias])))
+        middle = float(np.mean(series.level[bias]))
+        out["pedestal"] = Value(middle, max(float(pedestal_se[0]), float(np.ptp(pedestal)) / 4))
+    else:
+        fitted = _fit_pedestal(series, black_level)
+        if fitted is None:
+            return {}, []
+        out["pedestal"] = fitted
+        pedestal = np.full(series.level.size, fitted.value)
+        pedestal_se = np.full(series.level.size, fitted.se)
+    signal = series.level - pedestal
+    error = np.hypot(series.error, pedestal_se)
+    seconds = np.where(bias, np.inf, series.exposure)
+    rates = [Value(float(r), float(e)) for r, e in zip(signal / seconds, error / seconds, strict=True)]
+    rates = [r if keep else Value(0.0, float(e)) for r, keep, e in zip(rates, dark, error, strict=True)]
+    told = dark & np.isfinite(series.kelvin) & (signal > HEADROOM * error)
+    if np.unique(series.kelvin[told]).size >= 2:
+        rate = signal[told] / series.exposure[told]
+        relative = np.hypot(error[told] / signal[told], RELATIVE_ERROR)
+        out |= arrhenius_laws(series.kelvin[told], rate, relative)
+    return out, rates
+
+
+def _bias_level(series: Series, bias: np.ndarray) -> np.ndarray:
+    known = bias & np.isfinite(series.kelvin)
+    if not known.any() or not np.all(np.isfinite(series.kelvin)):
+        return np.full(series.level.size, float(np.mean(series.level[bias])))
+    order = np.argsort(series.kelvin[known])
+    return np.interp(
+        series.kelvin, series.kelvin[known][order], series.level[known][order]
+    )
+
+
+def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
+    """One constant under a dark signal t R(T): R free at each temperature, or an Arrhenius law.
+
+    Free rates need two exposures at some temperature; the law needs three temperatures.
+    """
+    kelvin = np.where(np.isfinite(series.kelvin), series.kelvin, 0.0)
+    temperatures, index = np.unique(np.round(kelvin), return_inverse=True)
+    repeated = any(np.unique(series.exposure[index == k]).size > 1 for k in range(temperatures.size))
+    pinned = black_level is not None
+    if repeated:
+        design = np.zeros((series.level.size, 1 + temperatures.size))
+        design[:, 0] = 1.0
+        design[np.arange(series.level.size), 1 + index] = series.exposure
+        return _linear_pedestal(design, series, black_level)
+    if temperatures.size >= 3 and np.all(kelvin > 0):
+        found = _law_pedestal(series, black_level)
+        if found is not None:
+            return found
+    return Value(float(black_level), BLACK_LEVEL_ERROR) if pinned and black_level is not None else None
+
+
+def _linear_pedestal(design: np.ndarray, series: Series, black_level: float | None) -> Value:
+    """Weighted least squares; twice, for the error holds a share of the signal itself."""
+    y = series.level
+    if black_level is not None:
+        design = np.vstack([design, np.eye(1, design.shape[1])])
+        y = np.append(y, black_level)
+    sigma = np.append(series.error, BLACK_LEVEL_ERROR)[: y.size]
+    solution = np.zeros(design.shape[1])
+    for _ in range(3):
+        a = design / sigma[:, None]
+        inverse = np.linalg.pinv(a.T @ a)
+        solution = inverse @ (a.T @ (y / sigma))
+        signal = design[: series.level.size, 1:] @ solution[1:]
+        sigma[: series.level.size] = np.hypot(series.error, RELATIVE_ERROR * signal)
+    scale = _misfit((y - design @ solution) / sigma, design.shape[1])
+    return Value(float(solution[0]), math.sqrt(float(inverse[0, 0])) * scale)
+
+
+def _misfit(pulls: np.ndarray, parameters: int) -> float:
+    """By how much the scatter exceeds the stated errors, at least 1."""
+    degrees = pulls.size - parameters
+    return max(1.0, math.sqrt(float(pulls @ pulls) / degrees)) if degrees > 0 else 1.0
+
+
+def _law_pedestal(series: Series, black_level: float | None) -> Value | None:
+    from scipy.optimize import least_squares
+
+    level, error, t = series.level, series.error, series.exposure
+    middle = float(np.median(series.kelvin))
+    inverse = (1 / series.kelvin - 1 / middle) / BOLTZMANN_EV
+    span = float(np.ptp(level))
+    if span <= 5 * float(error.max()):
+        return None
+    sigma = np.hypot(error, RELATIVE_ERROR * (level - level.min()))
+
+    def pulls(p: np.ndarray) -> np.ndarray:
+        model = p[0] + t * np.exp(np.clip(p[1] - p[2] * inverse, -200, 200))
+        rest = (level - model) / sigma
+        return rest if black_level is None else np.append(rest, (p[0] - black_level) / BLACK_LEVEL_ERROR)
+
+    best = None
+    for energy in (0.35, 0.6, 0.9, 1.2):
+        growth = t * np.exp(-energy * inverse)
+        scale = span / max(float(np.ptp(growth)), 1e-300)
+        start = [float(level.min()), math.log(scale), energy]
+        fit = least_squares(pulls, start, bounds=([-np.inf, -200, 0.05], [np.inf, 200, 3.0]))
+        best = fit if best is None or fit.cost < best.cost else best
+    assert best is not None
+    covariance = np.linalg.pinv(best.jac.T @ best.jac)
+    se = math.sqrt(float(covariance[0, 0])) * _misfit(best.fun, 3)
+    if not math.isfinite(se) or se > span:
+        return None
+    return Value(float(best.x[0]), max(se, 1e-6))
+
+
+def arrhenius_laws(kelvin: np.ndarray, rate: np.ndarray, relative: np.ndarray) -> dict[str, Value]:
+    """Activation energy of rates R exp(-Ea/k (1/T - 1/Tm)), of two populations where they fit better.
+
+    Parameters
+    ----------
+    kelvin, rate, relative : ndarray
+        Temperatures, K; rates, DN/s, and their relative errors.
+
+    Returns
+    -------
+    dict
+        ``activation_energy_ev`` and ``doubling_step_c`` (k T^2 ln 2 / Ea at the middle temperature)
+        of one law; and of the sum of two, where it lowers chi^2 by more than 13.8,
+        ``activation_energy_1_ev``, ``activation_energy_2_ev`` and ``activation_share``.
+    """
+    middle = 2 / (1 / kelvin.min() + 1 / kelvin.max())
+    x = (1 / kelvin - 1 / middle) / BOLTZMANN_EV
+    a = np.stack([np.ones_like(x), -x], axis=1) / relative[:, None]
+    inverse = np.linalg.inv(a.T @ a)
+    solution = inverse @ (a.T @ (np.log(rate) / relative))
+    pulls = np.log(rate) / relative - a @ solution
+    scale = _misfit(pulls, 2)
+    energy, se = float(solution[1]), math.sqrt(float(inverse[1, 1])) * scale
+    out = {"activation_energy_ev": Value(energy, se)}
+    if energy > 3 * se:
+        step = BOLTZMANN_EV * middle**2 * math.log(2) / energy
+        out["doubling_step_c"] = Value(float(step), float(step) * se / energy)
+    if kelvin.size >= 6:
+        out |= _two_populations(x, rate, relative, solution, float(pulls @ pulls))
+    return out
+
+
+def _two_populations(
+    x: np.ndarray, rate: np.ndarray, relative: np.ndarray, one: np.ndarray, chi2: float
+) -> dict[str, Value]:
+    from scipy.optimize import least_squares
+
+    def law(p: np.ndarray) -> np.ndarray:
+        low, high = np.exp(p[0] - p[1] * x), np.exp(p[2] - (p[1] + p[3]) * x)
+        return np.asarray(low + high)
+
+    def pulls(p: np.ndarray) -> np.ndarray:
+        return (np.log(rate) - np.log(law(p))) / relative
+
+    half = float(one[0]) - math.log(2)
+    starts = [[half, max(float(one[1]) - gap / 2, 0.06), half, gap] for gap in (0.3, 0.6)]
+    bounds = ([-200, 0.05, -200, 0.1], [200, 3.0, 200, 3.0])
+    fits = [least_squares(pulls, start, bounds=bounds) for start in starts]
+    fit = min(fits, key=lambda f: f.cost)
+    scale = _misfit(fit.fun, 4)
+    if chi2 - 2 * fit.cost < BETTER * scale**2:
+        return {}
+    low, energy, high, gap = fit.x
+    share = 1 / (1 + math.exp(low - high))
+    if not 0.02 < share < 0.98:
+        return {}
+    covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * scale**2
+    second = math.sqrt(covariance[1, 1] + covariance[3, 3] + 2 * covariance[1, 3])
+    contrast = covariance[0, 0] + covariance[2, 2] - 2 * covariance[0, 2]
+    return {
+        "activation_energy_1_ev": Value(float(energy), math.sqrt(covariance[1, 1])),
+        "activation_energy_2_ev": Value(float(energy + gap), second),
+        "activation_share": Value(share, share * (1 - share) * math.sqrt(max(contrast, 0.0))),
+    }
+
+
+def hot_repeat(settings: Sequence[SettingStatistics]) -> Value | None:
+    """Share of the hot pixels of the setting with fewer that are hot in the next one, too.
+
+    Over successive settings (of one plane, in the order of operating points) that list at least 20 hot
+    pixels each in the curve ``hot_pixels``; None where there are none.
+    """
+    both, fewer = 0, 0
+    known = [s for s in settings if s.curves.get("hot_pixels", np.empty(0)).size >= 20]
+    for plane in dict.fromkeys(s.plane for s in known):
+        listed = [s for s in known if s.plane == plane]
+        for a, b in zip(listed[:-1], listed[1:], strict=True):
+            one, two = a.curves["hot_pixels"], b.curves["hot_pixels"]
+            both += np.intersect1d(one, two, assume_unique=True).size
+            fewer += min(one.size, two.size)
+    if not fewer:
+        return None
+    share = both / fewer
+    shrunk = (both + 1) / (fewer + 2)
+    return Value(share, math.sqrt(shrunk * (1 - shrunk) / fewer))

@@ -97,9 +97,14 @@ def repeated_variance(sides: list[np.ndarray], repeats: float) -> np.ndarray:
     singles = [_scatter(side, side) for side in sides]
     parts = [np.maximum(np.mean(part, axis=0), 0.0) for part in zip(*singles, strict=True)]
     if repeats > 1 and len(sides) > 1:
-        shared = _scatter(sides[0], sides[1])
-        common = [np.clip(c, 0.0, part) for c, part in zip(shared, parts, strict=True)]
-        parts = [c + (part - c) / repeats for c, part in zip(common, parts, strict=True)]
+        each, lines = _scatter(sides[0], sides[1])
+        chance = np.sqrt(((sides[0] * sides[1]) ** 2).sum(axis=(0, 1)))
+        common = np.clip(each - chance, 0.0, parts[0])
+        share = common / np.maximum(parts[0], 1e-300)
+        seen = parts[1] > 0.5 * parts[0]  # else what lines add is itself chance
+        common_lines = np.where(seen, np.clip(lines, 0.0, parts[1]), share * parts[1])
+        common = common + common_lines
+        return common + (parts[0] + parts[1] - common) / repeats
     return parts[0] + parts[1]
 
 
