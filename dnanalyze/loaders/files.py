@@ -31,11 +31,14 @@ class Place:
         The folder, local.
     files : tuple of Path
         All files below it in natural order, or the one file that was named.
+    single : bool
+        Whether one file was named.
     """
 
     name: str
     root: Path
     files: tuple[Path, ...]
+    single: bool = False
 
     def relative(self, path: Path) -> str:
         """The file as it is named to the user, below the root."""
@@ -65,7 +68,7 @@ def find(path: str | os.PathLike[str]) -> Place:
         if given.is_file():
             if given.name.lower() in MANIFESTS:
                 return Place(text, given.parent, _below(given.parent))
-            return Place(text, given.parent, (given,))
+            return Place(text, given.parent, (given,), single=True)
     except OSError as error:
         raise unreadable(text, error) from error
     raise InputError(f"{text}: no such file or folder; give a folder of dark frames or one file")
@@ -152,4 +155,4 @@ def _fetched(url: str) -> Place:
     except Exception as error:  # every protocol has its own errors
         text = " ".join(str(error).split())[:160] or type(error).__name__
         raise InputError(f"{url}: cannot be fetched ({text}); check address and access") from error
-    return Place(url, root, _below(root))
+    return Place(url, root, _below(root), single)

@@ -50,7 +50,8 @@ def load(
     include_masked : bool
         The whole readout, masked pixels and all; the same as ``region="all"``.
     region : {"active", "masked", "all"}, optional
-        Which part of the readout makes the frames; "active" where the sidecar does not say.
+        Which part of the readout makes the frames. Where neither this nor the sidecar says it:
+        "active", or "masked" for camera raw files that are lit, which a note then tells.
 
     Raises
     ------
@@ -67,11 +68,12 @@ def load(
     tolerance = next(t for t in (tolerance_c, sidecar.tolerance_c, TOLERANCE_C) if t is not None)
     if not tolerance >= 0:
         raise InputError(f"tolerance_c {tolerance}: must be 0 C or more")
-    part: str = "all" if include_masked else region or sidecar.region or "active"
+    asked = "all" if include_masked else region or sidecar.region
     notes: list[str] = []
     manifest = read_manifest(place)
     files = _frame_files(place, sidecar, manifest, notes)
     recordings = _recordings(place, files, sidecar, notes)
+    part = asked or _dark_part(recordings, notes)
     return _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
 
 
@@ -84,8 +86,7 @@ def _sidecar(config: str | os.PathLike[str] | Config | None, place: Place) -> Co
 def _frame_files(
     place: Place, config: Config, manifest: dict[Path, Metadata] | None, notes: list[str]
 ) -> list[Path]:
-    single = len(place.files) == 1 and str(place.files[0]) == place.name
-    if single:
+    if place.single:
         return list(place.files)
     files = [f for f in place.files if f.suffix.lower() in MODULES]
     if manifest is not None:
@@ -153,6 +154,16 @@ def _one_camera(
 
 
 _CAMERA_RAW = {suffix for suffix, module in MODULES.items() if module == "camera_raw"}
+
+
+def _dark_part(recordings: list[tuple[Path, Recording]], notes: list[str]) -> str:
+    if not any(r.lit for _, r in recordings):
+        return "active"
+    notes.append(
+        "The frames are lit: their active area lies far above their masked strip. The masked "
+        "strip alone is loaded; region 'active' loads the lit area all the same."
+    )
+    return "masked"
 
 
 def _capture_set(

@@ -107,7 +107,9 @@ def _missing_exposure(points: list[OperatingPoint]) -> list[str]:
         ]
     said = []
     if len(exposures) < len(points):
-        said.append(f"{len(points) - len(exposures)} of {len(points)} operating points have no exposure.")
+        said.append(
+            f"{len(points) - len(exposures)} of {len(points)} operating points have no exposure."
+        )
     if len(set(exposures)) == 1 and exposures[0] > 0:
         said.append(
             "One exposure only: what grows with time and what does not are told apart by "

@@ -62,8 +62,7 @@ def _matches(place: Place, known: dict[str, Path], pattern: str, where: str) -> 
             raise InputError(f"{where}: {pattern} is a folder; write {pattern.rstrip('/')}/*")
         return []  # one file was asked for, and this is another
     matched = [file for name, file in known.items() if fnmatchcase(name, pattern)]
-    single = len(place.files) == 1 and any(c in pattern for c in "*?[")
-    if not matched and not single:
+    if not matched and not (place.single and any(c in pattern for c in "*?[")):
         raise InputError(f"{where}: {pattern} is not in the folder; correct the name or the row")
     return matched
 

@@ -59,6 +59,8 @@ class Recording:
         As in ``Sensor``.
     notes : tuple of str
         What was assumed, one sentence each.
+    lit : bool
+        Whether light fell on the active area, seen against the masked one.
     left_out : str
         Why the file is no dark frame, or "".
     """
@@ -76,6 +78,7 @@ class Recording:
     white_level: float | None = None
     pixel_pitch_um: float | None = None
     notes: tuple[str, ...] = ()
+    lit: bool = False
     left_out: str = ""
 
 

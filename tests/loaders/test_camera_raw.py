@@ -71,6 +71,21 @@ def test_masked_strip(tmp_path):
     assert np.array_equal(next(load(tmp_path, include_masked=True).frames()).read(), ARRAY)
 
 
+def test_lit_frames_give_their_masked_strip(tmp_path):
+    rng = np.random.default_rng(1)
+    dark = np.rint(rng.normal(64.0, 3.0, ARRAY.shape)).astype(np.uint16)
+    warm = dark.copy()
+    warm[8:, 30:] += 30  # 10 sd, but under a percent of the range: dark current, not light
+    lit = dark.copy()
+    lit[8:, 30:] += 60
+    for array, region in ((dark, "active"), (warm, "active"), (lit, "masked")):
+        dng(tmp_path / "a.dng", array, active=(8, 30, 120, 160))
+        captures = load(tmp_path)
+        assert captures.source.region == region
+        assert any("lit" in n for n in captures.notes) == (region == "masked")
+    assert load(tmp_path, region="active").sensor.shape == (112, 130)
+
+
 def test_two_cameras_are_told_apart(tmp_path):
     dng(tmp_path / "a.dng", ARRAY[:100])
     dng(tmp_path / "b.dng")

@@ -43,19 +43,28 @@ def test_floats_have_no_codes(tmp_path):
     assert codes["largest"] == noise().max() + 0.5
 
 
+A, B, C = "T20C_exp_1s__a", "T40C_exp_1s__b", "T20C_exp_0s__a"
+
+
 @pytest.mark.parametrize(
     ("names", "said", "unsaid"),
     [
         (["a"], ["single frame", "No temperature", "No exposure"], ["At most"]),
-        (["T20C_exp_1s__a", "T20C_exp_1s__b"], ["At most 2 frames", "One temperature", "One exp"],
-         ["single frame"]),
-        (["T20C_exp_1s__a", "T40C_exp_1s__b"], ["single frame", "One exposure"], ["One temp"]),
-        (["T20C_exp_1s__a", "T40C__b"], ["1 of 2 operating points have no exposure"], ["No exposure"]),
-        (["T20C_exp_0s__a"], ["Bias frames only"], ["One exposure"]),
-        (["T20C_exp_0s__a", "T40C_exp_1s__a", "T40C_exp_1s__b"], ["1 of 2 operating points have a single"],
-         ["One exposure", "One temperature"]),
+        (
+            [A, "T20C_exp_1s__b"],
+            ["At most 2 frames", "One temperature", "One exposure"],
+            ["single frame"],
+        ),
+        ([A, B], ["single frame", "One exposure"], ["One temperature"]),
+        ([A, "T40C__b"], ["1 of 2 operating points have no exposure"], ["No exposure"]),
+        ([C], ["Bias frames only"], ["One exposure"]),
+        (
+            [C, "T40C_exp_1s__a", B],
+            ["1 of 2 operating points have a single frame"],
+            ["One exposure", "One temperature"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_missing(tmp_path, names, said, unsaid):
     found = inspect(folder(tmp_path, **{n: noise(k) for k, n in enumerate(names)}))
     text = " ".join(found["missing"])

@@ -83,9 +83,13 @@ def test_interrupt_leaves_no_half_written_file(tmp_path):
     left = [p.name for p in tmp_path.rglob("*") if p.is_file()]
     assert sorted(left) == ["dark_000.tif", "dark_001.tif"]
 
-    with pytest.raises(KeyboardInterrupt), atomic(tmp_path / "half") as file:
-        file.write(b"half")
-        raise KeyboardInterrupt
+    def half():
+        with atomic(tmp_path / "half") as file:
+            file.write(b"half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        half()
     assert not [p for p in tmp_path.iterdir() if "half" in p.name]
 
 
@@ -120,9 +124,7 @@ def test_planes_are_the_pixels_of_one_colour(tmp_path, cfa, names):
     whole = captures.settings[0].frames[1].read()
     found = planes(captures)
     assert [name for name, _ in found] == names
-    for (_, plane), (row, column) in zip(
-        found, [(0, 0), (0, 1), (1, 0), (1, 1)], strict=True
-    ):
+    for (_, plane), (row, column) in zip(found, [(0, 0), (0, 1), (1, 0), (1, 1)], strict=True):
         expected = whole[row::2, column::2]
         frame = plane.settings[0].frames[1]
         assert plane.sensor.shape == expected.shape

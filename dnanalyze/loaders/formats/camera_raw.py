@@ -69,6 +69,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             black_level=sum(black) / len(black) if black else None,
             white_level=float(raw.white_level) if raw.white_level else None,
             notes=notes,
+            lit=masked is not None and _lit(raw, active, masked),
         )
 
 
@@ -96,8 +97,8 @@ def open_raw(path: Path) -> Any:
         return rawpy.imread(str(path))
     except rawpy.LibRawError as error:
         raise InputError(
-            f"{path.name}: LibRaw cannot open it ({one_line(error)}); it is damaged, truncated or of "
-            "an unknown camera: copy it again, or convert it to DNG"
+            f"{path.name}: LibRaw cannot open it ({one_line(error)}); it is damaged, "
+            "truncated or of an unknown camera: copy it again, or convert it to DNG"
         ) from error
 
 
@@ -106,7 +107,8 @@ def _unpack(raw: Any, name: str) -> None:
         raw.unpack()
     except rawpy.LibRawError as error:
         raise InputError(
-            f"{name}: LibRaw cannot decode it ({one_line(error)}); copy the file again or leave it out"
+            f"{name}: LibRaw cannot decode it ({one_line(error)}); copy the file again or "
+            "leave it out"
         ) from error
 
 
@@ -125,6 +127,19 @@ def _masked(active: Window, shape: tuple[int, int]) -> Window | None:
     if right - left < MIN_SIDE or bottom - top < MIN_SIDE:
         return None
     return Window(top, bottom, left, right)
+
+
+def _lit(raw: Any, active: Window, masked: Window) -> bool:
+    """Whether the active area lies far above the masked strip, which shares all but the light.
+
+    Ten robust standard deviations of the strip and one percent of the range: more than
+    differences of dark current and offset between the two make.
+    """
+    dark = raw.raw_image[masked.slices][::4]
+    level = float(np.median(dark))
+    spread = 1.4826 * float(np.median(np.abs(dark - level)))
+    rise = float(np.median(raw.raw_image[active.slices][::16, ::3])) - level
+    return rise > max(10.0 * spread, 0.01 * (raw.white_level - level))
 
 
 def _colour_filter(raw: Any, active: Window) -> Any:

@@ -44,7 +44,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
                     "store frames of one shape and type"
                 )
             first = frame, data.dtype
-            if data.external:
+            if data.external or data.is_virtual:
                 raise InputError(f"{where}: keeps its pixels in another file; repack the dataset")
             size = frame[0] * frame[1] * data.dtype.itemsize
             if data.chunks is None:
