@@ -9,7 +9,7 @@ import numpy as np
 
 CLIP = 6.0  # robust sigmas at which winsorised data are cut
 BANDS = 32  # row bands and column bands of the block grid, where the frame is large enough
-SMALLEST_BAND = 4  # pixels
+SMALLEST_BANDS = (4, 16)  # rows, columns
 
 
 @dataclass(frozen=True)
@@ -49,16 +49,16 @@ class Plan:
     @cached_property
     def row_edges(self) -> np.ndarray:
         """First row of each row band of the block grid, and the end; int64."""
-        return _edges(self.shape[0])
+        return _edges(self.shape[0], SMALLEST_BANDS[0])
 
     @cached_property
     def column_edges(self) -> np.ndarray:
         """First column of each column band of the block grid, and the end; int64."""
-        return _edges(self.shape[1])
+        return _edges(self.shape[1], SMALLEST_BANDS[1])
 
 
-def _edges(size: int) -> np.ndarray:
-    bands = max(1, min(BANDS, size // SMALLEST_BAND))
+def _edges(size: int, smallest: int) -> np.ndarray:
+    bands = max(1, min(BANDS, size // smallest))
     return np.arange(bands + 1, dtype=np.int64) * size // bands
 
 

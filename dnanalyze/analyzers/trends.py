@@ -15,6 +15,8 @@ BOLTZMANN_EV = 8.617333e-5
 KELVIN = 273.15
 BIAS_SHARE = 1e-3  # of the longest exposure, up to which a frame counts as bias
 BLACK_LEVEL_ERROR = 0.5  # DN, of a recorded black level
+LEVEL_ERROR = 0.02  # DN, of a median of codes
+UNKNOWN_DRIFT = 0.1  # DN, how far a single frame may stand off
 RELATIVE_ERROR = 0.02  # of the dark signal: a thermometer good to about 0.2 C
 BETTER = 13.8  # drop of chi^2 for two more parameters: p = .001
 HEADROOM = 4.0  # standard errors above 0 from which a dark rate tells an activation energy
@@ -83,11 +85,13 @@ class Series:
 
 
 def _series(points: list[OperatingPoint], settings: Sequence[SettingStatistics]) -> Series:
+    """Errors are those of the level within this sensor: its fixed pattern is common to all settings."""
     level, error = [], []
     for point in points:
-        medians = [s.values["median"] for s in settings if s.point == point]
-        level.append(float(np.mean([m.value for m in medians])))
-        error.append(math.sqrt(sum(m.se**2 for m in medians)) / len(medians))
+        here = [s for s in settings if s.point == point]
+        level.append(float(np.mean([s.values["median"].value for s in here])))
+        drifts = [s.values["drift"].value / math.sqrt(s.frames) for s in here if s.frames > 1]
+        error.append(math.hypot(LEVEL_ERROR, np.mean(drifts)) if drifts else UNKNOWN_DRIFT)
     timed = all(p.exposure_s is not None for p in points)
     kelvin = [math.nan if p.temperature_c is None else p.temperature_c + KELVIN for p in points]
     exposure = [p.exposure_s if timed and p.exposure_s is not None else 1.0 for p in points]
