@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.line_means import line_means
 from dnanalyze.analyzers.lines_infos import INFOS
 from dnanalyze.analyzers.spectra_accumulator import Spectra
+from dnanalyze.analyzers.spectral_modes import frame_repeats
 from dnanalyze.analyzers.statistics import Value
 
 __all__ = ["INFOS", "finish"]
@@ -20,20 +23,19 @@ TAPS = (2, 4, 8)
 OUTLIER_SIGMAS = 6.0
 FEWEST = 16  # lines
 _MEDIAN_WINDOW = 15  # lines
-_TREND_WINDOW = 24  # lines: every period above divides it, so that the periods pass the filter unchanged
+_TREND_WINDOW = (
+    24  # lines: every period above divides it, so that the periods pass the filter unchanged
+)
 _TREND_DEGREE = 3
 _LAGS = 64
-_SLOW_MODES = 3  # lowest frequencies of the line means, which are shading
 _GUMBEL_SD = math.pi / math.sqrt(6)
 
 
 def finish(acc: Accumulated) -> FamilyResult:
     """Values and curves of the means of columns and rows."""
     result = FamilyResult()
-    means = {
-        "column": acc.clipped_pattern.mean(axis=0, dtype=float),
-        "row": acc.clipped_pattern.mean(axis=1, dtype=float),
-    }
+    lines = line_means(acc.clipped_pattern)
+    means = {"column": lines.columns, "row": lines.rows}
     for kind, mean in means.items():
         mean = mean - mean.mean()
         result.curves[f"{kind}_mean"] = mean
@@ -139,8 +141,9 @@ def _share(total: np.ndarray, explained: np.ndarray, freedom: int, removed: int)
         return Value(0.0, noise)
     raw = float(explained @ explained) / all_of_it
     share = 1.0 - (1.0 - raw) * n / (n - freedom)
-    inside = min(max(share, 0.0), 1.0)
-    return Value(share, math.sqrt(noise**2 * (1 - inside) ** 2 + 4 * inside * (1 - inside) ** 2 / n + 1e-8))
+    sure = min(max(share - noise, 0.0), 1.0)  # what is not chance alone
+    variance = (noise**2 + 4 * sure / n) * (1 - sure) ** 2
+    return Value(share, math.sqrt(variance + 1e-8))
 
 
 def autocorrelation(mean: np.ndarray) -> np.ndarray:
@@ -166,28 +169,41 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
     if not spectra.useful:
         result.missing["lines"] = "the frame is too small for line noise"
         return
-    rows, columns = spectra.shape
     single = _axis_powers(spectra.frame_power())
-    parts = [("", single, 1.0)]
-    if acc.frames > 1:
-        fixed = _image_axis_powers(spectra.sum / spectra.frames)
-        k = acc.frames / (acc.frames - 1.0)
-        temporal = tuple(
-            np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True)
-        )
-        parts.append(("temporal_", temporal, acc.frames - 1.0))
-    else:
+    if acc.frames < 2:
         result.missing["lines"] = "one frame does not tell noise in time from a fixed pattern"
-    for prefix, (by_column, by_row, pixels), repeats in parts:
-        for kind, power, length in (("column", by_column, rows), ("row", by_row, columns)):
-            _line_noise(f"{prefix}{kind}", power, float(pixels), length, repeats, result)
-            if prefix:
-                name = f"temporal_{kind}_lag1"
-                value = _lag_one(power, repeats)
-                if value is None:
-                    result.missing[name] = f"the means of the {kind}s do not change in time"
-                else:
-                    result.values[name] = value
+        _part_noise("", spectra.shape, single, (1.0, 1.0), result)
+        return
+    fixed = _image_axis_powers(spectra.sum / spectra.frames)
+    k = acc.frames / (acc.frames - 1.0)
+    temporal = tuple(np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True))
+    repeats = [
+        frame_repeats(float(s.sum()), float(t.sum()), acc.frames)
+        for s, t in zip(single[:2], temporal[:2], strict=True)
+    ]
+    _part_noise("", spectra.shape, single, repeats, result)
+    own = acc.frames - 1.0
+    _part_noise("temporal_", spectra.shape, temporal, (own, own), result)
+    for kind, power in zip(("column", "row"), temporal[:2], strict=True):
+        value = _lag_one(power, own)
+        if value is None:
+            why = f"the means of the {kind}s do not change in time"
+            result.missing[f"temporal_{kind}_lag1"] = why
+        else:
+            result.values[f"temporal_{kind}_lag1"] = value
+
+
+def _part_noise(
+    prefix: str,
+    shape: tuple[int, int],
+    powers: Sequence[np.ndarray],
+    repeats: Sequence[float],
+    result: FamilyResult,
+) -> None:
+    rows, columns = shape
+    pixels = float(powers[2])
+    _line_noise(f"{prefix}column", powers[0], pixels, rows, repeats[0], result)
+    _line_noise(f"{prefix}row", powers[1], pixels, columns, repeats[1], result)
 
 
 def _axis_powers(power: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -213,26 +229,43 @@ def _image_axis_powers(image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
 def _line_noise(
     name: str, power: np.ndarray, pixels: float, length: int, repeats: float, result: FamilyResult
 ) -> None:
-    """Standard deviation of line means over what independent pixels explain, and in DN."""
-    fast = power[_SLOW_MODES:]
-    level = float(fast.mean()) if fast.size else 0.0
+    """Differences of neighbouring line means over what independent pixels explain; and plain, in DN.
+
+    The differences leave slow trends, which are shading, out.
+    """
+    weight, cosine = _mode_weights(power.size)
+    steps = weight * (1 - cosine)
+    level, plain = float(steps @ power) / float(steps.sum()), float(weight @ power) / weight.sum()
     if not (pixels > 0 and level > 0):
         result.missing[f"{name}_noise"] = "the frames are constant"
         return
-    relative = 0.5 / math.sqrt(fast.size * repeats)
-    result.values[f"{name}_noise"] = Value(math.sqrt(level / pixels), relative)
-    result.values[f"{name}_mean_sd"] = Value(math.sqrt(level / length), relative)
+
+    def error(weights: np.ndarray) -> float:
+        squares = weights**2 * np.where(weight < 1, 2.0, 1.0)
+        return 0.5 * math.sqrt(float(squares.sum()) / repeats) / float(weights.sum())
+
+    result.values[f"{name}_noise"] = Value(math.sqrt(level / pixels), error(steps))
+    # a mode's own square stands for that of its mean, which is 1 + 1/repeats times smaller
+    own = error(weight * power / plain) / math.sqrt(1 + 1 / repeats)
+    result.values[f"{name}_mean_sd"] = Value(math.sqrt(plain / length), own)
+    of_pixels = math.sqrt(0.25 / (power.size * length * repeats))
+    result.values[f"{name}_mean_explained"] = Value(math.sqrt(pixels / length), of_pixels)
+
+
+def _mode_weights(modes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Weight of each mode above 0 in a sum over all lines, half at the last, and its cosine."""
+    number = np.arange(1, modes + 1)
+    return np.where(number == modes, 0.5, 1.0), np.cos(np.pi * number / modes)
 
 
 def _lag_one(power: np.ndarray, repeats: float) -> Value | None:
     """Correlation of neighbouring line means, from their power spectrum (Wiener and Khinchin)."""
     modes = power.size
     lines = 2 * modes
-    weight = np.where(np.arange(1, modes + 1) == modes, 0.5, 1.0)
+    weight, cosine = _mode_weights(modes)
     total = float(weight @ power)
     if not total > 0 or modes < 4:
         return None
-    cosine = np.cos(np.pi * np.arange(1, modes + 1) / modes)
     correlation = float((weight * cosine) @ power) / total
     # the mean over the lines was removed, which takes 1 / (lines - 1) off every correlation
     value = correlation + (1 + correlation) / (lines - 1) * (1 - abs(correlation))

@@ -51,10 +51,22 @@ def _noise(prefix: str, of: str) -> tuple[StatisticInfo, ...]:
         for kind in ("column", "row")
         for info in (
             _told(
-                f"{prefix}{kind}_noise", "1", f"{kind} noise {of} over what the pixels explain", Scale.LOG
+                f"{prefix}{kind}_noise",
+                "1",
+                f"{kind} noise {of} over what the pixels explain",
+                Scale.LOG,
             ),
             _told(
-                f"{prefix}{kind}_mean_sd", "DN", f"standard deviation of the {kind} means {of}", Scale.LOG
+                f"{prefix}{kind}_mean_explained",
+                "DN",
+                f"what the pixels explain of the {kind} means",
+                Scale.LOG,
+            ),
+            _told(
+                f"{prefix}{kind}_mean_sd",
+                "DN",
+                f"standard deviation of the {kind} means {of}",
+                Scale.LOG,
             ),
         )
     )

@@ -49,7 +49,7 @@ def _rank_row(above, here, below, high, low, gap):
 def rank_sums(x, row_edges, column_edges, out):
     """Pixels, shares in being above, and below, all 8 neighbours; border pixels are left out."""
     rows, columns = x.shape
-    high, low, gap = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
+    high, low, gap = np.empty((3, columns), np.float32)
     for r in range(row_edges.size - 1):
         for i in range(max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])):
             _rank_row(x[i - 1], x[i], x[i + 1], high, low, gap)
@@ -65,14 +65,16 @@ def rank_sums(x, row_edges, column_edges, out):
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
-def peak_sums(x, top, leads, row_edges, column_edges, out):
-    """As `rank_sums`, with pixels from ``top`` up, those of them that equal the highest neighbour, and
-    pixels that lead all neighbours by more than each of the three ``leads``, DN.
+def peak_sums(x, top, share, leads, row_edges, column_edges, out):
+    """As `rank_sums`, and more of single frames.
+
+    Pixels above ``top``, those at ``top`` counted as ``share``; those of them that equal their highest
+    neighbour; pixels that lead all neighbours by more than each of the three ``leads``, DN.
     """
     rows, columns = x.shape
-    high, low, gap = np.empty(columns, np.float32), np.empty(columns, np.float32), np.empty(columns, np.float32)
-    zero = np.float32(0.0)
-    limit = np.float32(top)
+    high, low, gap = np.empty((3, columns), np.float32)
+    zero, one = np.float32(0.0), np.float32(1.0)
+    limit, part = np.float32(top), np.float32(share)
     k0, k1, k2 = np.float32(leads[0]), np.float32(leads[1]), np.float32(leads[2])
     for r in range(row_edges.size - 1):
         for i in range(max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])):
@@ -81,12 +83,15 @@ def peak_sums(x, top, leads, row_edges, column_edges, out):
             for c in range(column_edges.size - 1):
                 first, last = max(1, column_edges[c]), min(columns - 1, column_edges[c + 1])
                 s_high, s_low = zero, zero
-                n_top, n_ties, n0, n1, n2 = 0, 0, 0, 0, 0
+                n_top, n_ties = zero, zero
+                n0, n1, n2 = 0, 0, 0
                 for j in range(first, last):
                     s_high += high[j]
                     s_low += low[j]
-                    n_top += here[j] >= limit
-                    n_ties += (here[j] >= limit) & (gap[j] == zero)
+                    weight = part if here[j] == limit else zero
+                    weight = one if here[j] > limit else weight
+                    n_top += weight
+                    n_ties += weight if gap[j] == zero else zero
                     n0 += gap[j] > k0
                     n1 += gap[j] > k1
                     n2 += gap[j] > k2

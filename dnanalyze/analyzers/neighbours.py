@@ -71,9 +71,7 @@ def _error(plan: Plan, residuals: np.ndarray) -> float:
     return math.sqrt(max(0.0, float(clustered_variance(_coarse(plan, residuals)))))
 
 
-def _ranks(
-    part: str, plan: Plan, sums: np.ndarray, frames: int, result: FamilyResult
-) -> None:
+def _ranks(part: str, plan: Plan, sums: np.ndarray, frames: int, result: FamilyResult) -> None:
     pixels = sums[..., RANK_PIXELS]
     total = float(pixels.sum())
     for name, at in (("pmax8", RANK_HIGH), ("pmin8", RANK_LOW)):
@@ -118,11 +116,11 @@ def _peaks(plan: Plan, sums: Neighbours, result: FamilyResult) -> None:
         result.values[f"excess_{sigmas:g}"] = Value(total, math.sqrt(variance / (total + 0.375)))
     top, ties = peaks[..., PEAK_TOP], peaks[..., PEAK_TIES]
     n = float(top.sum())
-    if not n:
+    if not n > 0:
         result.missing["ties_max8"] = "no inner pixel is among the top 1 %"
         return
     share = float(ties.sum()) / n
-    floor = math.sqrt(max(share * (1 - share), 1 / n) / n)
+    floor = math.sqrt(max(share * (1 - share), 0.1 / n) / n)
     error = _error(plan, ties - share * top) / n
     result.values["ties_max8"] = Value(share, max(error, floor))
 
@@ -150,7 +148,9 @@ def _local_variances(plan: Plan, tiles: np.ndarray, result: FamilyResult) -> Non
         result.missing["hh_kurtosis"] = "the frames do not differ between neighbours"
         return
     slope = (fourth - m4 * number) / m2**2 - 2 * m4 * (second - m2 * number) / m2**3
-    result.values["hh_kurtosis"] = Value(m4 / m2**2 - 3, max(_error(plan, slope) / n, math.sqrt(6 / n)))
+    result.values["hh_kurtosis"] = Value(
+        m4 / m2**2 - 3, max(_error(plan, slope) / n, math.sqrt(6 / n))
+    )
 
 
 def _halos(acc: Accumulated, result: FamilyResult) -> None:

@@ -44,8 +44,9 @@ class Neighbours:
 
         plan = self.plan
         leads = np.array(EXCESS_SIGMAS) * plan.difference_sigma
+        top, share = top_level(view.frame)
         kernels.peak_sums(
-            view.frame, top_level(view.frame), leads, plan.row_edges, plan.column_edges, self.peaks
+            view.frame, top, share, leads, plan.row_edges, plan.column_edges, self.peaks
         )
         self.frames += 1
         if view.difference is not None:
@@ -94,13 +95,23 @@ def rank_shares(plan: Plan, image: np.ndarray) -> np.ndarray:
     return out
 
 
-def top_level(frame: np.ndarray) -> float:
-    """Level from which the top 1 % of a frame begin, from an even sample of its pixels, DN."""
+def top_level(frame: np.ndarray) -> tuple[float, float]:
+    """Where the top 1 % of a frame begin, from an even sample of its pixels.
+
+    Returns
+    -------
+    level : float
+        DN.
+    share : float
+        Share of the pixels at exactly this level that are among the top 1 %.
+    """
     step = max(1, int(np.sqrt(frame.size / _SAMPLE)))
     step += 1 - step % 2  # an odd step meets all phases of a two-column or colour pattern
     sample = frame[::step, ::step].ravel()
     at = min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))
-    return float(np.partition(sample, at)[at])
+    level = np.partition(sample, at)[at]
+    above, alike = np.count_nonzero(sample > level), np.count_nonzero(sample == level)
+    return float(level), min(1.0, max(0.0, (_TOP_SHARE * sample.size - above) / alike))
 
 
 def band_of(edges: np.ndarray) -> np.ndarray:

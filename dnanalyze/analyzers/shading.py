@@ -8,6 +8,7 @@ import numpy as np
 import scipy.fft
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.line_means import line_means
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 GRID = 16  # blocks along each side, at most
@@ -26,7 +27,10 @@ def _infos() -> tuple[StatisticInfo, ...]:
                 what = f"shading of order {i} across, {j} down"
                 out.append(
                     StatisticInfo(
-                        f"shading_{i}_{j}", "shading", "DN", what,
+                        f"shading_{i}_{j}",
+                        "shading",
+                        "DN",
+                        what,
                         high="the fixed pattern is shaded over the field otherwise than in the model: "
                         "glow, a thermal gradient, or a readout ramp",
                         low="the fixed pattern is shaded over the field otherwise than in the model: "
@@ -36,7 +40,10 @@ def _infos() -> tuple[StatisticInfo, ...]:
     for name, orders in (("mid", "4 to 7"), ("high", "8 to 15")):
         out.append(
             StatisticInfo(
-                f"shading_{name}", "shading", "DN^2", f"mean square of shading of orders {orders}",
+                f"shading_{name}",
+                "shading",
+                "DN^2",
+                f"mean square of shading of orders {orders}",
                 Scale.LOG,
                 high="the fixed pattern is more uneven over the field than in the model, {ratio} times "
                 "in power: a low-frequency pattern is missing",
@@ -61,7 +68,8 @@ def finish(acc: Accumulated) -> FamilyResult:
     result = FamilyResult(curves={"block_means": means + acc.pattern_centre})
     square = coefficients**2
     order = np.maximum(*np.indices(square.shape))
-    noise = _noise(image, square, order)
+    resolution = acc.pattern_step or 1e-6 * max(1.0, abs(acc.pattern_centre))
+    noise = _noise(image, square, order, resolution / math.sqrt(12))
     for i in range(ORDERS):
         for j in range(ORDERS):
             name = f"shading_{i}_{j}"
@@ -85,8 +93,8 @@ def finish(acc: Accumulated) -> FamilyResult:
 def block_means(image: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
     """Means over a grid of nearly equal blocks, float64, of shape ``grid``."""
     edges = [np.arange(n + 1) * size // n for n, size in zip(grid, image.shape, strict=True)]
-    by_row = np.add.reduceat(image, edges[0][:-1], axis=0, dtype=float)
-    sums = np.add.reduceat(by_row, edges[1][:-1], axis=1)
+    by_row = np.add.reduceat(image, edges[1][:-1], axis=1)
+    sums = np.add.reduceat(by_row, edges[0][:-1], axis=0, dtype=float)
     sizes = np.diff(edges[0])[:, None] * np.diff(edges[1])
     return np.asarray(sums / sizes)
 
@@ -101,15 +109,21 @@ def _groups(shape: tuple[int, int]) -> np.ndarray:
     return np.where(j == 0, 0, np.where(i == 0, 1, 2))
 
 
-def _noise(image: np.ndarray, square: np.ndarray, order: np.ndarray) -> list[float]:
+def _noise(
+    image: np.ndarray, square: np.ndarray, order: np.ndarray, resolution: float
+) -> list[float]:
     """Variance of a low-order coefficient of each kind, DN^2.
 
     White pixels and white lines give every order alike. What the middle orders have beyond that is a random
     low-frequency field, which has more of it in the low orders.
     """
-    pixel = float(image.var(dtype=float)) / image.size
-    white = [_line_variance(image.mean(axis=a)) / image.shape[1 - a] for a in (0, 1)] + [pixel]
-    kinds, middle = _groups((square.shape[0], square.shape[1])), (order >= MID[0]) & (order < MID[1])
+    lines = line_means(image)
+    pixel = max(lines.variance, resolution**2) / image.size
+    white = [_line_variance(m) / m.size for m in (lines.columns, lines.rows)] + [pixel]
+    kinds, middle = (
+        _groups((square.shape[0], square.shape[1])),
+        (order >= MID[0]) & (order < MID[1]),
+    )
     out = []
     for kind, level in enumerate(white):
         level = max(level, pixel)
@@ -119,7 +133,7 @@ def _noise(image: np.ndarray, square: np.ndarray, order: np.ndarray) -> list[flo
             chance = level * (1 + 2 * math.sqrt(2 / inside.size))
             if inside.mean() > chance:
                 excess = float(inside.mean()) - level
-        out.append(max(level + _RED * excess, np.finfo(float).tiny))
+        out.append(level + _RED * excess)
     return out
 
 

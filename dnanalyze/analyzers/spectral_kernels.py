@@ -81,3 +81,21 @@ def search(power, columns, reach, guard, lowest):
             if power[i, k] > best * floor and floor > 0:
                 best, best_i, best_k, best_floor = power[i, k] / floor, i, k, floor
     return best, best_i, best_k, best_floor, searched
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
+def line_sums(image):
+    """Sums of each column and of each row, and the sum of squares, float64."""
+    by_column = np.zeros(image.shape[1])
+    by_row = np.zeros(image.shape[0])
+    square = 0.0
+    for i in range(image.shape[0]):
+        total, squares = 0.0, 0.0
+        for j in range(image.shape[1]):
+            y = np.float64(image[i, j])
+            by_column[j] += y
+            total += y
+            squares += y * y
+        by_row[i] = total
+        square += squares
+    return by_column, by_row, square

@@ -109,7 +109,9 @@ def _fine_edges(side: int) -> np.ndarray:
     edges = [0.0]
     while edges[-1] < RADIAL_BANDS[-1]:
         edges.append(max(edges[-1] + 1.0 / side, edges[-1] * _RADIAL_STEP))
-    kept = [e for e in edges if min(abs(e - f) for f in fixed) > 0.4 / side and e < RADIAL_BANDS[-1]]
+    kept = [
+        e for e in edges if min(abs(e - f) for f in fixed) > 0.4 / side and e < RADIAL_BANDS[-1]
+    ]
     return np.array(sorted(fixed | set(kept)))
 
 
@@ -183,7 +185,7 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
     radial, by_u, by_v = kernels.reduce(power, modes.index)
     half = rows // 2
     vertical = by_v[1 : half + 1].copy()
-    vertical[:-1] += by_v[: half : -1]
+    vertical[:-1] += by_v[:half:-1]
     n = np.full(half, columns - 1.0)
     n[-1] /= 2
     return ReducedPower(
@@ -194,3 +196,13 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
         by_u[1:] / (rows - 1),
         vertical / n,
     )
+
+
+def frame_repeats(total: float, temporal: float, frames: int) -> float:
+    """Independent spectra that the mean over ``frames`` is worth, which share their fixed pattern.
+
+    A mode of fixed power p and temporal power t has a mean power of variance p^2 + (2 p t + t^2) / K.
+    """
+    fixed = max(total - temporal, 0.0)
+    variance = fixed**2 + (2 * fixed * temporal + temporal**2) / frames
+    return (fixed + temporal) ** 2 / variance if variance > 0 else 1.0

@@ -29,6 +29,8 @@ class Peak:
         Frequency, cycles/pixel; v is signed.
     amplitude : float
         Amplitude of the sine wave that makes such a line, DN.
+    real : bool
+        Chance makes such a peak in fewer than one frame of a thousand.
     """
 
     ratio: float
@@ -36,6 +38,7 @@ class Peak:
     u: float
     v: float
     amplitude: float
+    real: bool
 
 
 def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> Peak | None:
@@ -69,23 +72,23 @@ def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> P
     peak = float(power[i, k])
     amplitude = 2.0 * math.sqrt(max(peak - floor, 0.0) / (rows * columns))
     v = (i if i <= rows // 2 else i - rows) / rows
-    cells = 6.0 * (reach - _GUARD)
-    return Peak(ratio, _peak_error(ratio, searched, repeats, cells), k / columns, v, amplitude)
+    error, real = _peak_error(ratio, searched, repeats, 6.0 * (reach - _GUARD))
+    return Peak(ratio, error, k / columns, v, amplitude, real)
 
 
-def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> float:
-    """Standard error of the log of the largest of many ratios: Gumbel's law, or a real line's own.
+def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> tuple[float, bool]:
+    """Standard error of the log of the largest of many ratios, and whether a real line made it.
 
-    A ratio of mean powers follows Fisher's F law. A real line of power L above a floor S has the
-    variance (S^2 + 2 L S) / repeats.
+    A ratio of mean powers follows Fisher's F law, the largest of many Gumbel's. A real line of power L
+    above a floor S has the variance (S^2 + 2 L S) / repeats.
     """
     one, other = 2 * repeats, 2 * repeats * cells
     expected, step = (float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9))
     # exceeded by one in `searched`, and by .9 of it: ln(1/.9) steps of Gumbel's scale apart
     chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
     if ratio < special.fdtri(one, other, 1 - 1e-3 / searched):
-        return chance
-    return max(chance, math.sqrt((2 * ratio - 1) / repeats) / ratio)
+        return chance, False
+    return max(chance, math.sqrt((2 * ratio - 1) / repeats) / ratio), True
 
 
 def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.line_means import line_means
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.spectral_modes import (
     FIRST_MODES,
@@ -24,6 +25,7 @@ from dnanalyze.analyzers.spectral_modes import (
     SMALLEST_SIDE,
     STRUCTURE_BANDS,
     ReducedPower,
+    frame_repeats,
     modes_of,
     power_of,
     reduce_power,
@@ -34,6 +36,7 @@ from dnanalyze.analyzers.statistics import Value
 
 __all__ = ["INFOS", "finish"]
 
+_SAMPLE = 1 << 18  # pixels from which the spread of heavy tails is taken
 _PICTURE = 128  # largest side of the 2-D spectra kept for figures
 _CORNER_RISE = 2.0  # the corner frequency is where the power is this many times the white floor
 
@@ -78,47 +81,77 @@ def finish(acc: Accumulated) -> FamilyResult:
 def _parts(acc: Accumulated) -> list[_Part]:
     modes = modes_of(acc.plan.shape)
     power = acc.spectra.frame_power()
-    pattern_spread = _excess(acc.clipped_pattern)
-    parts = [_Part("frame", power, reduce_power(power, modes), 1.0, pattern_spread)]
+    frame = reduce_power(power, modes)
+    pattern_spread = _pattern_spread(acc)
     temporal = acc.spectra.temporal_power()
-    if temporal is not None:
-        power = power_of(acc.clipped_pattern)
-        lines = _excess(acc.clipped_pattern.mean(axis=0)), _excess(acc.clipped_pattern.mean(axis=1))
-        reduced = reduce_power(power, modes)
-        parts.append(_Part("pattern", power, reduced, 1.0, pattern_spread, lines))
-        spread = _temporal_spread(acc)
-        reduced = reduce_power(temporal, modes)
-        parts.append(_Part("temporal", temporal, reduced, acc.frames - 1.0, spread))
-    return parts
+    if temporal is None:
+        return [_Part("frame", power, frame, 1.0, pattern_spread)]
+    changing = reduce_power(temporal, modes)
+    fixed = power_of(acc.clipped_pattern)
+    means = line_means(acc.clipped_pattern)
+    lines = _excess(means.columns), _excess(means.rows)
+    repeats = frame_repeats(float(frame.radial.sum()), float(changing.radial.sum()), acc.frames)
+    return [
+        _Part("frame", power, frame, repeats, pattern_spread),
+        _Part("pattern", fixed, reduce_power(fixed, modes), 1.0, pattern_spread, lines),
+        _Part("temporal", temporal, changing, acc.frames - 1.0, _temporal_spread(acc)),
+    ]
 
 
-def _excess(image: np.ndarray) -> float:
-    """Excess kurtosis over the number of pixels, not below 0."""
-    x = image.ravel()
-    x = x - x.mean()
-    x *= x
-    second = float(x.mean(dtype=float))
-    if second == 0:
+def _pattern_spread(acc: Accumulated) -> float:
+    """Relative variance of the winsorised pattern's power beyond that of Gaussian pixels.
+
+    From the influence of a pixel on the power, and on the interquartile range at whose multiple the
+    pattern is cut (a quantile's influence is (p - [x < q]) dq/dp).
+    """
+    ordered = acc.pattern_ordered.sorted
+    x = ordered[:: max(1, ordered.size // _SAMPLE)] - np.float32(acc.pattern_centre)
+    reach = CLIP * acc.pattern_sigma
+    cut = float(np.mean(np.abs(x) >= reach))
+    square = np.clip(x, -reach, reach).astype(float) ** 2
+    power, n = float(square.mean()), x.size
+    if power == 0:
         return 0.0
-    return max(0.0, float(np.vdot(x, x)) / x.size / second**2 - 3.0) / x.size
+    square = square / power - 1
+    q = acc.pattern_ordered.quantile(np.array([0.2, 0.25, 0.3, 0.7, 0.75, 0.8]))
+    low, high = (q[2] - q[0]) / 0.1, (q[5] - q[3]) / 0.1
+    quarters = np.array([0.75 * low - 0.25 * high, -0.25 * (low + high), 0.75 * high - 0.25 * low])
+    scale = quarters / max(q[4] - q[1], acc.pattern_sigma) * (2 * reach**2 * cut / power)
+    parts = np.array([p.sum() for p in np.split(square, [n // 4, 3 * n // 4])]) / n
+    weight = np.array([0.25, 0.5, 0.25])
+    variance = np.mean(square**2) + 2 * scale @ parts + weight @ scale**2
+    return max(0.0, float(variance) - 2.0) / ordered.size
+
+
+def _excess(means: np.ndarray) -> float:
+    """Excess kurtosis over the number, not below 0."""
+    x = (means - means.mean()) ** 2
+    second = float(x.mean())
+    return max(0.0, float(np.mean(x**2)) / second**2 - 3.0) / x.size if second > 0 else 0.0
 
 
 def _temporal_spread(acc: Accumulated) -> float:
     """Relative variance of the mean temporal variance beyond that of equal Gaussian pixels."""
     variance = acc.temporal_variance
     assert variance is not None
-    inside = np.abs(acc.clipped_pattern) < CLIP * acc.pattern_sigma
-    seen = np.where(inside, np.minimum(variance, np.float32((CLIP * acc.plan.sigma) ** 2)), 0)
+    step = max(1, variance.size // _SAMPLE)
+    step += 1 - step % 2
+    seen, pattern = variance.ravel()[::step], acc.clipped_pattern.ravel()[::step]
+    inside = np.abs(pattern) < CLIP * acc.pattern_sigma
+    seen = np.where(inside, np.minimum(seen, np.float32((CLIP * acc.plan.sigma) ** 2)), 0)
     mean = float(seen.mean(dtype=float))
     if mean == 0:
         return 0.0
     relative = float(seen.var(dtype=float)) / mean**2
-    return max(0.0, relative - 2.0 / (acc.frames - 1)) / seen.size
+    return max(0.0, relative - 2.0 / (acc.frames - 1)) / variance.size
 
 
 def _log_value(power: float, modes: float, spread: float) -> Value:
-    """A mean over independent exponential modes, and the standard error of its log."""
-    return Value(power, math.sqrt(float(special.polygamma(1, modes)) + spread))
+    """A mean over independent exponential modes, and the standard error of its log.
+
+    The log of a gamma deviate of shape n has the variance trigamma(n) = zeta(2, n).
+    """
+    return Value(power, math.sqrt(float(special.zeta(2.0, modes)) + spread))
 
 
 def _bands(part: _Part, result: FamilyResult) -> None:
@@ -193,8 +226,10 @@ def _peaks(part: _Part, result: FamilyResult) -> None:
     else:
         rows, columns = shape
         result.values[name] = Value(peak.ratio, peak.log_error)
-        result.values[f"{name}_u"] = Value(peak.u, 0.29 / columns)
-        result.values[f"{name}_v"] = Value(peak.v, 0.29 / rows)
+        uniform = 1 / math.sqrt(12)  # chance puts its peak anywhere
+        step = (1 / columns, 1 / rows) if peak.real else (0.5, 1.0)
+        result.values[f"{name}_u"] = Value(peak.u, step[0] * uniform)
+        result.values[f"{name}_v"] = Value(peak.v, step[1] * uniform)
         error = peak.amplitude * peak.log_error / 2
         result.values[f"{name}_amplitude"] = Value(peak.amplitude, error)
     if part.name == "pattern":
