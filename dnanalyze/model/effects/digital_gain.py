@@ -11,8 +11,9 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import bounded, curve, shows
 
-_GAINS = np.concatenate([np.arange(0.5, 2.0, 5e-4), np.arange(2.0, 4.0005, 1e-3)])
-_PHASES = np.arange(0.0, 1.0, 0.05)
+_CODES = 300  # of the histogram's body that are looked at
+_DEGREE = 6  # of the smooth log density under the comb
+_CANDIDATES = 24
 
 
 @dataclass(frozen=True)
@@ -57,13 +58,17 @@ class DigitalGain(Effect):
         """The factor whose gaps and spikes fit the histogram best; b is the lowest mean level."""
         if not shows(clues, cls.fingerprint):
             return []
-        found = []
+        bodies = []
         for setting in range(len(clues.points)):
             codes = curve(clues, "histogram_codes", setting)
             counts = curve(clues, "histogram_counts", setting)
-            if codes is not None and counts is not None and np.sum(counts > 0) > 4:
-                found.append(_ripple(codes, counts))
-        gain = _best_gain(found)
+            if codes is not None and counts is not None:
+                bodies.append(_body(np.asarray(codes), np.asarray(counts)))
+        bodies = [(c, first) for c, first in bodies if c.size > 8 and c.sum() > 30 * c.size]
+        if not bodies:
+            return []
+        # the widest tells the factor most exactly
+        gain = _best_gain(*max(bodies, key=lambda body: body[0].size))
         if gain is None:
             return []
         level = np.asarray(clues.measured("mean"), float)
@@ -72,47 +77,69 @@ class DigitalGain(Effect):
         return [cls(bounded(cls, "gain", gain), bounded(cls, "offset", offset))]
 
 
-def _ripple(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Codes of the histogram's body, its ratio to a smooth curve less 1, and weights."""
-    first, last = int(codes.min()), int(codes.max())
-    full = np.zeros(last - first + 1)
-    full[np.asarray(codes, int) - first] = counts
-    body = np.cumsum(full) / full.sum()
-    a, b = np.searchsorted(body, [0.005, 0.995])
-    half = max(3, (b - a) // 12)
-    kernel = np.convolve(np.ones(half), np.ones(half)) / half**2
-    smooth = np.convolve(np.pad(full, half - 1), kernel, "valid")
-    full, smooth = full[a : b + 1], np.maximum(smooth[a : b + 1], 1e-9)
-    return np.arange(first + a, first + b + 1), full / smooth - 1.0, smooth / smooth.sum()
+def _body(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, int]:
+    """Counts of the central 99 % of a histogram, gaps included, and the first code."""
+    full = np.zeros(int(codes.max()) - int(codes.min()) + 1)
+    full[np.asarray(codes, int) - int(codes.min())] = counts
+    share = np.cumsum(full) / max(full.sum(), 1.0)
+    first, last = np.searchsorted(share, [0.005, 0.995])
+    middle = int(np.searchsorted(share, 0.5))
+    first, last = max(first, middle - _CODES // 2), min(last, middle + _CODES // 2)
+    return full[first : last + 1], int(codes.min() + first)
 
 
-def _best_gain(ripples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float | None:
-    """Factor whose expected ripple agrees best, after a scan of the coherence at 1/s.
+def _best_gain(counts: np.ndarray, first: int) -> float | None:
+    """Factor under which a smooth density makes this histogram; None: none does better than 1.
 
-    The coherence |sum w(c) ripple(c) exp(2 pi i c / s)| is the same for all s whose 1/s differ by a
-    whole number or in sign, so the candidates are then held against the ripple that each makes.
+    The histogram has lines at 1/s and its multiples, and those of all s whose 1/s differ by a whole
+    number or in sign are the same. So the strongest lines give candidates, and each is then tried,
+    with the plain numbers next to it, under which products fall on halves.
     """
-    if not ripples:
+    x = np.arange(counts.size)
+    smooth = np.convolve(counts, np.hanning(2 * (counts.size // 6) + 3), "same")
+    smooth *= counts.sum() / smooth.sum()
+    inverse = np.arange(0.25, 2.0, 0.2 / counts.size)
+    coherence = np.abs(np.exp(2j * np.pi * np.outer(inverse, x)) @ (counts - smooth))
+    middle = coherence[1:-1]
+    peak = np.r_[False, (middle >= coherence[:-2]) & (middle > coherence[2:]), False]
+    order = np.argsort(-np.where(peak, coherence, 0.0))[:_CANDIDATES]
+    tried = [_plain(1.0 / k, counts.size) for k in inverse[order]]
+    misfit = [min(_least(counts, first, gain) for gain in gains) for gains in tried]
+    near = tried[int(np.argmin(misfit))]
+    fine = 1.0 / near[0] + np.linspace(-0.4, 0.4, 33) / counts.size
+    scan = np.array([_least(counts, first, 1.0 / k) for k in fine])
+    exact = {gain: _least(counts, first, gain) for gain in near[1:]}
+    best = min(float(scan.min()), *exact.values())
+    if best > min(0.25, 0.6 * _misfit(counts, first, 1.0, 0.0)):
         return None
-    coherence = np.zeros(_GAINS.size)
-    for codes, ripple, weight in ripples:
-        wave = np.exp(2j * np.pi * np.outer(1.0 / _GAINS, codes - codes[0]))
-        coherence += np.abs(wave @ (weight * ripple)) ** 2
-    order = np.argsort(-coherence)[:200]
-    scores = [sum(_agreement(_GAINS[i], *r) for r in ripples) / len(ripples) for i in order]
-    best = int(np.argmax(scores))
-    return float(_GAINS[order[best]]) if scores[best] > 0.3 else None
+    plain = [gain for gain, misfit in exact.items() if misfit <= best + 0.01]
+    return plain[0] if plain else float(1.0 / np.mean(fine[scan <= best + 0.01]))
 
 
-def _agreement(gain: float, codes: np.ndarray, ripple: np.ndarray, weight: np.ndarray) -> float:
-    """Correlation of the ripple with the one that a factor makes, at its best phase."""
-    low = np.ceil((codes[None, :] - 0.5 - _PHASES[:, None]) / gain)
-    high = np.ceil((codes[None, :] + 0.5 - _PHASES[:, None]) / gain)
-    expected = (high - low) * gain - 1.0
-    expected -= (expected @ weight)[:, None]
-    seen = ripple - ripple @ weight
-    scale = np.sqrt((expected**2 @ weight) * (seen**2 @ weight))
-    good = scale > 1e-9
-    fit = np.zeros(_PHASES.size)
-    fit[good] = (expected @ (weight * seen))[good] / scale[good]
-    return float(fit.max())
+def _plain(gain: float, codes: int) -> list[float]:
+    """A factor and the multiples of 1/4, 1/20, 1/100 and 1/32 next to it that so many codes allow."""
+    rounded = [round(gain * n) / n for n in (4, 20, 100, 32)]
+    return [gain, *(r for r in rounded if r > 0 and abs(1.0 / r - 1.0 / gain) < 0.5 / codes)]
+
+
+def _least(counts: np.ndarray, first: int, gain: float) -> float:
+    """Misfit of a factor at its best phase."""
+    return min(_misfit(counts, first, gain, phase) for phase in np.arange(0.0, 2.0, 0.05))
+
+
+def _misfit(counts: np.ndarray, first: int, gain: float, phase: float) -> float:
+    """Share of the counts that the best smooth density, sent through the factor, puts elsewhere."""
+    size = counts.size
+    odd = first % 2  # halves are rounded to even codes
+    inputs = np.arange(-3, int((size + 3) / gain) + 3)
+    codes = np.rint(inputs * gain + phase + odd).astype(int) - odd
+    ways = np.bincount(codes[(codes >= 0) & (codes < size)], minlength=size)
+    used = (ways > 0) & (counts > 0)
+    if used.sum() <= _DEGREE + 1:
+        return 1.0
+    basis = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, size), _DEGREE)
+    weight = np.sqrt(counts[used])
+    target = np.log(counts[used] / ways[used])
+    fit = np.linalg.lstsq(basis[used] * weight[:, None], target * weight, rcond=None)[0]
+    expected = ways * np.exp(np.clip(basis @ fit, -50.0, 50.0))
+    return float(0.5 * np.abs(counts - expected).sum() / counts.sum())

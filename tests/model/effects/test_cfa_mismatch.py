@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+from readout_bench import POINT, Given, added, frames
+
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.effects.cfa_mismatch import CfaMismatch
+
+EFFECT = CfaMismatch(0.5, -1.0, 2.0)
+
+
+def test_three_lines_at_the_corners_of_the_spectrum():
+    d = added(EFFECT)
+    np.testing.assert_allclose(d[0], d[1], atol=1e-4)
+    modes = np.fft.fft2(d[0]).real / d[0].size
+    found = {(0, 64): 0.5, (64, 0): -1.0, (64, 64): 2.0}
+    for (v, u), size in found.items():
+        assert modes[v, u] == pytest.approx(size, abs=1e-4)
+    assert d[0].var() == pytest.approx(EFFECT.variance(POINT), rel=1e-4)
+    assert d[0].mean() == pytest.approx(0.0, abs=1e-4)
+
+
+def test_odd_windows_keep_the_phase_of_the_block():
+    window = Window(3, 20, 7, 30)
+    np.testing.assert_allclose(frames(EFFECT, window=window), frames(EFFECT)[:, 3:20, 7:30])
+
+
+def test_follows_gain():
+    loud = added(EFFECT, point=OperatingPoint(85.0, 1.0, 2.0))
+    np.testing.assert_allclose(loud, 2 * added(EFFECT), atol=2e-4)
+
+
+def test_guess_needs_the_diagonal_or_both_axes():
+    n, floor = 256 * 256, 4.0
+    ratios = {f"pattern_nyquist_{k}": b**2 * n / floor for k, b in (("10", 0.3), ("11", 0.2))}
+    seen = {**ratios, "pattern_psd_0.35_0.5": floor}
+    (effect,) = CfaMismatch.guess(Given(seen=seen, off=dict.fromkeys(ratios, 9.0)))
+    assert (effect.u, effect.v, effect.uv) == pytest.approx((0.3, 0.0, 0.2))
+    assert CfaMismatch.guess(Given(seen=seen, off={"pattern_nyquist_10": 9.0})) == []

@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+from readout_bench import Given, added
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.column_taps import ColumnTaps
+
+
+@pytest.mark.parametrize("taps", [2, 3, 4, 8, 16])
+@pytest.mark.parametrize("kind", ["interleaved", "blocks"])
+def test_offsets_of_the_taps_have_exactly_the_stated_rms(kind, taps):
+    d = added(ColumnTaps(0.7, kind, taps), shape=(8, 240))
+    np.testing.assert_allclose(d, np.broadcast_to(d[0, 0], d.shape), atol=1e-4)
+    line = d[0, 0]
+    per_tap = line.reshape(-1, taps) if kind == "interleaved" else line.reshape(taps, -1).T
+    np.testing.assert_allclose(per_tap, np.broadcast_to(per_tap[0], per_tap.shape), atol=1e-4)
+    assert per_tap[0].mean() == pytest.approx(0.0, abs=1e-4)
+    assert per_tap[0].std() == pytest.approx(0.7, rel=1e-4)
+
+
+def test_interleaved_taps_make_lines_at_multiples_of_one_pth():
+    line = added(ColumnTaps(1.0, "interleaved", 4), shape=(4, 256))[0, 0]
+    power = np.abs(np.fft.rfft(line)) ** 2
+    assert set(np.flatnonzero(power > 1e-6 * power.max())) <= {64, 128}
+
+
+def test_other_sensors_have_other_offsets_of_the_same_rms():
+    lines = [added(ColumnTaps(1.0, "blocks", 8), 1, (4, 64), seed=s)[0, 0] for s in (1, 2)]
+    assert not np.allclose(*lines, atol=0.01)
+
+
+def test_follows_gain_but_not_temperature():
+    plain = added(ColumnTaps(1.0))
+    loud = added(ColumnTaps(1.0), point=OperatingPoint(85.0, 9.0, 2.0))
+    np.testing.assert_allclose(loud, 2 * plain, atol=1e-4)
+
+
+def clues(shares, off):
+    bands = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
+    return Given(seen={**dict.fromkeys(bands, 256 * 0.5), **shares}, off=dict.fromkeys(off, 9.0))
+
+
+def test_guess_takes_the_smallest_period_that_explains_it():
+    shares = {"column_periodic_2": 0.98, "column_periodic_4": 0.985, "column_periodic_8": 0.99}
+    (effect,) = ColumnTaps.guess(clues(shares, shares))
+    assert (effect.kind, effect.taps) == ("interleaved", 2)
+    assert effect.sigma == pytest.approx(0.7, rel=0.02)
+
+
+def test_guess_of_strips():
+    shares = {"column_taps_2": 0.1, "column_taps_4": 0.9, "column_taps_8": 0.91}
+    (effect,) = ColumnTaps.guess(clues(shares, shares))
+    assert (effect.kind, effect.taps) == ("blocks", 4)
+    assert ColumnTaps.guess(clues(shares, [])) == []

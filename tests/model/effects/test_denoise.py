@@ -1,0 +1,104 @@
+import numpy as np
+import pytest
+from readout_bench import Given, frames
+from scipy import ndimage
+
+from dnanalyze.model import filters
+from dnanalyze.model.effects.denoise import Denoise
+from dnanalyze.model.effects.missing_codes import MissingCodes
+from dnanalyze.model.effects.read_noise import ReadNoise
+
+SENSOR = (ReadNoise(5.0),)
+KINDS = ("gaussian", "median", "bilateral", "nlm", "wavelet")
+
+
+def before():
+    return frames(*SENSOR)
+
+
+@pytest.mark.parametrize("strength", [0.0, 0.4, 1.0])
+def test_strength_mixes_the_filtered_frame_with_the_original(strength):
+    y = before()[0]
+    smooth = ndimage.median_filter(y, 3, mode="mirror")
+    z = frames(*SENSOR, Denoise(strength, kind="median"))[0]
+    np.testing.assert_allclose(z, y + strength * (smooth - y), atol=1e-4)
+
+
+def test_each_kind_is_its_filter():
+    y = before()[0].astype(np.float32)
+    filtered = {
+        "gaussian": ndimage.gaussian_filter(y.astype(float), 0.8, radius=6, mode="mirror"),
+        "median": ndimage.median_filter(y, 3, mode="mirror"),
+        "bilateral": filters.bilateral(y, 7.0, 0.8, 2),
+        "nlm": filters.nonlocal_means(y, 7.0, 0.0, 2, 5),
+        "wavelet": filters.wavelet(y, 7.0),
+    }
+    for kind in KINDS:
+        z = frames(*SENSOR, Denoise(1.0, 7.0, 0.8, kind))[0]
+        np.testing.assert_allclose(z, filtered[kind], rtol=1e-5)
+
+
+def test_gaussian_variance_and_correlation_have_their_closed_form():
+    z = frames(*SENSOR, Denoise(1.0, space=0.6, kind="gaussian"), shape=(512, 512), pedestal=0.0)
+    x = np.arange(-6, 7)
+    w = np.exp(-0.5 * (x / 0.6) ** 2)
+    w /= w.sum()
+    lag0, lag1 = np.sum(w * w), np.sum(w[1:] * w[:-1])
+    # a narrow kernel leaves most pixels independent: 10 % more than sqrt(2 / n) holds 5 sigma
+    assert z.var() == pytest.approx(25 * lag0**2, rel=7 * np.sqrt(2 / z.size))
+    found = np.mean(z[:, :, 1:] * z[:, :, :-1]) / z.var()
+    assert found == pytest.approx(lag1 / lag0, abs=7 / np.sqrt(z.size))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_on_a_mosaic_neighbours_of_another_colour_do_not_mix(kind):
+    z = frames(*SENSOR, Denoise(0.8, 7.0, kind=kind, spacing=2), shape=(256, 256), pedestal=0.0)
+    lag1, lag2 = (np.mean(z[:, :, k:] * z[:, :, :-k]) / z.var() for k in (1, 2))
+    assert abs(lag1) < 12 / np.sqrt(z.size)  # smoothing makes fewer pixels independent
+    assert lag2 > 0.05
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_edge_preserving_kinds_leave_large_signals_alone(kind):
+    hot = np.zeros((64, 64), np.float32)
+    hot[20, 30] = hot[40, 10] = 500.0
+    effect = Denoise(1.0, 5.0, 0.8, kind)
+    kept = effect._filtered(hot, _site())[20, 30] / 500.0
+    if kind in ("bilateral", "nlm"):
+        assert kept > 0.95
+    elif kind == "wavelet":
+        assert kept > 0.9
+    else:
+        assert kept < 0.5
+
+
+def _site():
+    class Here:
+        point = None
+
+    return Here()
+
+
+def test_codes_stay_codes():
+    z = frames(*SENSOR, MissingCodes(1e-3), Denoise(0.5))
+    assert np.array_equal(z, np.rint(z))
+
+
+def test_guess_offers_every_kind_scaled_to_the_noise():
+    clues = Given(
+        seen={"temporal_corr_10": 0.2, "temporal_corr_20": 0.01},
+        model={"temporal_noise_core": 3.0}, off={"temporal_psd_0.5_0.71": -8.0},
+    )  # fmt: skip
+    found = {e.kind: e for e in Denoise.guess(clues)}
+    assert set(found) == set(KINDS)
+    assert {e.spacing for e in found.values()} == {1}
+    assert 2.0 < found["bilateral"].range < 7.0
+    clues.seen.update({"temporal_corr_10": 0.0, "temporal_corr_20": 0.2})
+    assert {e.spacing for e in Denoise.guess(clues)} == {2}
+    assert Denoise.guess(Given()) == []
+
+
+def test_idle_parameters():
+    assert Denoise(kind="median").idle() == ("range", "space")
+    assert Denoise(kind="gaussian").idle() == ("range",)
+    assert Denoise(kind="bilateral").idle() == ()

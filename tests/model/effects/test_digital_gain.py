@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from readout_bench import Given, Ramp, frames
+
+from dnanalyze.model.effects.digital_gain import DigitalGain
+from dnanalyze.model.effects.missing_codes import MissingCodes
+
+
+@pytest.mark.parametrize(("gain", "offset"), [(1.3, 64.0), (0.8, 10.0), (2.0, 0.0), (3.1, 64.0)])
+def test_multiplies_about_the_offset_and_rounds(gain, offset):
+    codes = MissingCodes(1e-3)  # rounds the ramp
+    x = frames(Ramp(300.0), codes)
+    y = frames(Ramp(300.0), codes, DigitalGain(gain, offset))
+    exact = (x - offset) * gain + offset
+    assert np.abs(y - exact).max() <= 0.5 + 1e-4
+    assert np.array_equal(y, np.rint(y))
+    seen = np.unique(y)
+    if gain > 1:
+        unused = 1 - seen.size / np.ptp(seen)
+        assert unused == pytest.approx(1 - 1 / gain, abs=0.02)
+
+
+def histogram(gain, mean, sigma, offset=64.0, pixels=384 * 384 * 6, seed=0):
+    rng = np.random.default_rng(seed)
+    x = np.rint(rng.normal(mean, sigma, pixels))
+    codes, counts = np.unique(np.rint((x - offset) * gain + offset), return_counts=True)
+    return codes, counts
+
+
+@pytest.mark.parametrize("gain", [0.6, 0.75, 0.9, 1.1, 1.3, 1.5, 1.77, 2.0, 2.5, 3.3])
+def test_guess_finds_the_factor_from_histograms(gain):
+    levels = [(70.0, 3.0), (75.0, 4.0), (110.0, 9.0), (250.0, 25.0)]
+    made = [histogram(gain, m, s, seed=i) for i, (m, s) in enumerate(levels)]
+    clues = Given(
+        points=(None,) * 4,
+        seen={"mean": [64 + (m - 64) * gain for m, _ in levels]},
+        off={"code_comb": 9.0},
+        curves={
+            "histogram_codes": [c for c, _ in made],
+            "histogram_counts": [n for _, n in made],
+        },
+    )
+    (effect,) = DigitalGain.guess(clues)
+    assert effect.gain == pytest.approx(gain, rel=0.004)
+    assert effect.offset == round(64 + 6 * gain)
+
+
+def test_no_guess_from_a_smooth_histogram():
+    codes, counts = histogram(1.0, 90.0, 6.0)
+    curves = {"histogram_codes": [codes], "histogram_counts": [counts]}
+    assert DigitalGain.guess(Given(off={"code_comb": 3.0}, curves=curves)) == []
+    assert DigitalGain.guess(Given(curves=curves)) == []

@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+from readout_bench import POINT, Given, frames
+from scipy import ndimage
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
+from dnanalyze.model.effects.dpc import Dpc
+from dnanalyze.model.effects.missing_codes import MissingCodes
+from dnanalyze.model.effects.read_noise import ReadNoise
+
+SHAPE = (192, 192)
+SENSOR = (ConvolvedLognormal(1.0, 1.2, sigma=1e-6), ReadNoise(2.0))
+ROUND = MissingCodes(1e-3)
+RING = np.ones((3, 3), bool)
+RING[1, 1] = False
+
+
+def both(dpc, *more, **options):
+    """A frame before and after the correction."""
+    options = {"shape": SHAPE, "count": 1, **options}
+    return frames(*SENSOR, *more, **options)[0], frames(*SENSOR, *more, dpc, **options)[0]
+
+
+def around(image, function, size=3):
+    footprint = np.ones((size, size), bool)
+    footprint[size // 2, size // 2] = False
+    return ndimage.generic_filter(image, function, footprint=footprint, mode="mirror")
+
+
+@pytest.mark.parametrize("spacing", [1, 2])
+def test_median_rule_within_a_plane(spacing):
+    before, after = both(Dpc(6.0, spacing=spacing))
+    for dy in range(spacing):
+        for dx in range(spacing):
+            plane = before[dy::spacing, dx::spacing]
+            middle = around(plane, np.median)
+            expected = np.where(plane - middle > 6.0, middle, plane)
+            np.testing.assert_allclose(after[dy::spacing, dx::spacing], expected, atol=1e-4)
+
+
+def test_clamp_and_ratio_with_24_neighbours():
+    before, after = both(Dpc(0.01, kind="clamp", neighbours=24))
+    high = around(before, np.max, 5)
+    np.testing.assert_allclose(after, np.where(before > high + 0.01, high, before))
+    before, after = both(Dpc(1.0, 2.0, 64.0, kind="ratio"))
+    high, middle = around(before, np.max), around(before, np.median)
+    hit = before - 64.0 > 2.0 * np.maximum(high - 64.0, 0.0) + 1.0
+    assert hit.sum() > 10
+    np.testing.assert_allclose(after, np.where(hit, middle, before), atol=1e-4)
+
+
+def test_clamp_makes_maxima_rarer_and_ties_common():
+    before, after = both(Dpc(0.01, kind="clamp"), ROUND)
+    top = after > np.quantile(after, 0.99)
+    high = ndimage.maximum_filter(after, footprint=RING, mode="mirror")
+    assert np.mean((after == high)[top]) > 0.5
+    assert not np.any(after > high)
+    assert np.any(before > ndimage.maximum_filter(before, footprint=RING, mode="mirror"))
+
+
+def test_codes_stay_codes():
+    _, after = both(Dpc(4.0, replacement="mean"), ROUND)
+    assert np.array_equal(after, np.rint(after))
+
+
+def test_static_correction_replaces_the_brightest_of_the_silicon_at_every_setting():
+    changed = []
+    for point in (POINT, OperatingPoint(65.0, 1.0, 1.0)):
+        y = frames(*SENSOR, count=3, shape=SHAPE, point=point)
+        z = frames(*SENSOR, Dpc(fraction=0.002, kind="static"), count=3, shape=SHAPE, point=point)
+        moved = np.any(z != y, axis=0)
+        assert moved.sum() == round(0.002 * moved.size)
+        np.testing.assert_allclose(z[:, moved][0], around(y[0], np.median)[moved], atol=1e-4)
+        changed.append(moved)
+    assert np.array_equal(*changed)
+    steady = frames(*SENSOR, count=8, shape=SHAPE).mean(axis=0)
+    assert steady[changed[0]].min() > np.quantile(steady, 0.99)
+
+
+def test_idle_parameters():
+    assert Dpc(kind="median").idle() == ("factor", "black", "fraction")
+    assert Dpc(kind="ratio").idle() == ("fraction",)
+    assert Dpc(kind="static").idle() == ("threshold", "factor", "black")
+
+
+def test_guess_takes_the_threshold_from_what_is_missing():
+    clues = Given(
+        seen={"temporal_noise_core": 2.0, "median": 66.0},
+        off={"excess_4": -1.0, "excess_8": -6.0, "excess_16": -9.0, "ties_max8": 4.0},
+    )
+    found = {e.kind: e for e in Dpc.guess(clues)}
+    assert set(found) == {"median", "clamp", "ratio"}
+    assert found["median"].threshold == pytest.approx(16.0)
+    assert found["ratio"].black == 66.0
+
+
+def test_guess_of_a_list_needs_ranks_that_are_untouched():
+    clues = Given(
+        seen={"temporal_noise_core": 2.0, "hot_count_16": 2.0},
+        model={"hot_count_16": 60.0}, off={"hot_count_16": -7.0},
+    )  # fmt: skip
+    (effect,) = Dpc.guess(clues)
+    assert (effect.kind, effect.fraction) == ("static", pytest.approx(58 / 65536))
+    assert Dpc.guess(Given()) == []

@@ -1,0 +1,59 @@
+import numpy as np
+import pytest
+from readout_bench import POINT, Given, added
+from scipy.stats import tukeylambda
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.heavy_tailed_read_noise import HeavyTailedReadNoise
+
+SHAPE = (256, 256)
+
+
+def noise(tail, **more):
+    return added(HeavyTailedReadNoise(2.0, tail), count=4, shape=SHAPE, **more)
+
+
+@pytest.mark.parametrize("tail", [0.14, 0.0, -0.1, -0.2])
+def test_quantiles_are_those_of_the_tukey_lambda_distribution(tail):
+    x = noise(tail).ravel()
+    scale = 2.0 * 0.6744898 / tukeylambda.ppf(0.75, tail)
+    for p in (0.001, 0.1, 0.25, 0.5, 0.75, 0.9, 0.999):
+        q = tukeylambda.ppf(p, tail)
+        density = tukeylambda.pdf(q, tail) / scale
+        se = np.sqrt(p * (1 - p) / x.size) / density
+        assert np.quantile(x, p) == pytest.approx(q * scale, abs=5 * se)
+
+
+@pytest.mark.parametrize("tail", [0.14, 0.0, -0.1])
+def test_variance_has_its_closed_form(tail):
+    x = noise(tail).ravel()
+    kurtosis = 3.0 + tukeylambda.stats(tail, moments="k")
+    expected = HeavyTailedReadNoise(2.0, tail).variance(POINT)
+    assert x.var() == pytest.approx(expected, rel=5 * np.sqrt((kurtosis - 1) / x.size))
+
+
+def test_smooth_in_the_tail_through_zero():
+    below, at, above = (noise(t) for t in (-2e-4, 0.0, 2e-4))
+    assert np.abs(below - at).max() < 0.05
+    assert np.abs(above - at).max() < 0.05
+
+
+def test_new_in_every_frame_and_follows_gain():
+    x = noise(-0.1)
+    n = x[0].size
+    assert abs(np.corrcoef(x[0].ravel(), x[1].ravel())[0, 1]) < 5 / np.sqrt(n)
+    loud = noise(-0.1, point=OperatingPoint(85.0, 5.0, 3.0))
+    assert np.median(np.abs(loud)) / np.median(np.abs(x)) == pytest.approx(3.0, rel=0.02)
+
+
+def test_guess_reads_the_tail_off_the_quantile():
+    tail = -0.2
+    ratio = 0.6744898 * tukeylambda.ppf(0.999, tail) / tukeylambda.ppf(0.75, tail)
+    clues = Given(
+        seen={"temporal_noise_core": 2.0, "temporal_q0.999": 2.0 * ratio},
+        off={"temporal_kurtosis": 30.0},
+    )
+    (effect,) = HeavyTailedReadNoise.guess(clues)
+    assert effect.tail == pytest.approx(tail, abs=0.01)
+    assert 1.0 < effect.sigma < 2.0
+    assert HeavyTailedReadNoise.guess(Given(off={"temporal_kurtosis": -9.0})) == []

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+from readout_bench import Given, Ramp, frames
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.missing_codes import MissingCodes
+
+SHAPE = (512, 512)
+BLOCKS = slice(64, 64 + 192)  # whole blocks of codes inside the ramp
+
+
+def counts(effect, **more):
+    """How often a code occurs over its share of an even ramp: an estimate of its width."""
+    top = 400.0
+    y = frames(Ramp(top), effect, shape=SHAPE, pedestal=0.0, count=4, **more).ravel()
+    assert np.array_equal(y, np.rint(y))
+    n = np.bincount(y.astype(int), minlength=402)
+    return n[BLOCKS] / (y.size / top), 1 / np.sqrt(y.size / top)
+
+
+def test_widths_scatter_by_sigma():
+    width, se = counts(MissingCodes(0.3))
+    expected = 0.3**2 * 63 / 64 + se**2
+    assert np.var(width) == pytest.approx(expected, rel=6 * np.sqrt(2 / width.size))
+    assert width.reshape(-1, 64).mean(axis=1) == pytest.approx(1.0, abs=5 * se / 8)
+
+
+def test_periodic_widths_repeat_and_have_exactly_the_stated_rms():
+    width, se = counts(MissingCodes(0.3, "periodic", 8))
+    folded = width.reshape(-1, 8)
+    mean = folded.mean(axis=0)
+    assert np.std(mean) == pytest.approx(0.3, abs=5 * se / np.sqrt(len(folded)))
+    assert np.abs(folded - mean).max() < 5.5 * se * np.sqrt(1 + 0.6)
+
+
+def test_wide_errors_leave_codes_that_never_occur():
+    width, _ = counts(MissingCodes(1.0))
+    share = np.mean(width == 0)  # P(1 + d < 0) = 16 %
+    assert share == pytest.approx(0.159, abs=5 * np.sqrt(0.13 / width.size))
+
+
+def test_the_transfer_is_straight_over_blocks_and_the_error_small():
+    x = frames(Ramp(400.0), shape=SHAPE, pedestal=0.0)
+    y = frames(Ramp(400.0), MissingCodes(0.2), shape=SHAPE, pedestal=0.0)
+    assert np.abs(y - x).max() < 0.5 + 0.2 * 8 * 2.5  # a bridge of 64 steps: sd sigma sqrt(64) / 2
+    fine = frames(Ramp(400.0), MissingCodes(1e-3), shape=SHAPE, pedestal=0.0)
+    assert np.mean(fine != np.rint(x)) < 0.01
+
+
+def test_the_codes_are_the_same_at_any_temperature_and_below_zero():
+    warm, _ = counts(MissingCodes(0.5), point=OperatingPoint(85.0, 1.0, 1.0))
+    cold, se = counts(MissingCodes(0.5))
+    assert np.abs(warm - cold).max() < 6 * np.sqrt(2) * se * 1.6
+    below = frames(Ramp(50.0), MissingCodes(0.1), pedestal=-100.0)
+    assert abs(below.mean() + 75.0) < 0.5
+
+
+def test_guess_from_the_roughness_of_the_histogram():
+    clues = Given(
+        seen={"code_roughness": 0.25, "code_comb_period": 7.9},
+        model={"code_roughness": 0.05}, off={"code_roughness": 9.0},
+    )  # fmt: skip
+    (effect,) = MissingCodes.guess(clues)
+    assert effect.kind == "random"
+    assert effect.sigma == pytest.approx(0.245, abs=0.01)
+    clues.off["code_comb"] = 9.0
+    first = MissingCodes.guess(clues)[0]
+    assert (first.kind, first.period) == ("periodic", 8)
+    assert MissingCodes.guess(Given()) == []

@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+from readout_bench import POINT, Given, added
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.offset_drift import OffsetDrift
+
+
+def levels(effect, count=400, point=POINT):
+    d = added(effect, count=count, shape=(4, 4), point=point)
+    np.testing.assert_allclose(d, np.broadcast_to(d[:, :1, :1], d.shape), atol=1e-4)
+    return d[:, 0, 0]
+
+
+def test_a_random_walk_from_the_first_frame():
+    steps = np.diff(levels(OffsetDrift(0.5)))
+    assert steps.var() == pytest.approx(0.25, rel=5 * np.sqrt(2 / steps.size))
+    assert abs(np.corrcoef(steps[1:], steps[:-1])[0, 1]) < 5 / np.sqrt(steps.size)
+
+
+def test_a_start_transient_decays():
+    b = levels(OffsetDrift(1e-5, transient=8.0, settling=2.0), count=8)
+    np.testing.assert_allclose(b, 8.0 * np.exp(-np.arange(8) / 2.0), atol=1e-3)
+
+
+def test_settings_wander_apart_and_follow_gain():
+    here, there = (
+        levels(OffsetDrift(1.0), 6),
+        levels(OffsetDrift(1.0), 6, OperatingPoint(45.0, 1.0)),
+    )
+    assert np.abs(here - there).max() > 0.1
+    start = levels(OffsetDrift(1e-5, 3.0), 1, OperatingPoint(25.0, 1.0, 2.0))
+    assert start[0] == pytest.approx(6.0, abs=1e-3)
+
+
+def test_guess_of_the_step_and_of_a_transient():
+    rng = np.random.default_rng(2)
+    walks = np.cumsum(rng.normal(0, 0.4, (500, 6)), axis=1)
+    drift = np.sqrt(np.mean(walks.var(axis=1, ddof=1)))
+    clues = Given(
+        seen={"drift": drift}, model={"drift": 0.0}, off={"drift": 9.0},
+        curves={"frame_means": [64 + walks[0]]},
+    )  # fmt: skip
+    assert OffsetDrift.guess(clues)[-1].step == pytest.approx(0.4, rel=0.25)
+    clues.curves["frame_means"] = [np.array([70.0, 64.1, 64.0, 63.9, 64.0, 64.1])]
+    first = OffsetDrift.guess(clues)[0]
+    assert first.transient == pytest.approx(6.0, abs=0.1)
+    assert first.idle() == ()
+    assert OffsetDrift(0.1).idle() == ("transient", "settling")

@@ -1,0 +1,59 @@
+import numpy as np
+import pytest
+from readout_bench import POINT, Given, added
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
+
+WAVE = PeriodicPattern(1.5, 5 / 128, 22 / 128)
+
+
+def test_one_line_of_the_spectrum_holds_the_variance():
+    d = added(WAVE, count=3)
+    for frame in d:
+        power = np.abs(np.fft.fft2(frame)) ** 2 / frame.size**2
+        assert power[22, 5] == pytest.approx(1.5**2 / 4, rel=1e-4)
+        assert power.sum() == pytest.approx(WAVE.variance(POINT), rel=1e-4)
+
+
+def test_phase_is_new_in_every_frame_or_fixed():
+    phases = np.angle(np.fft.fft2(added(WAVE, count=40, shape=(128, 128)))[:, 22, 5])
+    assert abs(np.exp(1j * phases).mean()) < 3 / np.sqrt(40)  # Rayleigh: exp(-9) by chance
+    fixed = added(PeriodicPattern(1.5, 0.11, 0.07, "fixed"), count=2)
+    np.testing.assert_allclose(fixed[0], fixed[1], atol=1e-4)
+
+
+def test_follows_gain_but_not_temperature():
+    fixed = PeriodicPattern(1.0, 0.11, 0.07, "fixed")
+    cold = added(fixed)[0]
+    np.testing.assert_allclose(
+        added(fixed, point=OperatingPoint(85.0, 9.0, 2.0))[0], 2 * cold, atol=1e-4
+    )
+
+
+def test_guess_from_the_line_off_the_axes():
+    n = 256 * 256
+    clues = Given(
+        seen={"temporal_line_u": 0.05, "temporal_line_v": -0.17, "temporal_noise": 2.0,
+              "temporal_line": 0.36 / 4 * n / 4.0},
+        off={"temporal_line": 12.0},
+    )  # fmt: skip
+    (effect,) = PeriodicPattern.guess(clues)
+    assert (effect.u, effect.v, effect.phase) == (0.05, -0.17, "random")
+    assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
+
+
+def test_guess_from_a_line_on_an_axis():
+    spectrum = np.random.default_rng(1).exponential(4.0, 129)
+    spectrum[32] = 0.36 / 4 * 256 * 256
+    clues = Given(off={"temporal_rows_0.1_0.3": 9.0}, curves={"temporal_row_spectrum": [spectrum]})
+    (effect,) = PeriodicPattern.guess(clues)
+    assert (effect.u, effect.v) == (0.0, 0.125)
+    assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
+    spectrum[32] = 4.0
+    assert PeriodicPattern.guess(clues) == []
+
+
+def test_no_guess_where_curves_are_absent():
+    assert PeriodicPattern.guess(Given(off={"temporal_rows_0.1_0.3": 9.0})) == []
+    assert PeriodicPattern.guess(Given(off={"temporal_line": 9.0})) == []

@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+from readout_bench import Flat, Given, frames
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.stuck_pixels import StuckPixels
+
+
+def test_a_share_of_pixels_has_one_code_and_no_noise():
+    y = frames(ReadNoise(2.0), StuckPixels(0.01, 4000.0), count=4, shape=(256, 256))
+    dead = y.std(axis=0) == 0
+    n = dead.size
+    assert dead.mean() == pytest.approx(0.01, abs=5 * np.sqrt(0.01 / n))
+    assert np.all(y[:, dead] == 4000.0)
+    assert abs(y[:, ~dead].mean() - 64.0) < 5 * 2 / np.sqrt(4 * n)
+
+
+def test_same_pixels_at_any_temperature_gain_and_level():
+    places = [
+        frames(Flat(level), StuckPixels(0.01), point=point)[0] == 0
+        for level, point in (
+            (5.0, OperatingPoint(25.0, 1.0, 1.0)),
+            (90.0, OperatingPoint(85.0, 9.0, 4.0)),
+        )
+    ]
+    assert np.array_equal(*places)
+
+
+def test_a_greater_share_keeps_those_that_were_stuck():
+    few, many = (frames(StuckPixels(f))[0] == 0 for f in (0.001, 0.01))
+    assert np.all(many[few])
+
+
+def test_guess_from_pixels_without_noise():
+    clues = Given(
+        seen={"dead_count": 66.0}, model={"dead_count": 0.0}, off={"dead_count": 8.0},
+        curves={"histogram_codes": [np.array([3, 64, 1023])]},
+    )  # fmt: skip
+    low, high = StuckPixels.guess(clues)
+    assert low.fraction == pytest.approx(66 / 65536)
+    assert (low.code, high.code) == (3.0, 1023.0)
+    assert StuckPixels.guess(Given()) == []

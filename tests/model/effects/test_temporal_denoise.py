@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+from readout_bench import Given, frames
+from scipy.signal import lfilter
+
+from dnanalyze.loaders.captures import Window
+from dnanalyze.model.effects.missing_codes import MissingCodes
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
+
+SENSOR = (ReadNoise(4.0),)
+
+
+def test_the_recursion_from_the_first_frame():
+    y = frames(*SENSOR, count=8, shape=(32, 32))
+    z = frames(*SENSOR, TemporalDenoise(0.4), count=8, shape=(32, 32))
+    expected = lfilter([0.6], [1.0, -0.4], y, axis=0, zi=0.4 * y[:1])[0]
+    np.testing.assert_allclose(z, expected, atol=1e-4)
+
+
+def test_variance_and_correlation_in_the_long_run():
+    a, shape = 0.4, (64, 64)
+    z = frames(*SENSOR, TemporalDenoise(a), count=24, shape=shape, pedestal=0.0)[8:]
+    n = z.size * (1 - a * a) / (1 + a * a)
+    assert z.var() == pytest.approx(16 * (1 - a) / (1 + a), rel=5 * np.sqrt(2 / n))
+    assert np.mean(z[1:] * z[:-1]) / z.var() == pytest.approx(a, abs=5 / np.sqrt(n))
+    spatial = np.mean(z[:, :, 1:] * z[:, :, :-1]) / z.var()
+    assert abs(spatial) < 5 / np.sqrt(n)
+
+
+def test_a_moving_pixel_starts_anew():
+    y = frames(*SENSOR, count=4, shape=(64, 64))
+    z = frames(*SENSOR, TemporalDenoise(0.5, 5.0, "on"), count=4, shape=(64, 64))
+    state = y[0]
+    for n in range(1, 4):
+        state = np.where(np.abs(state - y[n]) > 5.0, y[n], 0.5 * (state + y[n]))
+        np.testing.assert_allclose(z[n], state, atol=1e-4)
+
+
+def test_codes_stay_codes_and_windows_agree():
+    model = (*SENSOR, MissingCodes(1e-3), TemporalDenoise(0.3))
+    z = frames(*model, count=3)
+    assert np.array_equal(z, np.rint(z))
+    window = Window(11, 50, 20, 90)
+    np.testing.assert_array_equal(frames(*model, count=3, window=window), z[:, 11:50, 20:90])
+
+
+def test_guess_from_the_autocorrelation():
+    clues = Given(seen={"temporal_r1": 0.22, "temporal_noise": 2.0}, off={"temporal_r1": 40.0})
+    plain, moving = TemporalDenoise.guess(clues)
+    assert (plain.share, plain.motion, moving.motion) == (0.22, "off", "on")
+    assert plain.idle() == ("threshold",)
+    assert TemporalDenoise.guess(Given(off={"temporal_r1": -9.0})) == []
