@@ -90,12 +90,18 @@ def _missing_temperature(points: list[OperatingPoint]) -> list[str]:
             f"{len(points) - len(known)} of {len(points)} operating points have no temperature "
             "and stay out of the trends."
         )
-    if max(known) - min(known) < _SAME_C:
+    if _spread(points) < _SAME_C:
         said.append(
             "One temperature only: no activation energy, and no effect can be told by how it "
             "moves with temperature."
         )
     return said
+
+
+def _spread(points: list[OperatingPoint]) -> float:
+    """From the coldest to the warmest known temperature, C; 0 where none is known."""
+    known = [p.temperature_c for p in points if p.temperature_c is not None]
+    return max(known) - min(known) if known else 0.0
 
 
 def _missing_exposure(points: list[OperatingPoint]) -> list[str]:
@@ -111,9 +117,10 @@ def _missing_exposure(points: list[OperatingPoint]) -> list[str]:
             f"{len(points) - len(exposures)} of {len(points)} operating points have no exposure."
         )
     if len(set(exposures)) == 1 and exposures[0] > 0:
+        by = "by temperature alone" if _spread(points) >= _SAME_C else "not at all"
         said.append(
-            "One exposure only: what grows with time and what does not are told apart by "
-            "temperature alone; bias frames or a second exposure would help."
+            f"One exposure only: what grows with time and what does not are told apart {by}; "
+            "bias frames or a second exposure would help."
         )
     if max(exposures) == 0:
         said.append("Bias frames only: they hold no dark current.")

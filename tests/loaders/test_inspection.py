@@ -52,10 +52,10 @@ A, B, C = "T20C_exp_1s__a", "T40C_exp_1s__b", "T20C_exp_0s__a"
         (["a"], ["single frame", "No temperature", "No exposure"], ["At most"]),
         (
             [A, "T20C_exp_1s__b"],
-            ["At most 2 frames", "One temperature", "One exposure"],
+            ["At most 2 frames", "One temperature", "told apart not at all"],
             ["single frame"],
         ),
-        ([A, B], ["single frame", "One exposure"], ["One temperature"]),
+        ([A, B], ["single frame", "by temperature alone"], ["One temperature"]),
         ([A, "T40C__b"], ["1 of 2 operating points have no exposure"], ["No exposure"]),
         ([C], ["Bias frames only"], ["One exposure"]),
         (

@@ -6,6 +6,7 @@ alone. ``previous`` is the recording of the file before, whose facts of the sens
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -14,6 +15,10 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.files import unreadable
 from dnanalyze.loaders.recording import Recording, one_line
+
+# Without a handler tifffile's complaints about damaged files would stand on stderr beside the
+# one line that the user gets; a program that configures logging still sees them.
+logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 Reader = Callable[[Path, str, Config, Recording | None], Recording]
 

@@ -31,9 +31,9 @@ _MAX_HEADER_BLOCKS = 2000  # 72000 cards
 def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
     """The header of the first image of a FITS file."""
     _check_header_ends(path, name)
-    with warnings.catch_warnings():
+    with path.open("rb") as file, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # astropy warns of what is checked and worded below
-        with fits.open(path, memmap=False, do_not_scale_image_data=True) as hdus:
+        with fits.open(file, memmap=False, do_not_scale_image_data=True) as hdus:
             hdu = _first_image(hdus, name)
             header, offset = hdu.header.copy(), hdu.fileinfo()["datLoc"]
     axes = [int(header[f"NAXIS{k}"]) for k in range(header["NAXIS"], 0, -1)]
