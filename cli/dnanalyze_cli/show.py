@@ -177,7 +177,7 @@ def comparison(console: Console, captures: Any, result: Any) -> None:
                 point_label(r, parts),
                 number(r["measured"]),
                 number(r["simulated"]),
-                words.gap(r["measured"], r["simulated"], r.get("unit", "")),
+                words.gap(r["measured"], r["simulated"], r.get("unit", ""), r.get("scale", "")),
                 number(r["discrepancy"], 2),
             )
             for r in rows

@@ -91,7 +91,7 @@ def point_label(row: Any, only: Iterable[str] | None = None) -> str:
     return ", ".join(parts) or "one setting"
 
 
-def gap(measured: Any, simulated: Any, unit: str = "") -> str:
+def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
     """The plain size of a difference: dB between powers, else %, else the difference itself."""
     if not (is_number(measured) and is_number(simulated)):
         return "–"
@@ -99,7 +99,8 @@ def gap(measured: Any, simulated: Any, unit: str = "") -> str:
         return f"{10 * math.log10(measured / simulated):+.1f} dB"
     if measured == simulated:
         return "0 %"
-    if simulated != 0 and measured * simulated > 0:
+    bare = scale == "linear" and unit in ("", "1")  # correlations, shares: the difference says more
+    if not bare and simulated != 0 and measured * simulated > 0:
         percent = 100 * (measured / simulated - 1)
         if percent > 900:
             return f"×{number(measured / simulated, 2)}"

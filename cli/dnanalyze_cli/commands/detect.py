@@ -27,9 +27,11 @@ def detect(
     show.detection(session.console, found, detection)
 
     def page() -> str:
+        from dnanalyze.analyzers.analyze import analyze
         from dnanalyze.report.pages.detect import detect_page
 
-        return detect_page(found, detection)
+        with session.progress("Drawing") as tick:
+            return detect_page(found, detection, analyze(found, progress=tick))
 
     session.write(
         documents.detection(captures, detection), page, lambda: tables.findings(detection)

@@ -96,7 +96,8 @@ def families(
     if not known:
         return None
     ranked = sorted(known.items(), key=lambda item: item[1])
-    marks = [("a second sensor", 1.0, INK), ("this model", error, MODEL)]
+    own = "the paper's model" if baselines.get("paper") == error else "this model"
+    marks = [("a second sensor", 1.0, INK), (own, error, MODEL)]
     marks += [
         (text, baselines.get(key, np.nan), colour)
         for key, text, colour in (
@@ -104,7 +105,7 @@ def families(
             ("gaussian", "Gaussian", GAUSSIAN),
         )
     ]
-    marks = [m for m in marks if is_number(m[1])]
+    marks = [m for n, m in enumerate(marks) if is_number(m[1]) and (n < 2 or m[1] != error)]
 
     def draw() -> Any:
         fig, axes = figure(1, 1, 1.0 + 0.24 * len(ranked))

@@ -19,7 +19,7 @@ from dnanalyze.report.figures.style import (
 )
 
 PARTS = {"pattern": "fixed pattern", "temporal": "temporal noise"}
-SPREAD = 10.0  # dB either side of the middle that the colours span
+DARKEST, BRIGHTEST = -8.0, 14.0  # dB about the median that the colours span
 
 
 def planes(drawn: Sequence[Layer]) -> Picture | None:
@@ -39,7 +39,7 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
     def draw() -> Any:
         fig, axes = figure(len(shown), len(cells), 0.5 + 2.1 * len(shown))
         image = None
-        for row, layer in zip(axes, shown, strict=True):
+        for place, (row, layer) in enumerate(zip(axes, shown, strict=True)):
             for ax, (part, setting, title) in zip(row, cells, strict=True):
                 ax.grid(False)
                 own = layer.like(setting)
@@ -48,14 +48,14 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
                     ax.set_axis_off()
                     continue
                 image = ax.imshow(
-                    power, cmap="cividis", vmin=-SPREAD, vmax=SPREAD, aspect="auto", origin="lower",
+                    power, vmin=DARKEST, vmax=BRIGHTEST, aspect="auto", origin="lower",
                     extent=(-0.5, 0.5, -0.5, 0.5), interpolation="nearest",
                 )  # fmt: skip
                 ax.set_xticks([-0.5, 0, 0.5])
                 ax.set_yticks([-0.5, 0, 0.5])
-                if row is axes[0]:
+                if place == 0:
                     ax.set_title(f"{PARTS[part]}, {title}")
-                if row is axes[-1]:
+                if place == len(shown) - 1:
                     ax.set_xlabel("u [cycles/pixel]")
             row[0].set_ylabel(f"{layer.label}\nv [cycles/pixel]")
         bar = fig.colorbar(image, ax=axes, shrink=0.7, aspect=26, pad=0.01)
@@ -78,4 +78,5 @@ def _plane(setting: Any, part: str) -> np.ndarray | None:
     if found is None or found[0].ndim != 2:
         return None
     right = 10 * (found[0] - np.median(found[0]))
-    return np.hstack([right[::-1, ::-1], right])
+    left = np.roll(right[::-1, ::-1], 1, axis=0)  # the first row is v = -1/2, its own mirror
+    return np.hstack([left, right])

@@ -19,7 +19,7 @@ from dnanalyze.report.words import point_label, varied
 INK, MODEL, GAUSSIAN, ACCENT, QUIET = "#1f2328", "#0072b2", "#d55e00", "#009e73", "#8a929b"
 HAIRLINE, PAPER = "#d9dee3", "#ffffff"
 WIDTH = 10.4  # inch: the width of the page's column
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
     "axes.titlesize": 8.5,
@@ -76,7 +76,7 @@ class Layer:
     label: str
     statistics: Statistics
     colour: str = INK
-    dash: str = "-"
+    dash: Any = "-"
     width: float = 1.3
     band: bool = False
 
@@ -94,7 +94,7 @@ def layers(
     """Measured, Gaussian and model, in the order in which they are drawn."""
     made = [Layer("measured", measured, INK, "-", 1.4, band=True)]
     if gaussian is not None:
-        made.append(Layer("Gaussian", gaussian, GAUSSIAN, (0, (4, 2)), 1.0))  # type: ignore[arg-type]
+        made.append(Layer("Gaussian", gaussian, GAUSSIAN, (0, (4, 2)), 1.0))
     if simulated is not None:
         made.append(Layer("model", simulated, MODEL, "-", 1.3))
     return tuple(made)
@@ -139,7 +139,8 @@ def figure(rows: int, columns: int, height: float, width: float = WIDTH, **optio
     from matplotlib.figure import Figure
 
     fig = Figure(figsize=(width, height), layout="constrained")
-    fig.get_layout_engine().set(w_pad=0.08, h_pad=0.06, wspace=0.02, hspace=0.04)
+    engine: Any = fig.get_layout_engine()
+    engine.set(w_pad=0.08, h_pad=0.06, wspace=0.02, hspace=0.04)
     return fig, fig.subplots(rows, columns, squeeze=False, **options)
 
 

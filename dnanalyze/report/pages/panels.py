@@ -192,7 +192,7 @@ def off_table(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
             point_label(r, parts),
             number(r["measured"]),
             number(r["simulated"]),
-            gap(r["measured"], r["simulated"], r.get("unit", "")),
+            gap(r["measured"], r["simulated"], r.get("unit", ""), r.get("scale", "")),
             number(r["discrepancy"], 2),
         )
         for r in off
@@ -214,7 +214,7 @@ def compared(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
             number(r["measured"], 4),
             number(r["simulated"], 4),
             r.get("unit", ""),
-            gap(r["measured"], r["simulated"], r.get("unit", "")),
+            gap(r["measured"], r["simulated"], r.get("unit", ""), r.get("scale", "")),
             number(r["floor"], 2),
             number(r["discrepancy"], 2),
         )
