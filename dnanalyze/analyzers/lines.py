@@ -77,8 +77,8 @@ def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
 def _extreme_error(lines: int, beyond: np.ndarray) -> float:
     """Standard error of the log of the largest of many deviations.
 
-    Gumbel's law for Gaussian lines; where there are outliers, that of the largest of a Pareto tail with
-    their Hill exponent: another sensor of the type has other defects.
+    Gumbel's law for Gaussian lines; where there are outliers, that of the largest of a Pareto tail
+    with their Hill exponent: another sensor of the type has other defects.
     """
     expected, step = (-float(special.ndtri(0.5 * p / lines)) for p in (1.0, 0.9))
     # exceeded by one line, and by .9 of a line: ln(1/.9) steps of Gumbel's scale apart
@@ -89,9 +89,10 @@ def _extreme_error(lines: int, beyond: np.ndarray) -> float:
 
 
 def detrended(mean: np.ndarray) -> np.ndarray:
-    """Line means less their running mean over 24 lines (half weight at both ends), and without outliers.
+    """Line means less their running mean over 24 lines, and without outliers.
 
-    Any pattern of a period that divides 24 has the same running mean everywhere and is kept.
+    The outer lines of the window have half weight, so that any pattern of a period that divides 24
+    has the same running mean everywhere and is kept.
     """
     kernel = np.ones(_TREND_WINDOW + 1)
     kernel[[0, -1]] = 0.5
@@ -115,7 +116,7 @@ def share_of_period(mean: np.ndarray, period: int) -> Value:
 
 
 def share_of_taps(mean: np.ndarray, taps: int) -> Value:
-    """Share that steps between equal contiguous taps explain beyond a cubic trend (adjusted R^2)."""
+    """Share that steps between equal taps explain beyond a cubic trend (adjusted R^2)."""
     trend, steps = _tap_basis(mean.size, taps)
     rest = mean - trend @ (trend.T @ mean)
     return _share(rest, steps @ (steps.T @ rest), steps.shape[1], trend.shape[1])
@@ -229,7 +230,7 @@ def _image_axis_powers(image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
 def _line_noise(
     name: str, power: np.ndarray, pixels: float, length: int, repeats: float, result: FamilyResult
 ) -> None:
-    """Differences of neighbouring line means over what independent pixels explain; and plain, in DN.
+    """Differences of neighbouring line means over what pixels explain; and plain, in DN.
 
     The differences leave slow trends, which are shading, out.
     """

@@ -10,13 +10,13 @@ _FAMILY = "lines"
 def _outliers(kind: str) -> tuple[StatisticInfo, ...]:
     return (
         StatisticInfo(
-            f"{kind}_outliers", _FAMILY, kind + "s", f"{kind}s more than 6 sigma off their neighbours",
+            f"{kind}_outliers", _FAMILY, f"{kind}s", f"{kind}s 6 sigma off their neighbours",
             Scale.ROOT,
             high=f"there are more defect {kind}s than in the model",
             low=f"there are fewer defect {kind}s than in the model",
         ),
         StatisticInfo(
-            f"{kind}_extreme", _FAMILY, "sigma", f"largest deviation of a {kind} from its neighbours",
+            f"{kind}_extreme", _FAMILY, "sigma", f"largest deviation of a {kind}",
             Scale.LOG,
             high=f"the worst {kind} is {{ratio}} times as far off as in the model: a defect {kind}",
             low=f"the worst {kind} is less far off than in the model",

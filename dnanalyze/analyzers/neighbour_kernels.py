@@ -1,7 +1,7 @@
-"""Compiled loops over pixels and their neighbours: single precision in, double precision block sums out.
+"""Compiled loops over pixels and their neighbours: single precision in, double precision sums out.
 
-Each works row by row on buffers that stay in the first-level cache, then adds up the segments of the
-block grid. ``out`` is (row bands, column bands, sums), float64, and is added to.
+Each works row by row on buffers that stay in the first-level cache, then adds up the segments of
+the block grid. ``out`` is (row bands, column bands, sums), float64, and is added to.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ def rank_sums(x, row_edges, column_edges, out):
 def peak_sums(x, top, share, leads, row_edges, column_edges, out):
     """As `rank_sums`, and more of single frames.
 
-    Pixels above ``top``, those at ``top`` counted as ``share``; those of them that equal their highest
-    neighbour; pixels that lead all neighbours by more than each of the three ``leads``, DN.
+    Pixels above ``top``, those at ``top`` counted as ``share``; those of them that equal their
+    highest neighbour; pixels that lead all neighbours by more than each of the three ``leads``, DN.
     """
     rows, columns = x.shape
     high, low, gap = np.empty((3, columns), np.float32)
@@ -173,8 +173,8 @@ def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
 def tile_sums(x, reach, row_band, column_band, out):
     """Variances of 4x4 tiles and the diagonal Haar band of ``x`` cut to +-reach.
 
-    Tile by tile: count, sum of the unbiased variances, sum of their squares; Haar coefficients, sum of
-    their squares and fourth powers. ``row_band`` and ``column_band`` name the band of each pixel's line.
+    Tile by tile: count, sum of the unbiased variances, sum of their squares; Haar coefficients, sum
+    of their squares and fourth powers. ``row_band`` and ``column_band`` name each line's band.
     """
     rows, columns = x.shape
     cut = np.float32(reach)

@@ -29,18 +29,19 @@ def _correlations(part: str) -> Iterator[StatisticInfo]:
             f"{part}_corr_{name}", _FAMILY, "1", title,
             high=f"pixels {_AWAY[name]} are more alike {_OF[part]} than in the model: crosstalk, "
             "denoise, or a coarser structure",
-            low=f"pixels {_AWAY[name]} are less alike {_OF[part]} than in the model: sharpening, or too "
-            "much crosstalk in the model",
+            low=f"pixels {_AWAY[name]} are less alike {_OF[part]} than in the model: "
+            "sharpening, or too much crosstalk in the model",
         )  # fmt: skip
 
 
 def _ranks(part: str) -> Iterator[StatisticInfo]:
     for name, word, end in (("pmax8", "above", "high"), ("pmin8", "below", "low")):
+        place = f"{word} all 8 neighbours {_OF[part]}"
         yield StatisticInfo(
-            f"{part}_{name}", _FAMILY, "1", f"9 x the share of pixels {word} all 8 neighbours {_OF[part]}",
-            high=f"more pixels stand {word} all their neighbours {_OF[part]} than in the model",
-            low=f"fewer pixels stand {word} all their neighbours {_OF[part]} than in the model: a spatial "
-            f"filter cuts {end} pixels, or crosstalk",
+            f"{part}_{name}", _FAMILY, "1", f"9 x the share of pixels {place}",
+            high=f"more pixels stand {place} than in the model",
+            low=f"fewer pixels stand {place} than in the model: a spatial filter cuts "
+            f"{end} pixels, or crosstalk",
         )  # fmt: skip
 
 
@@ -65,8 +66,8 @@ INFOS: tuple[StatisticInfo, ...] = (
         StatisticInfo(
             f"excess_{k}", _FAMILY, "pixels", f"pixels of a frame {k} sigma above all neighbours",
             Scale.ROOT,
-            high="more single pixels stand out of their neighbourhood than in the model: hot pixels, "
-            "blinking pixels or cosmic rays",
+            high="more single pixels stand out of their neighbourhood than in the model: hot or "
+            "blinking pixels, or cosmic rays",
             low="fewer single pixels stand out of their neighbourhood than in the model: a defect "
             "correction caps them, or they come in clusters",
         )
@@ -80,14 +81,14 @@ INFOS: tuple[StatisticInfo, ...] = (
     ),
     StatisticInfo(
         "local_variance_cv", _FAMILY, "1", "CV^2 of the temporal variance of 4x4 tiles", Scale.LOG,
-        high="the temporal noise is more uneven from place to place than in the model, {ratio} times: "
-        "blinking pixels, heavy tails, or an edge-preserving denoise",
+        high="the temporal noise is more uneven from place to place than in the model, {ratio} "
+        "times: blinking pixels, heavy tails, or an edge-preserving denoise",
         low="the temporal noise is more even from place to place than in the model",
     ),
     StatisticInfo(
         "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band between frames",
-        high="the finest detail of the temporal noise has heavier tails than in the model: a wavelet "
-        "denoise, blinking pixels or cosmic rays",
+        high="the finest detail of the temporal noise has heavier tails than in the model: a "
+        "wavelet denoise, blinking pixels or cosmic rays",
         low="the finest detail of the temporal noise has lighter tails than in the model",
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Shading: the low orders of the fixed pattern over the field, as cosine coefficients of block means."""
+"""Shading: how the fixed pattern varies over the field, as cosine coefficients of block means."""
 
 from __future__ import annotations
 
@@ -19,41 +19,31 @@ HIGH = 8  # orders from here on
 _RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
 
 
-def _infos() -> tuple[StatisticInfo, ...]:
-    out = []
-    for i in range(ORDERS):
-        for j in range(ORDERS):
-            if i or j:
-                what = f"shading of order {i} across, {j} down"
-                out.append(
-                    StatisticInfo(
-                        f"shading_{i}_{j}",
-                        "shading",
-                        "DN",
-                        what,
-                        high="the fixed pattern is shaded over the field otherwise than in the model: "
-                        "glow, a thermal gradient, or a readout ramp",
-                        low="the fixed pattern is shaded over the field otherwise than in the model: "
-                        "glow, a thermal gradient, or a readout ramp",
-                    )  # fmt: skip
-                )
-    for name, orders in (("mid", "4 to 7"), ("high", "8 to 15")):
-        out.append(
-            StatisticInfo(
-                f"shading_{name}",
-                "shading",
-                "DN^2",
-                f"mean square of shading of orders {orders}",
-                Scale.LOG,
-                high="the fixed pattern is more uneven over the field than in the model, {ratio} times "
-                "in power: a low-frequency pattern is missing",
-                low="the fixed pattern is more even over the field than in the model",
-            )  # fmt: skip
-        )
-    return tuple(out)
+_UNLIKE = (
+    "the fixed pattern is shaded over the field otherwise than in the model: glow, a thermal "
+    "gradient, or a readout ramp"
+)
 
 
-INFOS = _infos()
+def _order(i: int, j: int) -> StatisticInfo:
+    title = f"shading of order {i} across, {j} down"
+    return StatisticInfo(f"shading_{i}_{j}", "shading", "DN", title, high=_UNLIKE, low=_UNLIKE)
+
+
+def _power(name: str, orders: str) -> StatisticInfo:
+    return StatisticInfo(
+        name, "shading", "DN^2", f"mean square of the shading of orders {orders}", Scale.LOG,
+        high="the fixed pattern is more uneven over the field than in the model, {ratio} times in "
+        "power: a low-frequency pattern is missing",
+        low="the fixed pattern is more even over the field than in the model",
+    )  # fmt: skip
+
+
+INFOS: tuple[StatisticInfo, ...] = (
+    *(_order(i, j) for i in range(ORDERS) for j in range(ORDERS) if i or j),
+    _power("shading_mid", "4 to 7"),
+    _power("shading_high", "8 to 15"),
+)
 
 
 def finish(acc: Accumulated) -> FamilyResult:
@@ -114,8 +104,8 @@ def _noise(
 ) -> list[float]:
     """Variance of a low-order coefficient of each kind, DN^2.
 
-    White pixels and white lines give every order alike. What the middle orders have beyond that is a random
-    low-frequency field, which has more of it in the low orders.
+    White pixels and white lines give every order alike. What the middle orders have beyond that is
+    a random low-frequency field, which has more of it in the low orders.
     """
     lines = line_means(image)
     pixel = max(lines.variance, resolution**2) / image.size
@@ -146,7 +136,7 @@ def _line_variance(means: np.ndarray) -> float:
 
 
 def _relative_error(square: np.ndarray, inside: np.ndarray) -> float:
-    """Relative standard error of a mean of squares of Gaussian coefficients, alike within a kind."""
+    """Relative standard error of a mean square of Gaussian coefficients, alike within a kind."""
     kinds = _groups((square.shape[0], square.shape[1]))[inside]
     values = square[inside]
     total = variance = 0.0

@@ -1,7 +1,8 @@
 """Geometry of a frame's Fourier modes: usable size, radial bins, bands; and power by mode.
 
 Powers are normalised so that white noise of variance s^2 has power s^2 (DN^2) in every mode.
-u is the horizontal, v the vertical frequency, cycles/pixel; the half plane u >= 0 is stored, (v, u).
+u is the horizontal, v the vertical frequency, cycles/pixel; the half plane u >= 0 is stored,
+(v, u).
 """
 
 from __future__ import annotations
@@ -201,7 +202,7 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
 def frame_repeats(total: float, temporal: float, frames: int) -> float:
     """Independent spectra that the mean over ``frames`` is worth, which share their fixed pattern.
 
-    A mode of fixed power p and temporal power t has a mean power of variance p^2 + (2 p t + t^2) / K.
+    A mode of fixed power p and temporal power t has a mean of variance p^2 + (2 p t + t^2) / K.
     """
     fixed = max(total - temporal, 0.0)
     variance = fixed**2 + (2 * fixed * temporal + temporal**2) / frames

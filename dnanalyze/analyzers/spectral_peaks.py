@@ -79,8 +79,8 @@ def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> P
 def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> tuple[float, bool]:
     """Standard error of the log of the largest of many ratios, and whether a real line made it.
 
-    A ratio of mean powers follows Fisher's F law, the largest of many Gumbel's. A real line of power L
-    above a floor S has the variance (S^2 + 2 L S) / repeats.
+    A ratio of mean powers follows Fisher's F law, the largest of many Gumbel's. A real line of
+    power L above a floor S has the variance (S^2 + 2 L S) / repeats.
     """
     one, other = 2 * repeats, 2 * repeats * cells
     expected, step = (float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9))

@@ -1,8 +1,8 @@
 """Spectra of the single frame, of the fixed pattern and of the temporal noise.
 
-The off-axis modes are averaged over bands of the radial frequency rho; the modes on the axes, which whole
-columns or whole rows share, stand apart. Column and row offsets alone make a radial 1/rho that vanishes
-off the axes.
+The off-axis modes are averaged over bands of the radial frequency rho; the modes on the axes, which
+whole columns or whole rows share, stand apart. Column and row offsets alone make a radial 1/rho
+that vanishes off the axes.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ _CORNER_RISE = 2.0  # the corner frequency is where the power is this many times
 
 @dataclass(frozen=True)
 class _Part:
-    """One of the three spectra: power by mode, independent repeats, and what white theory leaves out.
+    """One of the three spectra, with its independent repeats.
 
-    ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy tails
-    move all modes together. ``line_spread`` is the same of the means of columns, and of rows.
+    ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy
+    tails move all modes together. ``line_spread`` is the same of the means of columns, and of rows.
     """
 
     name: str
@@ -260,9 +260,9 @@ def _shape(part: _Part, result: FamilyResult) -> None:
         )
     else:
         result.values[f"{part.name}_corner_frequency"] = corner
-    high, mid = modes.bins(*HIGH_BAND), modes.bins(*MID_BAND)
-    counts = [float(n[w].sum()) for w in (high, mid)]
-    powers = [float(part.reduced.radial[w].sum()) for w in (high, mid)]
+    bands = modes.bins(*HIGH_BAND), modes.bins(*MID_BAND)
+    counts = [float(n[band].sum()) for band in bands]
+    powers = [float(part.reduced.radial[band].sum()) for band in bands]
     if min(counts) > 0 and min(powers) > 0:
         ratio = (powers[0] / counts[0]) / (powers[1] / counts[1])
         error = math.sqrt(1 / counts[0] + 1 / counts[1])
@@ -324,7 +324,7 @@ def _curves(part: _Part, result: FamilyResult) -> None:
 
 
 def _picture(power: np.ndarray) -> np.ndarray:
-    """Log10 of the power in at most 128 x 128 cells; zero frequency in the middle of the first column.
+    """Log10 of the power in at most 128 x 128 cells.
 
     Rows run over v from -1/2 to 1/2, columns over u from 0 to 1/2.
     """

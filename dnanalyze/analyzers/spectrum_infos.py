@@ -66,8 +66,8 @@ def _of_part(part: str) -> Iterator[StatisticInfo]:
 def _lines_of(part: str, of: str) -> Iterator[StatisticInfo]:
     yield StatisticInfo(
         f"{part}_line", "spectrum", "1", f"strongest single line {of} over its floor", Scale.LOG,
-        high="a single spectral line stands {ratio} times higher than in the model: interference from a "
-        "clock or supply, or a periodic pattern",
+        high="a single spectral line stands {ratio} times higher than in the model: interference "
+        "from a clock or supply, or a periodic pattern",
         low="the model has a spectral line that the measurement lacks",
     )  # fmt: skip
     for axis, way in (("u", "horizontal"), ("v", "vertical")):
