@@ -1,0 +1,212 @@
+"""Glow, gradients, cosmic rays, persistence and crosstalk against their closed forms."""
+
+import numpy as np
+import pytest
+from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames, growth
+from scipy import stats
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.amp_glow import SOURCES, AmpGlow
+from dnanalyze.model.effects.cosmic_rays import CosmicRays, poisson_quantile
+from dnanalyze.model.effects.crosstalk import Crosstalk
+from dnanalyze.model.effects.dark_gradient import DarkGradient
+from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
+from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.effects.persistence import Persistence
+from dnanalyze.model.effects.read_noise import ReadNoise
+
+
+def blocks(frame, size=16):
+    rows, columns = frame.shape
+    return frame.reshape(rows // size, size, columns // size, size).mean((1, 3))
+
+
+def test_glow_fades_exponentially_from_its_source():
+    y = frames(AmpGlow(50.0, 0.25, 0.0, "se"), (100, 200))[0]
+    assert y[-1, -1] == pytest.approx(50)
+    assert y[-1, -1 - 50] == pytest.approx(50 / np.e, rel=1e-5)  # .25 of the larger side
+    assert y[-1 - 30, -1 - 40] == pytest.approx(50 / np.e, rel=1e-5)
+    edge = frames(AmpGlow(50.0, 0.25, 0.0, "w"), (100, 200))[0]
+    np.testing.assert_allclose(edge[:, 50], 50 / np.e, rtol=1e-5)
+    np.testing.assert_allclose(edge[:, 0], 50, rtol=1e-6)
+
+
+def test_glow_follows_exposure_gain_and_its_activation_energy():
+    a = frames(AmpGlow(50.0, 0.25, 0.3, "nw"), (64, 64))
+    for point, factor in ((LONG, 3), (LOUD, 2), (WARM, growth(0.3))):
+        got = frames(AmpGlow(50.0, 0.25, 0.3, "nw"), (64, 64), point=point)
+        np.testing.assert_allclose(got, factor * a, rtol=1e-5)
+
+
+@pytest.mark.parametrize("place", SOURCES)
+def test_glow_is_found_where_it_is(place):
+    points = (HERE, WARM)
+    truth = AmpGlow(30.0, 0.2, 0.0, place)
+    rng = np.random.default_rng(3)
+    maps = [
+        blocks(frames(truth, (256, 256), point=p)[0]) + rng.normal(0, 0.05, (16, 16))
+        for p in points
+    ]
+    clues = MadeUpClues(points, HERE, (256, 256), stands_out=("shading_1_1",),
+                        curves={"block_means": maps})  # fmt: skip
+    first = AmpGlow.guess(clues)[0]
+    assert first.location == place
+    assert first.length == pytest.approx(0.2, rel=0.3)
+    assert first.amplitude == pytest.approx(30, rel=0.2)
+    assert first.ea_ev < 0.03
+
+
+def test_gradient_has_the_rms_of_its_coefficients_and_no_mean():
+    effect = DarkGradient(3.0, -4.0, 2.0, 1.0, 0.6)
+    y = frames(effect, (200, 300))[0]
+    assert abs(y.mean()) < 1e-3
+    assert y.var() == pytest.approx(effect.variance(HERE), rel=1e-3)
+    assert y[100, -1] > y[100, 0]  # x grows to the right
+    assert y[-1, 150] < y[0, 150]  # y, here negative, downwards
+    for point, factor in ((LONG, 3), (LOUD, 2), (WARM, growth(0.6))):
+        np.testing.assert_allclose(
+            frames(effect, (200, 300), point=point)[0], factor * y, rtol=1e-4, atol=1e-4
+        )
+
+
+def test_gradient_is_guessed_from_the_block_means():
+    truth = DarkGradient(3.0, -4.0, 0.0, 1.0, 0.7)
+    maps = [blocks(frames(truth, (256, 256), point=p)[0]) for p in (HERE, WARM)]
+    clues = MadeUpClues((HERE, WARM), HERE, (256, 256), stands_out=("shading_0_1",),
+                        curves={"block_means": maps})  # fmt: skip
+    (guess,) = DarkGradient.guess(clues)
+    got = [guess.x, guess.y, guess.xx, guess.yy, guess.ea_ev]
+    assert got == pytest.approx([3.0, -4.0, 0.0, 1.0, 0.7], abs=0.03)
+
+
+def test_cosmic_rays_bring_the_charge_and_number_they_should():
+    effect = CosmicRays(rate=200.0, energy=500.0, length=4.0)
+    y = frames(effect, (512, 512), 40, LONG)
+    number = 200 * 0.262144 * 3 * 40
+    # compound Poisson with exponential charges, second moment 2 E^2; tracks at the border lose a part
+    assert y.sum() / (number * 500) == pytest.approx(1, abs=5 * np.sqrt(2 / number) + 0.01)
+    a, b = (y[n] > 1 for n in (0, 1))
+    assert (a & b).sum() < 40  # chance overlap, no repeat
+    assert abs(frames(effect, (512, 512), 40, LOUD).sum() / (2 * 500 * number / 3) - 1) < 0.2
+
+
+def test_tracks_are_as_long_as_told_in_any_direction():
+    effect = CosmicRays(rate=1.0, energy=1e5, length=60.0)
+    point = OperatingPoint(25.0, 4.0, 1.0)
+    rows, columns, sizes = [], [], []
+    for n, y in enumerate(frames(effect, (1000, 1000), 150, point)):
+        from scipy.ndimage import label
+
+        marked, count = label(y > 1e-3, np.ones((3, 3)))
+        for i in range(1, count + 1):
+            r, c = np.nonzero(marked == i)
+            rows.append(np.ptp(r))
+            columns.append(np.ptp(c))
+            sizes.append(np.hypot(np.ptp(r), np.ptp(c)))
+        if n > 120:
+            break
+    sizes = np.array(sizes)
+    # exponential of mean 60 plus about a pixel and a half; the border cuts 4 % of the tracks
+    assert sizes.mean() == pytest.approx(61, abs=5 * 60 / np.sqrt(sizes.size))
+    assert np.mean(rows) == pytest.approx(np.mean(columns), abs=5 * 60 / np.sqrt(sizes.size))
+
+
+def test_number_of_tracks_is_poisson_and_grows_one_by_one():
+    u = (np.arange(20000) + 0.5) / 20000
+    for mean in (0.01, 0.7, 5.0, 300.0):
+        got = np.array([poisson_quantile(x, mean) for x in u])
+        np.testing.assert_array_equal(got, stats.poisson.ppf(u, mean))
+
+
+def test_cosmic_rays_are_guessed_from_the_transients():
+    clues = MadeUpClues(
+        seen={"transient_high": 300.0, "transient_adjacent": 200.0, "temporal_noise_core": 3.0},
+        model={"transient_high": 0.0, "transient_adjacent": 0.0},
+        stands_out=("transient_high",),
+    )
+    for guess in CosmicRays.guess(clues):
+        hits = guess.rate * 0.262144 * 8
+        assert 20 < hits < 300
+        assert guess.length > 1
+
+
+def test_persistence_adds_the_past_with_its_weights():
+    effect = Persistence(amplitude=0.2, tau_s=2.0)
+    noise = (flat(100.0), DarkShotNoise(dn_per_e=1.0))
+    bare = frames(noise, (64, 64), 7)
+    y = frames((*noise, effect), (64, 64), 7)
+    for n in range(7):
+        k = np.arange(1, min(n, 4) + 1)
+        expected = bare[n] + np.tensordot(0.2 * np.exp(-k / 2.0), bare[n - k], 1) if n else bare[0]
+        np.testing.assert_allclose(y[n], expected, rtol=1e-5)
+
+
+def test_persistence_correlates_neighbouring_frames_and_not_the_read_noise():
+    charge = (flat(100.0), DarkShotNoise(dn_per_e=1.0))
+    effect = Persistence(amplitude=0.3, tau_s=1.0)
+    y = frames((*charge, effect), (128, 128), 2, first=10)
+    w = 0.3 * np.exp(-np.arange(1, 5))
+    shared = (np.r_[1, w[:-1]] * w).sum()
+    expected = shared / (1 + (w**2).sum())
+    r = np.corrcoef(y[0].ravel(), y[1].ravel())[0, 1]
+    assert abs(r - expected) < 5 / 128
+    read = frames((ReadNoise(1.0), effect), (128, 128), 2, first=10)
+    assert abs(np.corrcoef(read[0].ravel(), read[1].ravel())[0, 1]) < 5 / 128
+
+
+def test_persistence_fades_with_the_time_between_frames():
+    step = Persistence(0.2, 2.0)
+    y = frames((flat(100.0), step), (8, 8), 1, LONG, first=9)[0]
+    k = np.arange(1, 5)
+    assert y.mean() == pytest.approx(300 * (1 + 0.2 * np.exp(-k * 3 / 2).sum()), rel=1e-4)
+
+
+def test_persistence_is_guessed_from_the_correlation_of_frames():
+    clues = MadeUpClues(
+        seen={"temporal_r1": 0.1}, model={"temporal_r1": 0.0}, stands_out=("temporal_r1",)
+    )
+    for guess in Persistence.guess(clues):
+        assert guess.amplitude * np.exp(-1 / guess.tau_s) == pytest.approx(0.1)
+
+
+def test_crosstalk_correlates_shot_noise_by_its_kernel_and_spares_read_noise():
+    a, d = 0.03, 0.5
+    b = a * d
+    charge = (flat(200.0), DarkShotNoise(dn_per_e=1.0))
+    y = frames((*charge, Crosstalk(a, d)), (256, 256), 6)
+    z = (y - 200) / np.sqrt(200)
+    k = np.array([[b, a, b], [a, 1 - 4 * a - 4 * b, a], [b, a, b]])
+    full = np.zeros((5, 5))
+    for i in range(3):
+        for j in range(3):
+            full[i : i + 3, j : j + 3] += k[i, j] * k
+    inner = z[:, 2:-2, 2:-2]
+    n = inner.size
+    for dy, dx in ((0, 0), (0, 1), (1, 0), (1, 1), (0, 2), (2, 1)):
+        shifted = z[:, 2 + dy : 254 + dy, 2 + dx : 254 + dx]
+        assert abs(np.mean(inner * shifted) - full[2 + dy, 2 + dx]) < 5 * np.sqrt(2 / n)
+    assert abs(y.mean() - 200) < 5 * np.sqrt(200 / y.size)  # charge is conserved
+    read = frames((ReadNoise(1.0), Crosstalk(a, d)), (256, 256), 6)
+    assert abs(np.mean(read[:, :, 1:] * read[:, :, :-1])) < 5 / np.sqrt(read.size)
+
+
+def test_crosstalk_gives_every_hot_pixel_the_same_halo():
+    a, d = 0.02, 0.25
+    chain = (HotPixels(2e-4, 100.0), Crosstalk(a, d))
+    bare = frames(HotPixels(2e-4, 100.0), (512, 512))[0]
+    y = frames(chain, (512, 512))[0]
+    spots = [(r, c) for r, c in np.argwhere(bare > 10) if min(r, c) > 3 and max(r, c) < 508]
+    alone = [(r, c) for r, c in spots if (bare[r - 3 : r + 4, c - 3 : c + 4] > 0).sum() == 1]
+    assert len(alone) > 10
+    for r, c in alone:
+        assert y[r, c + 1] / bare[r, c] == pytest.approx(a, rel=1e-4)
+        assert y[r + 1, c + 1] / bare[r, c] == pytest.approx(a * d, rel=1e-4)
+
+
+def test_crosstalk_is_guessed_from_the_correlation_of_neighbours():
+    clues = MadeUpClues(
+        seen={"temporal_corr_10": 0.04, "temporal_corr_01": 0.04},
+        model={"temporal_corr_10": 0.0, "temporal_corr_01": 0.0},
+        stands_out=("temporal_corr_10",),
+    )
+    assert [g.alpha for g in Crosstalk.guess(clues)] == pytest.approx([0.02, 0.02])

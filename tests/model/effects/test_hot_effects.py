@@ -1,0 +1,196 @@
+"""Hot pixels, clusters, quantised dark current and blinking against their closed forms."""
+
+import numpy as np
+import pytest
+from charge_bench import HERE, LOUD, WARM, MadeUpClues, frames, growth
+from scipy import stats
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
+from dnanalyze.model.effects.hot_clusters import HotClusters
+from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.effects.rts import Rts
+from dnanalyze.model.laws import arrhenius
+
+N = 512 * 512
+SHAPE = (512, 512)
+
+
+def test_hot_pixels_are_an_exponential_population():
+    p, nu = 0.02, 40.0
+    y = frames(HotPixels(fraction=p, scale=nu), SHAPE, 2)
+    np.testing.assert_array_equal(y[0], y[1])
+    hot = y[0][y[0] > 0]
+    assert abs(hot.size - N * p) < 5 * np.sqrt(N * p)
+    assert stats.kstest(hot, "expon", (0, nu)).pvalue > 1e-6
+    expected = HotPixels(fraction=p, scale=nu).variance(HERE)
+    # fourth moment p 24 nu^4
+    assert abs(y[0].var() - expected) < 5 * nu**2 * np.sqrt(24 * p / N)
+
+
+def test_hot_pixels_follow_their_activation_energy_and_the_gain():
+    effect = HotPixels(fraction=0.02, scale=40.0, ea_ev=0.5)
+    a = frames(effect)
+    np.testing.assert_allclose(frames(effect, point=WARM), growth(0.5) * a, rtol=1e-5)
+    np.testing.assert_allclose(frames(effect, point=LOUD), 2 * a, rtol=1e-5)
+
+
+def test_a_larger_fraction_keeps_the_old_hot_pixels():
+    few, many = (frames(HotPixels(fraction=p, scale=40.0)) for p in (0.01, 0.011))
+    assert (many[few > 0] > 0).all()
+    assert (many >= few).all()
+    assert (many - few).max() == pytest.approx(40 * np.log(1.1), rel=1e-4)
+
+
+def _counts(fraction, scale, sigma, pixels):
+    return {
+        f"hot_count_{k}": pixels * fraction * np.exp(-k * sigma / scale)
+        for k in (5, 8, 16, 32, 64, 128)
+    }
+
+
+def test_hot_pixels_are_guessed_from_the_counts_over_temperature():
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
+    scale = 60.0 * np.array([arrhenius(t.temperature_c, 25.0, 0.5) for t in points])
+    sigma = np.array([3.0, 5.0, 9.0])
+    seen = _counts(2e-3, scale, sigma, N) | {"pattern_noise_core": sigma}
+    model = dict.fromkeys(_counts(1, 1, 1, 1), 0.0)
+    clues = MadeUpClues(points, HERE, SHAPE, seen, model, ("hot_count_16",))
+    (guess,) = HotPixels.guess(clues)
+    assert guess.fraction == pytest.approx(2e-3, rel=0.3)
+    assert guess.scale == pytest.approx(60, rel=0.2)
+    assert guess.ea_ev == pytest.approx(0.5, abs=0.05)
+    clues.stands_out = ("hot_pairs", "hot_count_16")
+    small, large = HotClusters.guess(clues)
+    assert small.density * small.members == pytest.approx(2e-3, rel=0.3)
+    assert small.radius < large.radius
+
+
+def test_clusters_have_the_mean_and_variance_of_a_neyman_scott_process():
+    effect = HotClusters(density=1e-3, members=5.0, radius=1.5, scale=10.0)
+    y = np.stack([frames(effect, SHAPE, seed=s)[0] for s in range(6)])
+    d, m, nu = 1e-3, 5.0, 10.0
+    # sum over a cluster: compound Poisson, mean m nu, second moment 2 m nu^2 + (m nu)^2
+    clusters = d * y.size
+    lost = 0.004  # at the border: less than a ring of 2 pixels
+    spread = 5 * nu * np.sqrt((2 * m + m * m) / clusters) / (m * nu)
+    assert abs(y.mean() / (d * m * nu) - 1) < spread + lost
+    each = y.var(axis=(1, 2))
+    scatter = each.std(ddof=1) / np.sqrt(6)
+    assert abs(each.mean() - effect.variance(HERE)) < 6 * scatter  # t with 5 degrees of freedom
+
+
+def test_clusters_hold_their_radius_and_their_pairs():
+    effect = HotClusters(density=2e-4, members=6.0, radius=2.0, scale=10.0)
+    hot = frames(effect, SHAPE)[0] > 0
+
+    def pairs(dy, dx):
+        return np.mean(hot[: 512 - dy, : 512 - dx] & hot[dy:, dx:]) / hot.mean() ** 2
+
+    assert pairs(0, 1) > 20  # pair correlation inside a cluster ~ m / (d m pi r^2)
+    chance = pairs(11, 17)
+    count = N * hot.mean() ** 2
+    assert abs(chance - 1) < 5 * np.sqrt(36 / count)  # clusters of about 6 count as one
+
+
+def test_steps_are_poisson_multiples():
+    effect = DarkCurrentSteps(step=7.0, mean_number=0.8, ea_ev=0.35)
+    y = frames(effect, SHAPE, 2)
+    np.testing.assert_array_equal(y[0], y[1])
+    n = np.rint(y[0] / 7)
+    np.testing.assert_allclose(y[0], 7 * n, rtol=1e-6)
+    expected = stats.poisson.pmf(np.arange(7), 0.8) * N
+    seen = np.bincount(n.astype(int).ravel(), minlength=7)[:7]
+    assert (np.abs(seen - expected) < 5 * np.sqrt(expected) + 1).all()
+    assert abs(y[0].var() - effect.variance(HERE)) < 5 * 49 * np.sqrt((2 * 0.64 + 0.8) / N)
+    np.testing.assert_allclose(frames(effect, SHAPE, point=WARM)[0], growth(0.35) * y[0], rtol=1e-5)
+
+
+@pytest.mark.parametrize("number", [1e-4, 0.3, 6.0, 19.0])
+def test_steps_have_the_right_number_from_few_to_many(number):
+    n = frames(DarkCurrentSteps(step=1.0, mean_number=number), SHAPE)[0]
+    assert abs(n.mean() - number) < 5 * np.sqrt(number / N)
+    assert abs(n.var() - number) < 5 * np.sqrt((2 * number**2 + number) / N)
+
+
+def test_steps_are_guessed_from_the_spacing_of_the_peaks():
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
+    spacing = [12.0 * arrhenius(p.temperature_c, 25.0, 0.37) for p in points]
+    clues = MadeUpClues(points, seen={"pattern_step_dn": spacing}, stands_out=("pattern_steps",))
+    guesses = DarkCurrentSteps.guess(clues)
+    assert all(g.step == pytest.approx(12, rel=1e-3) for g in guesses)
+    assert all(g.ea_ev == pytest.approx(0.37, abs=1e-3) for g in guesses)
+
+
+@pytest.mark.parametrize("amplitudes", ["fixed", "exponential"])
+def test_blinking_pixels_have_two_levels_and_the_variance_of_the_closed_form(amplitudes):
+    p, a, o = 0.2, 30.0, 0.3
+    effect = Rts(p, a, o, 0.05, 0.0, amplitudes, "none")
+    y = frames(effect, (256, 256), 40)
+    n = y[0].size
+    blinks = y.max(axis=0) > 0  # off in all of 40 frames: .7^40 < 1e-6
+    assert abs(blinks.sum() - n * p) < 5 * np.sqrt(n * p * (1 - p))
+    levels = [np.unique(pixel).size for pixel in y[:, blinks].T[:500]]
+    assert set(levels) <= {1, 2}
+    share = (y[:, blinks] > 0).mean()
+    assert abs(share - o) < 5 * np.sqrt(o * (1 - o) / (40 * blinks.sum()))
+    # between two frames with dwell far below one: 2 x temporal variance = 2 E[A^2] p o (1 - o)
+    square = a * a * (2 if amplitudes == "exponential" else 1)
+    got = np.mean((y[1::2] - y[::2]) ** 2) / 2
+    assert got == pytest.approx(
+        p * o * (1 - o) * square, rel=0.08
+    )  # 5 sigma: 5 sqrt(c/13000), c < 3.3
+    assert y.var() == pytest.approx(effect.variance(HERE), rel=0.08)
+
+
+def test_states_last_as_long_as_the_dwell_says():
+    dwell, o = 3.0, 0.4
+    effect = Rts(0.5, 10.0, o, dwell, 0.0, "fixed", "none")
+    y = frames(effect, (200, 200), 30)
+    on = (y[:, y.max(axis=0) > 0] > 0).astype(float)
+    pixels = on.shape[1]
+    for lag in (1, 2, 5):
+        r = np.mean((on[lag:] - o) * (on[:-lag] - o)) / (o * (1 - o))
+        # about 30 / (2 dwell) independent stretches in each of the pixels
+        assert abs(r - np.exp(-lag / dwell)) < 5 / np.sqrt(pixels * 5)
+
+
+def test_a_frame_far_on_is_drawn_without_the_frames_before_it():
+    effect = Rts(0.01, 10.0, 0.5, 2.0, 0.0)
+    series = frames(effect, (64, 64), 12)
+    np.testing.assert_array_equal(frames(effect, (64, 64), 1, first=11)[0], series[11])
+    assert frames(effect, (64, 64), 1, first=100_000)[0].any()
+
+
+def test_steps_of_blinking_pixels_scale_as_told():
+    thermal = Rts(0.2, 10.0, 0.5, 0.5, 0.6, "fixed")
+    trap = Rts(0.2, 10.0, 0.5, 0.5, 0.0, "fixed", "none", "both")
+    long_ = OperatingPoint(25.0, 3.0, 1.0)
+    assert frames(thermal).max() == pytest.approx(10)
+    assert frames(thermal, point=WARM).max() == pytest.approx(10 * growth(0.6), rel=1e-5)
+    assert frames(thermal, point=long_).max() == pytest.approx(30)
+    for point, step in ((HERE, 10), (WARM, 10), (long_, 10), (LOUD, 20)):
+        y = frames(trap, point=point)
+        assert (y.min(), y.max()) == (-step, step)
+    assert abs(frames(trap).mean()) < 5 * 10 * np.sqrt(0.1) / 256
+
+
+def test_blinking_is_guessed_from_the_noisiest_pixels():
+    # a noise of 3 DN, 2 % of the pixels blink by 20 DN half of the time
+    total = 9 + 0.02 * 100
+    top = (9 + 100) / total
+    clues = MadeUpClues(
+        (HERE, WARM),
+        seen={
+            "temporal_noise": np.sqrt(total),
+            "temporal_noise_core": 3.0,
+            "temporal_variance_q0.999": top,
+        },
+        model={"temporal_variance_q0.999": 1.0},
+        stands_out=("blink_repeat",),
+    )
+    guesses = Rts.guess(clues)
+    fixed = next(g for g in guesses if g.amplitudes == "fixed")
+    assert fixed.amplitude == pytest.approx(20, rel=0.3)
+    assert fixed.fraction == pytest.approx(0.02, rel=0.3)
+    assert fixed.exposure == "none"  # alike at both temperatures
