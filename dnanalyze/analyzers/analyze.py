@@ -76,7 +76,7 @@ def analyze_windows(
                     progress(done, total)
             for part in parts:
                 where = placed.index(part.window)
-                settings[where].append(part.finish(setting.point))
+                settings[where].append(part.finish(setting.point, pool))
     out = []
     for each in settings:
         laws, rated = trends(each, captures.sensor)
@@ -202,18 +202,27 @@ class _Part:
         self.accumulation.add(first, 0)
         self.waiting = []
 
-    def finish(self, point: OperatingPoint) -> SettingStatistics:
+    def finish(self, point: OperatingPoint, pool: ThreadPoolExecutor | None) -> SettingStatistics:
         if self.accumulation is None:
             self._begin(self.waiting[0], None, None)
         assert self.accumulation is not None
-        return finish(self.accumulation.finish(), point, self.plane.name)
+        return finish(self.accumulation.finish(), point, self.plane.name, pool)
 
 
-def finish(acc: Accumulated, point: OperatingPoint, plane: str = "") -> SettingStatistics:
-    """The families' values of accumulated frames."""
+def finish(
+    acc: Accumulated,
+    point: OperatingPoint,
+    plane: str = "",
+    pool: ThreadPoolExecutor | None = None,
+) -> SettingStatistics:
+    """The families' values of accumulated frames; with a pool, several families at a time."""
     out = SettingStatistics(point, plane, acc.frames, acc.plan.shape, {})
-    for family in FAMILIES:
-        result = family.finish(acc)
+    acc.prepare()
+    if pool is None:
+        results = [family.finish(acc) for family in FAMILIES]
+    else:
+        results = list(pool.map(lambda family: family.finish(acc), FAMILIES))
+    for result in results:
         out.values.update(result.values)
         out.curves.update(result.curves)
         out.missing.update(result.missing)

@@ -75,6 +75,10 @@ class Accumulated:
     spectra: Any = None
     neighbours: Any = None
 
+    def prepare(self) -> None:
+        """Derive now what families share, before they run side by side."""
+        _ = self.clipped_pattern, self.temporal_variance, self.end_differences, self.difference_sigma
+
     @cached_property
     def pattern(self) -> np.ndarray:
         """F, the mean over the frames, DN; float32. It still holds 1/K of the temporal variance."""

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from dnanalyze.analyzers.maps import BATCH  # constant, so that loops over a batch unroll
+
 CHUNK = 4096  # pixels whose sums stay in the cache while a batch of frames goes over them
 FAST = {"contract", "nsz", "reassoc"}
 
@@ -16,10 +18,10 @@ FAST = {"contract", "nsz", "reassoc"}
 @njit(nogil=True, fastmath=FAST)
 def _frame_sums(y, past, centre, cut, hot, out):
     """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
-    s1, s2, s11 = 0.0, 0.0, 0.0
+    s1, s2, s11 = np.float32(0), np.float32(0), np.float32(0)
     for i in range(y.size):
-        w = np.float64(min(max(y[i] - centre, -cut), cut))
-        x = np.float64(min(max(past[i] - centre, -cut), cut))
+        w = min(max(y[i] - centre, -cut), cut)
+        x = min(max(past[i] - centre, -cut), cut)
         s1 += w
         s2 += w * w
         s11 += w * x
@@ -36,21 +38,34 @@ def _frame_sums(y, past, centre, cut, hot, out):
 
 
 @njit(nogil=True, fastmath=FAST)
-def _pixel_sums(y, past, origin, total, square, lag):
-    for i in range(y.size):
-        v = np.float64(y[i]) - origin
-        total[i] += v
-        square[i] += v * v
-        lag[i] += v * (np.float64(past[i]) - origin)
+def _pixel_sums(block, origin, total, square, lag):
+    for i in range(total.size):
+        before = np.float64(block[0, i]) - origin
+        s, q, p = 0.0, 0.0, 0.0
+        for k in range(1, BATCH + 1):
+            v = np.float64(block[k, i]) - origin
+            s += v
+            q += v * v
+            p += v * before
+            before = v
+        total[i] += s
+        square[i] += q
+        lag[i] += p
 
 
 @njit(nogil=True, fastmath=FAST)
-def _extremes(y, number, high, high_at, low):
-    for i in range(y.size):
-        more = y[i] > high[i]
-        high[i] = y[i] if more else high[i]
-        high_at[i] = number if more else high_at[i]
-        low[i] = min(y[i], low[i])
+def _extremes(block, number, high, high_at, low):
+    for i in range(high.size):
+        most, at, least = high[i], high_at[i], low[i]
+        for k in range(1, BATCH + 1):
+            y = block[k, i]
+            more = y > most
+            most = y if more else most
+            at = np.int32(number + k - 1) if more else at
+            least = y if y < least else least
+        high[i] = most
+        high_at[i] = at
+        low[i] = least
 
 
 @njit(nogil=True, fastmath=FAST)
@@ -93,21 +108,27 @@ def add_frames(
         there is no frame before.
     """
     n = total.size
+    block = np.empty((BATCH + 1, CHUNK), np.float32)
     for start in range(0, n, CHUNK):
         stop = min(n, start + CHUNK)
+        width = stop - start
+        block[0, :width] = before[start:stop]
+        for k in range(BATCH):  # a short batch is filled up with its last frame
+            block[k + 1, :width] = frames[min(k, count - 1)][start:stop]
+        _extremes(
+            block, np.int32(number), high[start:stop], high_at[start:stop], low[start:stop]
+        )
         for k in range(count):
-            y = frames[k][start:stop]
-            past = before[start:stop] if k == 0 else frames[k - 1][start:stop]
+            y, past = block[k + 1, :width], block[k, :width]
             _frame_sums(
                 y, past, np.float32(centre), np.float32(limit), np.float32(hot), scalars[k]
             )
-            _pixel_sums(y, past, origin, total[start:stop], square[start:stop], lag[start:stop])
-            at = number + k
-            _extremes(y, np.int32(at), high[start:stop], high_at[start:stop], low[start:stop])
-            if scalars[k, 5] == 0 and at % 4 == 1:
+            if scalars[k, 5] == 0 and (number + k) % 4 == 1:
                 _squares(y, past, blink_limit, first_pairs[start:stop])
-            elif scalars[k, 5] == 0 and at % 4 == 3:
+            elif scalars[k, 5] == 0 and (number + k) % 4 == 3:
                 _squares(y, past, blink_limit, second_pairs[start:stop])
+        block[count + 1 :, :width] = np.float32(origin)  # adds nothing to sums
+        _pixel_sums(block, origin, total[start:stop], square[start:stop], lag[start:stop])
 
 
 @njit(cache=True, nogil=True)
