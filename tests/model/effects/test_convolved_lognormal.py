@@ -13,7 +13,7 @@ LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, 2), (2, 1), (2, 2), (0, 3))
 
 
 def closed_form(mu, delta, phi, sigma):
-    """Mean, variance, third and fourth cumulant, covariances, and |K|^2 spectrum parts: physics, 1."""
+    """Mean, variance, third and fourth cumulant, covariances, and the parts of the spectrum."""
     q = math.exp(delta**2)
     m1 = math.exp(mu + delta**2 / 2)
     m2, m3, m4 = m1**2 * q, m1**3 * q**3, m1**4 * q**6

@@ -66,7 +66,7 @@ def test_spread_of_read_noise_keeps_its_rms_and_stays_with_the_pixel():
     s = 0.4
     y = frames(ReadNoise(sigma=3.0, spread=s), count=16)
     each = y.var(axis=0)
-    # E sigma_i^2 = sigma^2; relative variance of sigma_i^2: e^(4 s^2) - 1, and of its estimate 2/16 more
+    # E sigma_i^2 = sigma^2; relative variance of sigma_i^2: e^(4 s^2) - 1, its estimate 2/16 more
     scatter = np.sqrt(((1 + 2 / 16) * np.exp(4 * s**2) - 1) / N)
     assert abs(np.mean(y**2) / 9 - 1) < 5 * scatter
     # log of a chi-square over 16 frames has variance psi1(7.5) = .142; log sigma_i^2 has (2 s)^2

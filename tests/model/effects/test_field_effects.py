@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames, growth
 from scipy import stats
+from scipy.ndimage import find_objects, label
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import SOURCES, AmpGlow
@@ -83,7 +84,7 @@ def test_cosmic_rays_bring_the_charge_and_number_they_should():
     effect = CosmicRays(rate=200.0, energy=500.0, length=4.0)
     y = frames(effect, (512, 512), 40, LONG)
     number = 200 * 0.262144 * 3 * 40
-    # compound Poisson with exponential charges, second moment 2 E^2; tracks at the border lose a part
+    # compound Poisson, exponential charges: second moment 2 E^2; the border takes a part
     assert y.sum() / (number * 500) == pytest.approx(1, abs=5 * np.sqrt(2 / number) + 0.01)
     a, b = (y[n] > 1 for n in (0, 1))
     assert (a & b).sum() < 40  # chance overlap, no repeat
@@ -91,24 +92,17 @@ def test_cosmic_rays_bring_the_charge_and_number_they_should():
 
 
 def test_tracks_are_as_long_as_told_in_any_direction():
-    effect = CosmicRays(rate=1.0, energy=1e5, length=60.0)
+    effect = CosmicRays(rate=1.0, energy=1e5, length=30.0)
     point = OperatingPoint(25.0, 4.0, 1.0)
-    rows, columns, sizes = [], [], []
-    for n, y in enumerate(frames(effect, (1000, 1000), 150, point)):
-        from scipy.ndimage import label
-
-        marked, count = label(y > 1e-3, np.ones((3, 3)))
-        for i in range(1, count + 1):
-            r, c = np.nonzero(marked == i)
-            rows.append(np.ptp(r))
-            columns.append(np.ptp(c))
-            sizes.append(np.hypot(np.ptp(r), np.ptp(c)))
-        if n > 120:
-            break
-    sizes = np.array(sizes)
-    # exponential of mean 60 plus about a pixel and a half; the border cuts 4 % of the tracks
-    assert sizes.mean() == pytest.approx(61, abs=5 * 60 / np.sqrt(sizes.size))
-    assert np.mean(rows) == pytest.approx(np.mean(columns), abs=5 * 60 / np.sqrt(sizes.size))
+    extents = []
+    for y in frames(effect, (600, 600), 150, point):
+        marked, _ = label(y > 1e-3, np.ones((3, 3)))
+        extents += [[r.stop - r.start - 1, c.stop - c.start - 1] for r, c in find_objects(marked)]
+    rows, columns = np.array(extents, float).T
+    # exponential of mean 30 plus about a pixel and a half; the border cuts a few percent
+    spread = 5 * 30 / np.sqrt(rows.size)
+    assert np.hypot(rows, columns).mean() == pytest.approx(30.5, abs=spread)
+    assert rows.mean() == pytest.approx(columns.mean(), abs=spread)
 
 
 def test_number_of_tracks_is_poisson_and_grows_one_by_one():
