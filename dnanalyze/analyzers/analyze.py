@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -88,7 +89,7 @@ def _pool(workers: int | None, outer: Window, stack: ExitStack) -> ThreadPoolExe
     rows, columns = outer.shape
     if workers == 1 or rows * columns <= SMALL:
         return None
-    return stack.enter_context(ThreadPoolExecutor(workers))
+    return stack.enter_context(ThreadPoolExecutor(workers or len(os.sched_getaffinity(0))))
 
 
 def _placed(window: Window | None, sensor: Sensor) -> Window:

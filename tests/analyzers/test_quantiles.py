@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+from scipy import stats
+
+from dnanalyze.analyzers.quantiles import Counted, Ordered
+
+P = np.array([0.001, 0.05, 0.25, 0.5, 0.84, 0.99])
+
+
+def counted(sample):
+    low = int(sample.min())
+    return Counted(low, 1.0, np.bincount(sample.astype(int) - low))
+
+
+def test_quantiles_of_codes_are_those_of_the_signal_before_rounding():
+    sample = np.random.default_rng(1).normal(100.3, 1.5, 400_000)
+    codes = np.rint(sample)
+    truth = stats.norm.ppf(P, 100.3, 1.5)
+    se = np.sqrt(P * (1 - P) / sample.size) / stats.norm.pdf(truth, 100.3, 1.5)
+    # linear interpolation inside a code adds at most max|f'| / (8 f) of its width squared
+    curve = np.abs(truth - 100.3) / 1.5**2 / 8 * 1.6
+    for law in (Ordered(codes.astype(np.float32), 1.0), counted(codes)):
+        assert np.all(np.abs(law.quantile(P) - truth) < 5 * se + curve + 1e-3)
+
+
+def test_histogram_and_ordered_codes_agree():
+    codes = np.rint(np.random.default_rng(2).gamma(3.0, 4.0, 20_000))
+    np.testing.assert_allclose(
+        counted(codes).quantile(P), Ordered(codes, 1.0).quantile(P), rtol=1e-12
+    )
+
+
+def test_continuous_quantiles_are_numpys():
+    sample = np.random.default_rng(3).normal(size=1001)
+    expected = np.quantile(sample, P, method="hazen")
+    np.testing.assert_allclose(Ordered(sample).quantile(P), expected, rtol=1e-12)
+
+
+def test_a_constant_has_the_spread_of_its_resolution():
+    assert Ordered(np.full(100, 7.0), 1.0).robust_sigma() == pytest.approx(0.5 / 1.349, rel=1e-3)
+    assert Ordered(np.full(100, 7.0)).robust_sigma() > 0
+
+
+def test_share_below_inverts_quantile():
+    codes = np.rint(np.random.default_rng(4).normal(50, 5, 50_000))
+    law = counted(codes)
+    np.testing.assert_allclose(law.share_below(law.quantile(P)), P, atol=1e-9)
+
+
+def test_moments_of_a_histogram():
+    codes = np.rint(np.random.default_rng(5).gamma(2.0, 5.0, 10_000))
+    d = codes - codes.mean()
+    expected = [codes.mean(), *(np.mean(d**k) for k in (2, 3, 4))]
+    np.testing.assert_allclose(counted(codes).moments(), expected, rtol=1e-10)
