@@ -32,7 +32,7 @@ class BlackClipping(Effect):
     formula: ClassVar[str] = "y = max(y, level)"
     references: ClassVar[tuple[str, ...]] = ("Janesick, Photon Transfer, SPIE Press (2007)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
-        "low_spike", "temporal_noise", "frame_noise_core", "temporal_noise_core",
+        "clipped_low", "low_spike", "temporal_noise", "frame_noise_core", "temporal_noise_core",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
         "stuck_pixels": "few, always the same pixels, even in hot frames",
@@ -47,10 +47,14 @@ class BlackClipping(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The lowest code where the histogram's first bin is a spike."""
-        if not shows(clues, ["low_spike"]):
+        """The lowest code where it is a spike, or holds a larger share than the model's lowest."""
+        share, model = (
+            np.nan_to_num(np.asarray(of("clipped_low"), float))
+            for of in (clues.measured, clues.simulated)
+        )
+        if not (shows(clues, ["low_spike"]) or np.any(share > 3.0 * model + 1e-3)):
             return []
-        setting = strongest(clues, ["low_spike"]) or 0
+        setting = int(np.argmax(share)) if share.any() else strongest(clues, ["low_spike"]) or 0
         codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
         if codes is None or counts is None:
             return [cls()]

@@ -32,7 +32,8 @@ class DefectLines(Effect):
     formula: ClassVar[str] = "y_ij += o_j on round(fraction x lines) lines;  mean o^2 = sigma^2"
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (profiles)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
-        "column_outliers", "column_extreme", "row_outliers", "row_extreme",
+        "column_outliers", "column_extreme", "row_outliers", "row_extreme", "column_kurtosis",
+        "row_kurtosis",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
         "column_fpn": "all columns scatter, with a Gaussian distribution",
@@ -71,7 +72,7 @@ class DefectLines(Effect):
         """Share from the count of outlying lines, offset from the farthest one."""
         found: list[Effect] = []
         for axis, line, across in (("columns", "column", 1), ("rows", "row", 0)):
-            if not shows(clues, [f"{line}_outliers", f"{line}_extreme"]):
+            if not shows(clues, [f"{line}_{k}" for k in ("outliers", "extreme", "kurtosis")]):
                 continue
             lines, length = clues.shape[across], clues.shape[1 - across]
             count = max(1.0, typical_positive(excess(clues, f"{line}_outliers")))

@@ -124,7 +124,7 @@ class Denoise(Effect):
             "median": cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
             "gaussian": cls(space=bounded(cls, "space", space), kind="gaussian", spacing=spacing),
             "wavelet": cls(1.0, noise, kind="wavelet", spacing=spacing),
-            "nlm": cls(1.0, 0.8 * noise, kind="nlm", spacing=spacing),
+            "nlm": cls(1.0, 1.2 * noise, kind="nlm", spacing=spacing),
         }
         return list(made.values())
 

@@ -62,7 +62,7 @@ class DigitalGain(Effect):
         for setting in range(len(clues.points)):
             codes = curve(clues, "histogram_codes", setting)
             counts = curve(clues, "histogram_counts", setting)
-            if codes is not None and counts is not None:
+            if codes is not None and counts is not None and np.all(codes == np.rint(codes)):
                 bodies.append(_body(np.asarray(codes), np.asarray(counts)))
         bodies = [(c, first) for c, first in bodies if c.size > 8 and c.sum() > 30 * c.size]
         if not bodies:
@@ -117,7 +117,7 @@ def _best_gain(counts: np.ndarray, first: int) -> float | None:
 
 
 def _plain(gain: float, codes: int) -> list[float]:
-    """A factor and the multiples of 1/4, 1/20, 1/100 and 1/32 next to it that so many codes allow."""
+    """A factor and the multiples of 1/4, 1/20, 1/100 and 1/32 that so many codes allow."""
     rounded = [round(gain * n) / n for n in (4, 20, 100, 32)]
     return [gain, *(r for r in rounded if r > 0 and abs(1.0 / r - 1.0 / gain) < 0.5 / codes)]
 

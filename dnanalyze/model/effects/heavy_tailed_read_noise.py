@@ -77,7 +77,9 @@ class HeavyTailedReadNoise(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The tail from the 99.9 % quantile over the core; half of the noise is taken as heavy."""
+        """The 99.9 % quantile over the core gives the tail if all of the noise is of this kind;
+        else a heavier tail beside Gaussian noise makes it.
+        """
         high = ("temporal_kurtosis", "temporal_q0.999", "temporal_q0.99")
         low = ("temporal_q0.001", "temporal_q0.01")
         if not (shows(clues, high) or shows(clues, low, -1)):
@@ -90,7 +92,8 @@ class HeavyTailedReadNoise(Effect):
         wanted = typical_positive(ratio) or 4.5
         tail = float(tails[int(np.argmin(np.abs(np.array(reach) - wanted)))])
         noise = typical_positive(core) or 1.0
-        return [cls(bounded(cls, "sigma", noise / math.sqrt(2.0)), tail)]
+        whole, part = (bounded(cls, "sigma", share * noise) for share in (0.9, 0.5))
+        return [cls(whole, tail), cls(part, bounded(cls, "tail", tail - 0.2))]
 
 
 def bent(z: np.ndarray, tail: float) -> np.ndarray:

@@ -91,9 +91,9 @@ class MissingCodes(Effect):
         sigma = math.sqrt(typical_positive(rough**2 - base**2))
         sigma = bounded(cls, "sigma", sigma or 0.1)
         found: list[Effect] = [cls(sigma)]
-        if shows(clues, ["code_comb"]):
-            period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
-            for candidate in (2, 4, 8, 16, 32, 64):
-                if period and abs(math.log2(candidate / period)) < 0.1:
-                    found.insert(0, cls(sigma, "periodic", candidate))
+        period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
+        if shows(clues, ["code_comb"]) and period:
+            turns = {p: p / period for p in (2, 4, 8, 16, 32, 64)}  # a harmonic may be strongest
+            fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
+            found = [cls(sigma, "periodic", p) for p in fits[:2]] + found
         return found

@@ -73,7 +73,7 @@ class PeriodicPattern(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The strongest line of the spectrum, off or on its axes, to half a mode, 1/(2 N)."""
+        """The strongest line of the spectrum, off or on its axes, placed between its modes."""
         found: list[Effect] = []
         for family, phase in (("temporal", "random"), ("pattern", "fixed")):
             line = _off_axis(clues, family) or _on_axis(clues, family)
@@ -87,14 +87,42 @@ def _off_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:
     """(A, u, v) of the strongest mode off the axes, where it stands out."""
     if not shows(clues, [f"{family}_line"]):
         return None
-    i = strongest(clues, [f"{family}_line"])
-    u, v, ratio, noise = (
-        float(np.asarray(clues.measured(f"{family}_{k}"), float)[i])
-        for k in ("line_u", "line_v", "line", "noise")
+    i = strongest(clues, [f"{family}_line"]) or 0
+    amplitude, u, v = (
+        float(np.asarray(clues.measured(f"{family}_line_{k}"), float)[i])
+        for k in ("amplitude", "u", "v")
     )
-    if not (math.isfinite(u) and math.isfinite(v)):
+    if not math.isfinite(amplitude + u + v):
         return None
-    return _amplitude(ratio * noise**2, clues.shape), u, v
+    noise = 3.0 / math.sqrt(min(clues.shape))  # of a profile, relative to its floor, three times
+    u, lost_u = _between(clues, f"{family}_horizontal_spectrum", "column_spectrum_f", i, u, noise)
+    v, lost_v = _between(clues, f"{family}_vertical_spectrum", "row_spectrum_f", i, v, noise)
+    return amplitude / (lost_u * lost_v), u, v
+
+
+def _between(
+    clues: Clues, spectrum: str, frequency: str, setting: int, at: float, noise: float
+) -> tuple[float, float]:
+    """The frequency between two modes from the ratio of their amplitudes, and the share seen.
+
+    A sine d modes off a mode has the amplitude sinc(d) there and sinc(1 - d) in the next one; a next
+    mode within ``noise`` times the floor counts as none.
+    """
+    power, modes = curve(clues, spectrum, setting), curve(clues, frequency, setting)
+    if power is None or modes is None or power.shape != modes.shape:
+        return at, 1.0
+    k = int(np.argmin(np.abs(modes - abs(at))))
+    if not 0 < k < power.size - 1:
+        return at, 1.0
+    floor = float(np.median(power))
+    below, here, above = (float(p) - floor for p in power[k - 1 : k + 2])
+    beside = max(below, above)
+    if here <= 0 or beside < noise * floor:
+        return at, 1.0
+    ratio = math.sqrt(min(beside / here, 1.0))
+    off = ratio / (1.0 + ratio) * (1 if above > below else -1)
+    moved = abs(at) + off * float(modes[k + 1] - modes[k])
+    return math.copysign(moved, at), float(np.sinc(off))
 
 
 def _on_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:
@@ -104,21 +132,26 @@ def _on_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:
         names = named(f"{family}_{lines}", LINE_BANDS)
         if not shows(clues, names):
             continue
-        spectrum = curve(clues, f"{family}_{lines[:-1]}_spectrum", strongest(clues, names) or 0)
-        if spectrum is None or spectrum.ndim != 1 or spectrum.size < 16:
+        setting = strongest(clues, names) or 0
+        spectrum = curve(clues, f"{family}_{lines[:-1]}_spectrum", setting)
+        frequencies = curve(clues, f"{lines[:-1]}_spectrum_f", setting)
+        if spectrum is None or frequencies is None or spectrum.shape != frequencies.shape:
             continue
-        power = np.asarray(spectrum[1:], float)  # without the mean
+        power = np.where(frequencies > 0, spectrum, 0.0)
         peak = int(np.argmax(power))
         if power[peak] < _PEAK * np.median(power) / math.log(2.0):
             continue
-        amplitude = _amplitude(float(power[peak]), clues.shape)
-        frequency = 0.5 * (peak + 1) / power.size
+        amplitude = 2.0 * math.sqrt(float(power[peak]) / (clues.shape[0] * clues.shape[1]))
+        frequency, lost = _between(
+            clues,
+            f"{family}_{lines[:-1]}_spectrum",
+            f"{lines[:-1]}_spectrum_f",
+            setting,
+            float(frequencies[peak]),
+            _PEAK / 2.0,
+        )
+        amplitude /= lost
         if best is None or amplitude > best[0]:
             at = (0.0, frequency) if lines == "rows" else (frequency, 0.0)
             best = (amplitude, *at)
     return best
-
-
-def _amplitude(power: float, shape: tuple[int, int]) -> float:
-    """A of a wave whose mode has this power: A^2 / 4 times the number of pixels."""
-    return 2.0 * math.sqrt(max(power, 0.0) / (shape[0] * shape[1]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, shows, typical_positive
+from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,17 @@ class TemporalDenoise(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The memory from the lag-1 autocorrelation of the median pixel."""
+        """The memory from the lag-1 autocorrelation of the median pixel.
+
+        About the mean of K frames it comes out near a (1 - 4/K) - 1/K (Kendall); the statistic has
+        1/K added already, and the start of the recursion gives some back.
+        """
         if not shows(clues, ["temporal_r1"]):
             return []
         r1 = np.asarray(clues.measured("temporal_r1"), float)
-        share = bounded(cls, "share", typical_positive(r1))
+        means = [curve(clues, "frame_means", i) for i in range(len(clues.points))]
+        frames = max((m.size for m in means if m is not None), default=8)
+        share = typical_positive(r1) / max(0.35, 1.0 - 3.0 / frames)
+        share = bounded(cls, "share", share)
         noise = typical_positive(np.asarray(clues.measured("temporal_noise"), float)) or 1.0
         return [cls(share), cls(share, bounded(cls, "threshold", 4.0 * noise), "on")]

@@ -29,4 +29,6 @@ def test_guess_from_the_spike_in_the_first_bin():
     }
     (effect,) = BlackClipping.guess(Given(off={"low_spike": 9.0}, curves=curves))
     assert effect.level == 11.0
+    deep = Given(seen={"clipped_low": 0.3}, model={"clipped_low": 1e-6}, curves=curves)
+    assert BlackClipping.guess(deep) == [effect]
     assert BlackClipping.guess(Given(curves=curves)) == []

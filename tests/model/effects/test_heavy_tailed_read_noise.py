@@ -53,7 +53,8 @@ def test_guess_reads_the_tail_off_the_quantile():
         seen={"temporal_noise_core": 2.0, "temporal_q0.999": 2.0 * ratio},
         off={"temporal_kurtosis": 30.0},
     )
-    (effect,) = HeavyTailedReadNoise.guess(clues)
-    assert effect.tail == pytest.approx(tail, abs=0.01)
-    assert 1.0 < effect.sigma < 2.0
+    alone, beside = HeavyTailedReadNoise.guess(clues)
+    assert alone.tail == pytest.approx(tail, abs=0.01)
+    assert beside.tail < alone.tail
+    assert beside.sigma < alone.sigma < 2.0
     assert HeavyTailedReadNoise.guess(Given(off={"temporal_kurtosis": -9.0})) == []

@@ -57,7 +57,7 @@ def test_the_codes_are_the_same_at_any_temperature_and_below_zero():
 
 def test_guess_from_the_roughness_of_the_histogram():
     clues = Given(
-        seen={"code_roughness": 0.25, "code_comb_period": 7.9},
+        seen={"code_roughness": 0.25, "code_comb_period": 8 / 3},
         model={"code_roughness": 0.05}, off={"code_roughness": 9.0},
     )  # fmt: skip
     (effect,) = MissingCodes.guess(clues)

@@ -32,12 +32,10 @@ def test_follows_gain_but_not_temperature():
 
 
 def test_guess_from_the_line_off_the_axes():
-    n = 256 * 256
     clues = Given(
-        seen={"temporal_line_u": 0.05, "temporal_line_v": -0.17, "temporal_noise": 2.0,
-              "temporal_line": 0.36 / 4 * n / 4.0},
+        seen={"temporal_line_u": 0.05, "temporal_line_v": -0.17, "temporal_line_amplitude": 0.6},
         off={"temporal_line": 12.0},
-    )  # fmt: skip
+    )
     (effect,) = PeriodicPattern.guess(clues)
     assert (effect.u, effect.v, effect.phase) == (0.05, -0.17, "random")
     assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
@@ -46,12 +44,26 @@ def test_guess_from_the_line_off_the_axes():
 def test_guess_from_a_line_on_an_axis():
     spectrum = np.random.default_rng(1).exponential(4.0, 129)
     spectrum[32] = 0.36 / 4 * 256 * 256
-    clues = Given(off={"temporal_rows_0.1_0.3": 9.0}, curves={"temporal_row_spectrum": [spectrum]})
+    curves = {"temporal_row_spectrum": [spectrum], "row_spectrum_f": [np.arange(129) / 256]}
+    clues = Given(off={"temporal_rows_0.1_0.3": 9.0}, curves=curves)
     (effect,) = PeriodicPattern.guess(clues)
     assert (effect.u, effect.v) == (0.0, 0.125)
     assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
     spectrum[32] = 4.0
     assert PeriodicPattern.guess(clues) == []
+
+
+@pytest.mark.parametrize("off", [-0.4, -0.1, 0.3])
+def test_guess_places_a_line_between_two_modes(off):
+    n, v = 256, (40 + off) / 256
+    wave = 0.8 * np.sin(2 * np.pi * v * np.arange(n) + 1.0)
+    power = np.abs(np.fft.rfft(wave)) ** 2  # of rows of n pixels: n^2 / n^2 of the frame's modes
+    spectrum = power / n * n + np.random.default_rng(2).exponential(1.0, n // 2 + 1)
+    curves = {"temporal_row_spectrum": [spectrum], "row_spectrum_f": [np.arange(129) / 256]}
+    clues = Given(off={"temporal_rows_0.1_0.3": 9.0}, curves=curves)
+    (effect,) = PeriodicPattern.guess(clues)
+    assert effect.v == pytest.approx(v, abs=0.03 / 256)
+    assert effect.amplitude == pytest.approx(0.8, rel=0.05)
 
 
 def test_no_guess_where_curves_are_absent():

@@ -45,9 +45,17 @@ def test_codes_stay_codes_and_windows_agree():
     np.testing.assert_array_equal(frames(*model, count=3, window=window), z[:, 11:50, 20:90])
 
 
-def test_guess_from_the_autocorrelation():
-    clues = Given(seen={"temporal_r1": 0.22, "temporal_noise": 2.0}, off={"temporal_r1": 40.0})
+@pytest.mark.parametrize(("share", "count"), [(0.2, 6), (0.4, 8), (0.3, 16)])
+def test_guess_from_the_autocorrelation(share, count):
+    y = frames(*SENSOR, TemporalDenoise(share), count=count, shape=(128, 128))
+    d = y - y.mean(axis=0)
+    r1 = np.median(np.sum(d[1:] * d[:-1], axis=0) / np.sum(d * d, axis=0)) + 1 / count
+    clues = Given(
+        seen={"temporal_r1": r1, "temporal_noise": 2.0}, off={"temporal_r1": 40.0},
+        curves={"frame_means": [y.mean(axis=(1, 2))]},
+    )  # fmt: skip
     plain, moving = TemporalDenoise.guess(clues)
-    assert (plain.share, plain.motion, moving.motion) == (0.22, "off", "on")
+    assert plain.share == pytest.approx(share, abs=0.07)
+    assert (plain.motion, moving.motion) == ("off", "on")
     assert plain.idle() == ("threshold",)
     assert TemporalDenoise.guess(Given(off={"temporal_r1": -9.0})) == []
