@@ -103,10 +103,10 @@ def _off_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:
 def _between(
     clues: Clues, spectrum: str, frequency: str, setting: int, at: float, noise: float
 ) -> tuple[float, float]:
-    """The frequency between two modes from the ratio of their amplitudes, and the share seen.
+    """The frequency between two modes from their amplitudes, and the share of it that is seen.
 
-    A sine d modes off a mode has the amplitude sinc(d) there and sinc(1 - d) in the next one; a next
-    mode within ``noise`` times the floor counts as none.
+    A sine d modes off a mode has the amplitude sinc(d) there and sinc(1 - d) in the next one. A
+    next mode within ``noise`` times the floor counts as none.
     """
     power, modes = curve(clues, spectrum, setting), curve(clues, frequency, setting)
     if power is None or modes is None or power.shape != modes.shape:

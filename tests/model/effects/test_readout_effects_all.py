@@ -42,6 +42,24 @@ def test_a_window_has_the_pixels_of_the_whole_frame(effect):
     assert np.all(np.isfinite(whole))
 
 
+def extremes():
+    """Every effect with every parameter at both of its bounds, in every kind."""
+    for name in NAMES:
+        cls = built_in()[name]
+        kinds = cls.parameters()["kind"].choices if "kind" in cls.parameters() else (None,)
+        for kind in kinds:
+            chosen = {} if kind is None else {"kind": kind}
+            for key, info in cls.parameters().items():
+                if info.scale != "choice":
+                    for bound in (info.lower, info.upper):
+                        yield cls(**chosen, **{key: bound})
+
+
+@pytest.mark.parametrize("effect", list(extremes()), ids=repr)
+def test_finite_at_the_bounds_of_every_parameter(effect):
+    assert np.all(np.isfinite(frames(*BASE, effect, count=1, shape=(40, 48))))
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_catalogue_entry_is_complete(name):
     cls = built_in()[name]
