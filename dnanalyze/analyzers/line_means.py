@@ -1,4 +1,4 @@
-"""Means of the rows and columns of an image, in one go."""
+"""Means of the rows, of the columns and of blocks of an image."""
 
 from __future__ import annotations
 
@@ -23,3 +23,12 @@ def line_means(image: np.ndarray) -> LineMeans:
     columns, rows, square = kernels.line_sums(image)
     columns, rows = columns / image.shape[0], rows / image.shape[1]
     return LineMeans(columns, rows, max(square / image.size - float(rows.mean()) ** 2, 0.0))
+
+
+def block_means(image: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
+    """Means over a grid of nearly equal blocks, float64, of shape ``grid``."""
+    edges = [np.arange(n + 1) * size // n for n, size in zip(grid, image.shape, strict=True)]
+    by_row = np.add.reduceat(image, edges[1][:-1], axis=1)
+    sums = np.add.reduceat(by_row, edges[0][:-1], axis=0, dtype=float)
+    sizes = np.diff(edges[0])[:, None] * np.diff(edges[1])
+    return np.asarray(sums / sizes)

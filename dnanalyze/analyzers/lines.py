@@ -270,5 +270,7 @@ def _lag_one(power: np.ndarray, repeats: float) -> Value | None:
     correlation = float((weight * cosine) @ power) / total
     # the mean over the lines was removed, which takes 1 / (lines - 1) off every correlation
     value = correlation + (1 + correlation) / (lines - 1) * (1 - abs(correlation))
-    error = math.sqrt(max(1 - value**2, 0.05) / (lines * repeats))
-    return Value(value, error)
+    # modes vary independently; a mode's own square is 1 + 1/repeats times that of its mean
+    influence = weight * (cosine - correlation) * power / total
+    error = math.sqrt(float(influence @ influence) / (repeats + 1))
+    return Value(value, max(error, 0.2 / math.sqrt(lines * repeats)))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +12,9 @@ from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.halo import FEWEST, halo
 from dnanalyze.analyzers.neighbours_accumulator import (
     EXCESS_SIGMAS,
+    HAAR_COUNT,
+    HAAR_FOURTH,
+    HAAR_SECOND,
     LAGS,
     PEAK_EXCESS,
     PEAK_TIES,
@@ -17,7 +22,9 @@ from dnanalyze.analyzers.neighbours_accumulator import (
     RANK_HIGH,
     RANK_LOW,
     RANK_PIXELS,
-    Neighbours,
+    TILE_COUNT,
+    TILE_SQUARE,
+    TILE_VARIANCE,
     lag_products,
     rank_shares,
 )
@@ -30,8 +37,58 @@ __all__ = ["INFOS", "finish"]
 
 SMALLEST_SIDE = 8  # pixels
 _BLOCK = 24  # pixels along a side of a block, at least: ranks of neighbours are correlated
+_FEWEST_FRAMES = 3  # whose scatter tells something
 _RANK_SD = 9 * 0.157  # of 9 P_max for n exchangeable pixels, times sqrt(n)
 _ROOT_FLOOR = 0.375  # variance of a count that may be 0
+
+
+@dataclass(frozen=True)
+class _Sums:
+    """Sums over the frames by block, (row bands, column bands, sums), and frame by frame, (n, sums).
+
+    ``frames`` counts the frames, or the differences, in them; ``overlap`` is by how much neighbouring
+    differences, which share a frame, repeat one another.
+    """
+
+    plan: Plan
+    blocks: np.ndarray
+    each: np.ndarray
+    overlap: float = 1.0
+
+    @property
+    def frames(self) -> int:
+        return len(self.each)
+
+    @cached_property
+    def total(self) -> np.ndarray:
+        return np.asarray(self.blocks.sum(axis=(0, 1)))
+
+    @cached_property
+    def coarse(self) -> np.ndarray:
+        """On a grid whose blocks have 24 pixels or more along a side where they can."""
+        sums = self.blocks
+        for axis, size in enumerate(self.plan.shape):
+            bands = sums.shape[axis]
+            wanted = max(1, min(bands, size // _BLOCK))
+            sums = np.add.reduceat(sums, np.arange(wanted) * bands // wanted, axis=axis)
+        return sums
+
+    def error(self, weights: dict[int, float]) -> float:
+        """Standard error of a combination of the sums whose total is 0 (a linearised statistic).
+
+        From the scatter of the blocks; or from that of the frames, where something that whole frames
+        share makes it larger beyond doubt.
+        """
+        combine = np.zeros(self.total.size)
+        combine[list(weights)] = list(weights.values())
+        variance = max(0.0, float(clustered_variance(self.coarse @ combine)))
+        n = self.frames
+        if n >= _FEWEST_FRAMES:
+            residuals = self.each @ combine
+            frames = float(residuals @ residuals) * n / (n - 1) * self.overlap
+            if frames > variance * (1 + 3 * math.sqrt(2 / (n - 1))):
+                variance = frames
+        return math.sqrt(variance)
 
 
 def finish(acc: Accumulated) -> FamilyResult:
@@ -41,15 +98,22 @@ def finish(acc: Accumulated) -> FamilyResult:
         why = f"statistics of neighbours need {SMALLEST_SIDE} pixels along each side"
         return FamilyResult(missing={"neighbours": why})
     result = FamilyResult()
-    _ranks("frame", plan, sums.peaks, acc.frames, result)
-    _peaks(plan, sums, result)
+    peaks = _Sums(plan, sums.peaks, np.array(sums.each["peaks"]))
+    _ranks("frame", peaks, result)
+    _peaks(peaks, result)
     if acc.frames > 1:
-        _ranks("pattern", plan, rank_shares(plan, acc.pattern), 1, result)
+        once = np.empty(0)
+        _ranks("pattern", _Sums(plan, rank_shares(plan, acc.pattern), once), result)
         products = lag_products(plan, acc.clipped_pattern, CLIP * acc.pattern_sigma)
-        _correlations("pattern", plan, products, 1, result)
-        _ranks("temporal", plan, sums.ranks, sums.differences, result)
-        _correlations("temporal", plan, sums.lags, sums.differences, result)
-        _local_variances(plan, sums.tiles, result)
+        _correlations("pattern", _Sums(plan, products, once), result)
+        overlap = sums.differences / acc.difference_repeats
+        ranks, lags, tiles = (
+            _Sums(plan, getattr(sums, name), np.array(sums.each[name]), overlap)
+            for name in ("ranks", "lags", "tiles")
+        )
+        _ranks("temporal", ranks, result)
+        _correlations("temporal", lags, result)
+        _local_variances(tiles, result)
     else:
         why = "one frame does not tell the fixed pattern from the temporal noise"
         result.missing["neighbours"] = why
@@ -57,100 +121,74 @@ def finish(acc: Accumulated) -> FamilyResult:
     return result
 
 
-def _coarse(plan: Plan, sums: np.ndarray) -> np.ndarray:
-    """Block sums on a grid whose blocks have 24 pixels or more along a side where they can."""
-    for axis, size in enumerate(plan.shape):
-        bands = sums.shape[axis]
-        wanted = max(1, min(bands, size // _BLOCK))
-        sums = np.add.reduceat(sums, np.arange(wanted) * bands // wanted, axis=axis)
-    return sums
-
-
-def _error(plan: Plan, residuals: np.ndarray) -> float:
-    """Standard error of a sum over blocks, from their residuals, (row bands, column bands)."""
-    return math.sqrt(max(0.0, float(clustered_variance(_coarse(plan, residuals)))))
-
-
-def _ranks(part: str, plan: Plan, sums: np.ndarray, frames: int, result: FamilyResult) -> None:
-    pixels = sums[..., RANK_PIXELS]
-    total = float(pixels.sum())
+def _ranks(part: str, sums: _Sums, result: FamilyResult) -> None:
+    pixels = float(sums.total[RANK_PIXELS])
     for name, at in (("pmax8", RANK_HIGH), ("pmin8", RANK_LOW)):
-        share = float(sums[..., at].sum()) / total
-        error = 9 * _error(plan, sums[..., at] - share * pixels) / total
-        floor = _RANK_SD / math.sqrt(total)
-        result.values[f"{part}_{name}"] = Value(9 * share, max(error, floor))
+        share = float(sums.total[at]) / pixels
+        error = 9 * sums.error({at: 1.0, RANK_PIXELS: -share}) / pixels
+        result.values[f"{part}_{name}"] = Value(9 * share, max(error, _RANK_SD / math.sqrt(pixels)))
 
 
-def _correlations(
-    part: str, plan: Plan, products: np.ndarray, frames: int, result: FamilyResult
-) -> None:
+def _correlations(part: str, sums: _Sums, result: FamilyResult) -> None:
     """Covariance at each lag over the variance.
 
     Removing the row means took 1/columns off the correlation along a row, removing the column means
     1/rows off that along a column; this is put back.
     """
-    rows, columns = plan.shape
-    variance = products[..., 0]
-    total = float(variance.sum())
+    rows, columns = sums.plan.shape
+    variance = float(sums.total[0])
     for (dx, dy), name in zip(LAGS[1:], LAG_NAMES, strict=True):
-        if not total > 0:
+        if not variance > 0:
             result.missing[f"{part}_corr_{name}"] = "all pixels are alike"
             continue
         scale = rows * columns / ((rows - dy) * (columns - dx))
-        each = products[..., LAGS.index((dx, dy))]
-        ratio = float(each.sum()) / total
+        at = LAGS.index((dx, dy))
+        ratio = float(sums.total[at]) / variance
         value = ratio * scale + (1 / columns if dy == 0 else 0) + (1 / rows if dx == 0 else 0)
-        error = _error(plan, each - ratio * variance) / total * scale
-        floor = 0.5 / math.sqrt(rows * columns * frames)
+        error = sums.error({at: 1.0, 0: -ratio}) / variance * scale
+        floor = 0.5 / math.sqrt(rows * columns * max(1, sums.frames))
         result.values[f"{part}_corr_{name}"] = Value(value, max(error, floor))
 
 
-def _peaks(plan: Plan, sums: Neighbours, result: FamilyResult) -> None:
-    peaks, frames = sums.peaks, sums.frames
-    pixels = peaks[..., RANK_PIXELS]
+def _peaks(sums: _Sums, result: FamilyResult) -> None:
+    pixels, frames = float(sums.total[RANK_PIXELS]), sums.frames
     for k, sigmas in enumerate(EXCESS_SIGMAS):
-        counts = peaks[..., PEAK_EXCESS + k] / frames
-        total = float(counts.sum())
-        residuals = counts - pixels * (total / float(pixels.sum()))
-        variance = max(_error(plan, residuals) ** 2, _ROOT_FLOOR)
-        result.values[f"excess_{sigmas:g}"] = Value(total, math.sqrt(variance / (total + 0.375)))
-    top, ties = peaks[..., PEAK_TOP], peaks[..., PEAK_TIES]
-    n = float(top.sum())
+        at = PEAK_EXCESS + k
+        count = float(sums.total[at]) / frames
+        error = sums.error({at: 1.0, RANK_PIXELS: -count * frames / pixels}) / frames
+        variance = max(error**2, _ROOT_FLOOR)
+        result.values[f"excess_{sigmas:g}"] = Value(count, math.sqrt(variance / (count + 0.375)))
+    n = float(sums.total[PEAK_TOP])
     if not n > 0:
         result.missing["ties_max8"] = "no inner pixel is among the top 1 %"
         return
-    share = float(ties.sum()) / n
+    share = float(sums.total[PEAK_TIES]) / n
     floor = math.sqrt(max(share * (1 - share), 0.1 / n) / n)
-    error = _error(plan, ties - share * top) / n
+    error = sums.error({PEAK_TIES: 1.0, PEAK_TOP: -share}) / n
     result.values["ties_max8"] = Value(share, max(error, floor))
 
 
-def _local_variances(plan: Plan, tiles: np.ndarray, result: FamilyResult) -> None:
+def _local_variances(sums: _Sums, result: FamilyResult) -> None:
     """CV^2 of the variances of 4x4 tiles (Gaussian: 2/15), kurtosis of the diagonal Haar band."""
-    count, variance, square, number, second, fourth = np.moveaxis(tiles, -1, 0)
-    n, m1 = float(count.sum()), float(variance.sum())
-    if not m1 > 0:
-        why = "the frames do not differ"
-        result.missing.update({"local_variance_cv": why, "hh_kurtosis": why})
-        return
-    m1, m2 = m1 / n, float(square.sum()) / n
-    cv = m2 / m1**2 - 1
-    slope = (square - m2 * count) / m1**2 - 2 * m2 * (variance - m1 * count) / m1**3
-    floor = math.sqrt(2 / n) / 5
-    if cv > 0:
-        error = max(_error(plan, slope) / n / cv, floor)
+    n = float(sums.total[TILE_COUNT])
+    m1, m2 = (float(sums.total[at]) / n for at in (TILE_VARIANCE, TILE_SQUARE))
+    if m1 > 0 and m2 > m1**2:
+        cv = m2 / m1**2 - 1
+        slope = 2 * m2 / m1**3
+        weights = {TILE_SQUARE: m1**-2, TILE_VARIANCE: -slope, TILE_COUNT: m2 / m1**2}
+        error = max(sums.error(weights) / n / cv, math.sqrt(2 / n) / 5)
         result.values["local_variance_cv"] = Value(cv, error)
     else:
-        result.missing["local_variance_cv"] = "the local variances are all alike"
-    n = float(number.sum())
-    m2, m4 = float(second.sum()) / n, float(fourth.sum()) / n
+        result.missing["local_variance_cv"] = "the noise between frames is the same in all tiles"
+    n = float(sums.total[HAAR_COUNT])
+    m2, m4 = (float(sums.total[at]) / n for at in (HAAR_SECOND, HAAR_FOURTH))
     if not m2 > 0:
         result.missing["hh_kurtosis"] = "the frames do not differ between neighbours"
         return
-    slope = (fourth - m4 * number) / m2**2 - 2 * m4 * (second - m2 * number) / m2**3
-    result.values["hh_kurtosis"] = Value(
-        m4 / m2**2 - 3, max(_error(plan, slope) / n, math.sqrt(6 / n))
-    )
+    slope = 2 * m4 / m2**3
+    weights = {HAAR_FOURTH: m2**-2, HAAR_SECOND: -slope, HAAR_COUNT: m4 / m2**2}
+    error = max(sums.error(weights) / n, math.sqrt(6 / n))
+    result.values["hh_kurtosis"] = Value(m4 / m2**2 - 3, error)
 
 
 def _halos(acc: Accumulated, result: FamilyResult) -> None:

@@ -25,7 +25,7 @@ class Neighbours:
     """Block sums over the frames y and over their differences D; see `neighbour_kernels`.
 
     Attributes are (row bands, column bands, sums), float64: ``peaks`` of y; ``ranks``, ``lags`` and
-    ``tiles`` of D.
+    ``tiles`` of D. ``each`` holds, by the same names, the sums over the field of each y and each D.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -37,6 +37,7 @@ class Neighbours:
         self.ranks = np.zeros((*grid, RANK_SUMS))
         self.lags = np.zeros((*grid, len(LAGS)))
         self.tiles = np.zeros((*grid, TILE_SUMS))
+        self.each: dict[str, list[np.ndarray]] = {"peaks": [], "ranks": [], "lags": [], "tiles": []}
 
     def add(self, view: FrameView) -> None:
         """Take in the next frame, and its difference to the one before."""
@@ -45,9 +46,9 @@ class Neighbours:
         plan = self.plan
         leads = np.array(EXCESS_SIGMAS) * plan.difference_sigma
         top, share = top_level(view.frame)
-        kernels.peak_sums(
-            view.frame, top, share, leads, plan.row_edges, plan.column_edges, self.peaks
-        )
+        peaks = np.zeros_like(self.peaks)
+        kernels.peak_sums(view.frame, top, share, leads, plan.row_edges, plan.column_edges, peaks)
+        self._take("peaks", peaks)
         self.frames += 1
         if view.difference is not None:
             self._add_difference(view.difference)
@@ -61,19 +62,26 @@ class Neighbours:
         for name in ("peaks", "ranks", "lags", "tiles"):
             mine: np.ndarray = getattr(self, name)
             mine += getattr(later, name)
+            self.each[name] += later.each[name]
 
     def _add_difference(self, difference: np.ndarray) -> None:
         from dnanalyze.analyzers import neighbour_kernels as kernels
 
         plan = self.plan
-        edges = plan.row_edges, plan.column_edges
         self.differences += 1
-        kernels.rank_sums(difference, *edges, self.ranks)
-        self.lags += lag_products(plan, difference, CLIP * plan.difference_sigma)
+        self._take("ranks", rank_shares(plan, difference))
+        self._take("lags", lag_products(plan, difference, CLIP * plan.difference_sigma))
+        tiles = np.zeros_like(self.tiles)
+        reach = TAIL_CLIP * plan.difference_sigma
         kernels.tile_sums(
-            difference, TAIL_CLIP * plan.difference_sigma, band_of(edges[0]), band_of(edges[1]),
-            self.tiles,
-        )  # fmt: skip
+            difference, reach, band_of(plan.row_edges), band_of(plan.column_edges), tiles
+        )
+        self._take("tiles", tiles)
+
+    def _take(self, name: str, sums: np.ndarray) -> None:
+        mine: np.ndarray = getattr(self, name)
+        mine += sums
+        self.each[name].append(sums.sum(axis=(0, 1)))
 
 
 def lag_products(plan: Plan, image: np.ndarray, reach: float) -> np.ndarray:

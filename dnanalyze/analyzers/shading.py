@@ -8,7 +8,7 @@ import numpy as np
 import scipy.fft
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
-from dnanalyze.analyzers.line_means import line_means
+from dnanalyze.analyzers.line_means import block_means, line_means
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 GRID = 16  # blocks along each side, at most
@@ -80,15 +80,6 @@ def finish(acc: Accumulated) -> FamilyResult:
     return result
 
 
-def block_means(image: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
-    """Means over a grid of nearly equal blocks, float64, of shape ``grid``."""
-    edges = [np.arange(n + 1) * size // n for n, size in zip(grid, image.shape, strict=True)]
-    by_row = np.add.reduceat(image, edges[1][:-1], axis=1)
-    sums = np.add.reduceat(by_row, edges[0][:-1], axis=0, dtype=float)
-    sizes = np.diff(edges[0])[:, None] * np.diff(edges[1])
-    return np.asarray(sums / sizes)
-
-
 def _kind(i: int, j: int) -> int:
     """0: varies across only, 1: down only, 2: both. Column and row offsets add to the first two."""
     return 0 if j == 0 else 1 if i == 0 else 2
@@ -128,11 +119,10 @@ def _noise(
 
 
 def _line_variance(means: np.ndarray) -> float:
-    """Variance of line means without their slow trend, from second differences, DN^2."""
-    if means.size < 4:
-        return 0.0
-    second = means[2:] - 2 * means[1:-1] + means[:-2]
-    return float(np.mean(second.astype(float) ** 2)) / 6
+    """Variance of line means by their middle frequencies: neither shading nor odd and even lines."""
+    square = scipy.fft.dct(means, norm="ortho") ** 2
+    first = min(HIGH, means.size // 4)
+    return float(np.mean(square[first : max(first + 1, means.size // 4)]))
 
 
 def _relative_error(square: np.ndarray, inside: np.ndarray) -> float:

@@ -28,23 +28,33 @@ def add_image(total, image):
 
 @njit(cache=True, nogil=True)
 def reduce(power, index):
-    """Sums over radial bins, over v != 0 at each u, over u != 0 at each v (the last u half)."""
+    """Sums over radial bins, over v != 0 at each u, over u != 0 at each v (the last u half).
+
+    Each is (2, n): sums of the powers, and of their squares.
+    """
     rows, half = power.shape
-    radial = np.zeros(256)
-    by_u = np.zeros(half)
-    by_v = np.zeros(rows)
+    radial = np.zeros((256, 2))
+    by_u = np.zeros((2, half))
+    by_v = np.zeros((2, rows))
     for i in range(1, rows):
-        total = 0.0
+        total, squares = 0.0, 0.0
         for k in range(1, half - 1):
             p = power[i, k]
-            radial[index[i, k]] += p
-            by_u[k] += p
+            q = p * p
+            radial[index[i, k], 0] += p
+            radial[index[i, k], 1] += q
+            by_u[0, k] += p
+            by_u[1, k] += q
             total += p
+            squares += q
         p = power[i, half - 1]
-        radial[index[i, half - 1]] += 0.5 * p
-        by_u[half - 1] += p
-        by_v[i] = total + 0.5 * p
-    return radial, by_u, by_v
+        radial[index[i, half - 1], 0] += 0.5 * p
+        radial[index[i, half - 1], 1] += 0.5 * p * p
+        by_u[0, half - 1] += p
+        by_u[1, half - 1] += p * p
+        by_v[0, i] = total + 0.5 * p
+        by_v[1, i] = squares + 0.5 * p * p
+    return radial.T, by_u, by_v
 
 
 @njit(cache=True, nogil=True)

@@ -145,16 +145,17 @@ class ReducedPower:
     Parameters
     ----------
     modes : Modes
-    radial : ndarray
-        Sum over the off-axis modes of each fine radial bin, each independent mode once, DN^2.
+    radial, radial_square : ndarray
+        Sum over the off-axis modes of each fine radial bin, each independent mode once, of the powers,
+        DN^2, and of their squares.
     columns : ndarray
         Power of (u > 0, v = 0): what whole columns share, DN^2.
     rows : ndarray
         Power of (u = 0, v > 0): what whole rows share, DN^2.
-    horizontal : ndarray
-        Mean over v != 0 at each u > 0, DN^2.
-    vertical : ndarray
-        Mean over u != 0 at each v > 0, DN^2.
+    horizontal, horizontal_square : ndarray
+        Mean over v != 0 at each u > 0 of the powers, DN^2, and of their squares.
+    vertical, vertical_square : ndarray
+        Mean over u != 0 at each v > 0.
     """
 
     modes: Modes
@@ -163,6 +164,9 @@ class ReducedPower:
     rows: np.ndarray
     horizontal: np.ndarray
     vertical: np.ndarray
+    radial_square: np.ndarray
+    horizontal_square: np.ndarray
+    vertical_square: np.ndarray
 
     def radial_mean(self) -> np.ndarray:
         """Mean off-axis power of each fine bin, DN^2; NaN where a bin is empty."""
@@ -185,17 +189,21 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
     rows, columns = modes.shape
     radial, by_u, by_v = kernels.reduce(power, modes.index)
     half = rows // 2
-    vertical = by_v[1 : half + 1].copy()
-    vertical[:-1] += by_v[:half:-1]
+    vertical = by_v[:, 1 : half + 1].copy()
+    vertical[:, :-1] += by_v[:, :half:-1]
     n = np.full(half, columns - 1.0)
     n[-1] /= 2
+    size = modes.edges.size - 1
     return ReducedPower(
         modes,
-        radial[: modes.edges.size - 1],
+        radial[0, :size],
         np.asarray(power[0, 1:], float),
         np.asarray(power[1 : half + 1, 0], float),
-        by_u[1:] / (rows - 1),
-        vertical / n,
+        by_u[0, 1:] / (rows - 1),
+        vertical[0] / n,
+        radial[1, :size],
+        by_u[1, 1:] / (rows - 1),
+        vertical[1] / n,
     )
 
 

@@ -41,7 +41,9 @@ class Peak:
     real: bool
 
 
-def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> Peak | None:
+def largest_peak(
+    power: np.ndarray, shape: tuple[int, int], repeats: float, temporal: bool = False
+) -> Peak | None:
     """The largest off-axis mode over its floor (cell averaging, as in radar's CA-CFAR detectors).
 
     The floor is the mean of 3 x 32 modes next to it in u and around it in v, without the nearest.
@@ -54,6 +56,8 @@ def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> P
         (rows, columns) of the image.
     repeats : float
         Independent spectra that were averaged.
+    temporal : bool
+        The spectrum is of what changes from frame to frame.
 
     Returns
     -------
@@ -72,15 +76,19 @@ def largest_peak(power: np.ndarray, shape: tuple[int, int], repeats: float) -> P
     peak = float(power[i, k])
     amplitude = 2.0 * math.sqrt(max(peak - floor, 0.0) / (rows * columns))
     v = (i if i <= rows // 2 else i - rows) / rows
-    error, real = _peak_error(ratio, searched, repeats, 6.0 * (reach - _GUARD))
+    cells = 6.0 * (reach - _GUARD)
+    error, real = _peak_error(ratio, searched, repeats, cells, temporal)
     return Peak(ratio, error, k / columns, v, amplitude, real)
 
 
-def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> tuple[float, bool]:
+def _peak_error(
+    ratio: float, searched: int, repeats: float, cells: float, temporal: bool
+) -> tuple[float, bool]:
     """Standard error of the log of the largest of many ratios, and whether a real line made it.
 
     A ratio of mean powers follows Fisher's F law, the largest of many Gumbel's. A real line of
-    power L above a floor S has the variance (S^2 + 2 L S) / repeats.
+    power L above a floor S has the variance (S^2 + 2 L S) / repeats; in the temporal spectrum also
+    that of the mean of repeats + 1 random phases.
     """
     one, other = 2 * repeats, 2 * repeats * cells
     expected, step = (float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9))
@@ -88,7 +96,10 @@ def _peak_error(ratio: float, searched: int, repeats: float, cells: float) -> tu
     chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
     if ratio < special.fdtri(one, other, 1 - 1e-3 / searched):
         return chance, False
-    return max(chance, math.sqrt((2 * ratio - 1) / repeats) / ratio), True
+    variance = (2 * ratio - 1) / ratio**2 / repeats
+    if temporal:
+        variance += 1 / (repeats * (repeats + 1))
+    return max(chance, math.sqrt(variance)), True
 
 
 def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
-from dnanalyze.analyzers.line_means import line_means
+from dnanalyze.analyzers.line_means import block_means, line_means
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.spectral_modes import (
     FIRST_MODES,
@@ -30,13 +30,15 @@ from dnanalyze.analyzers.spectral_modes import (
     power_of,
     reduce_power,
 )
-from dnanalyze.analyzers.spectral_peaks import largest_peak, nyquist_ratios
+from dnanalyze.analyzers.spectral_peaks import Peak, largest_peak, nyquist_ratios
 from dnanalyze.analyzers.spectrum_infos import INFOS, band_names, profile_names
 from dnanalyze.analyzers.statistics import Value
 
 __all__ = ["INFOS", "finish"]
 
 _SAMPLE = 1 << 18  # pixels from which the spread of heavy tails is taken
+_COARSE = 0.16  # c/px; waves longer than this take a hit on several pixels for one
+_TILE = 4  # pixels along a side that are then taken together
 _PICTURE = 128  # largest side of the 2-D spectra kept for figures
 _CORNER_RISE = 2.0  # the corner frequency is where the power is this many times the white floor
 
@@ -46,7 +48,9 @@ class _Part:
     """One of the three spectra, with its independent repeats.
 
     ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy
-    tails move all modes together. ``line_spread`` is the same of the means of columns, and of rows.
+    tails move all modes together. ``coarse_spread`` is the same of 4 x 4 pixels together, for hits
+    that cover several pixels. ``line_spread`` is the same of the means of columns, and of rows. ``residue`` is what the temporal noise
+    leaves in the pattern, DN^2.
     """
 
     name: str
@@ -54,7 +58,13 @@ class _Part:
     reduced: ReducedPower
     repeats: float
     spread: float
+    coarse_spread: float = 0.0
     line_spread: tuple[float, float] = (0.0, 0.0)
+    residue: np.ndarray | None = None
+
+    def spread_at(self, frequency: float) -> float:
+        """The spread that a band up to this frequency sees, c/px."""
+        return max(self.spread, self.coarse_spread) if frequency <= _COARSE else self.spread
 
 
 def finish(acc: Accumulated) -> FamilyResult:
@@ -82,18 +92,20 @@ def _parts(acc: Accumulated) -> list[_Part]:
     modes = modes_of(acc.plan.shape)
     power = acc.spectra.frame_power()
     frame = reduce_power(power, modes)
-    pattern_spread = _pattern_spread(acc)
+    tails = _pattern_spread(acc), _tile_spread(acc.clipped_pattern)
     temporal = acc.spectra.temporal_power()
     if temporal is None:
-        return [_Part("frame", power, frame, 1.0, pattern_spread)]
+        return [_Part("frame", power, frame, 1.0, *tails)]
     changing = reduce_power(temporal, modes)
     fixed = power_of(acc.clipped_pattern)
     means = line_means(acc.clipped_pattern)
     lines = _excess(means.columns), _excess(means.rows)
     repeats = frame_repeats(float(frame.radial.sum()), float(changing.radial.sum()), acc.frames)
     return [
-        _Part("frame", power, frame, repeats, pattern_spread),
-        _Part("pattern", fixed, reduce_power(fixed, modes), 1.0, pattern_spread, lines),
+        _Part("frame", power, frame, repeats, *tails),
+        _Part(
+            "pattern", fixed, reduce_power(fixed, modes), 1.0, *tails, lines, temporal / acc.frames
+        ),
         _Part("temporal", temporal, changing, acc.frames - 1.0, _temporal_spread(acc)),
     ]
 
@@ -123,6 +135,12 @@ def _pattern_spread(acc: Accumulated) -> float:
     return max(0.0, float(variance) - 2.0) / ordered.size
 
 
+def _tile_spread(image: np.ndarray) -> float:
+    """Excess kurtosis of the means of 4 x 4 pixels over their number, not below 0."""
+    rows, columns = (n // _TILE for n in image.shape)
+    return _excess(block_means(image[: rows * _TILE, : columns * _TILE], (rows, columns)))
+
+
 def _excess(means: np.ndarray) -> float:
     """Excess kurtosis over the number, not below 0."""
     x = (means - means.mean()) ** 2
@@ -146,12 +164,16 @@ def _temporal_spread(acc: Accumulated) -> float:
     return max(0.0, relative - 2.0 / (acc.frames - 1)) / variance.size
 
 
-def _log_value(power: float, modes: float, spread: float) -> Value:
+def _log_value(part: _Part, power: float, square: float, modes: float, spread: float) -> Value:
     """A mean over independent exponential modes, and the standard error of its log.
 
-    The log of a gamma deviate of shape n has the variance trigamma(n) = zeta(2, n).
+    Equal modes have a mean square of 1 + 1/repeats times the squared mean; where it is larger, few
+    of the modes hold the power, and count as so many less. The log of a gamma deviate of shape n has the
+    variance trigamma(n) = zeta(2, n).
     """
-    return Value(power, math.sqrt(float(special.zeta(2.0, modes)) + spread))
+    alike = min(1.0, power**2 * (1 + 1 / part.repeats) / square) if square > 0 else 1.0
+    effective = max(modes * alike, min(modes, 1.0)) * part.repeats
+    return Value(power, math.sqrt(float(special.zeta(2.0, effective)) + spread))
 
 
 def _bands(part: _Part, result: FamilyResult) -> None:
@@ -164,7 +186,8 @@ def _bands(part: _Part, result: FamilyResult) -> None:
             continue
         mean = float(part.reduced.radial[where].sum()) / n
         if mean > 0:
-            result.values[name] = _log_value(mean, n * part.repeats, part.spread)
+            square = float(part.reduced.radial_square[where].sum()) / n
+            result.values[name] = _log_value(part, mean, square, n, part.spread_at(high))
         else:
             result.missing[name] = "there is no power in this band"
 
@@ -180,16 +203,19 @@ def _structure(part: _Part, result: FamilyResult) -> None:
             name = f"{part.name}_{kind}_{label}"
             inside = (f > low) & (f <= high)
             weight = np.where(f == 0.5, 0.5, 1.0)[inside]
-            _mean_into(result, name, power[inside], weight, part.repeats, spread)
+            # a fixed line, such as odd and even columns, belongs to the type: no less certain
+            square = power[inside] ** 2 if part.name != "pattern" else 0.0 * power[inside]
+            _mean_into(result, name, part, power[inside], square, weight, spread)
 
 
 def _profiles(part: _Part, result: FamilyResult) -> None:
     """Bands along u, averaged over v != 0, and along v, averaged over u != 0."""
     modes = part.reduced.modes
     rows, columns = modes.shape
-    for axis, f, power, across in (
-        ("u", modes.u, part.reduced.horizontal, rows - 1.0),
-        ("v", modes.v, part.reduced.vertical, columns - 1.0),
+    reduced = part.reduced
+    for axis, f, power, square, across in (
+        ("u", modes.u, reduced.horizontal, reduced.horizontal_square, rows - 1.0),
+        ("v", modes.v, reduced.vertical, reduced.vertical_square, columns - 1.0),
     ):
         number = np.arange(1, f.size + 1)
         for label, low, high in profile_names():
@@ -198,40 +224,42 @@ def _profiles(part: _Part, result: FamilyResult) -> None:
                 inside = number <= FIRST_MODES
             weight = across * np.where(f == 0.5, 0.5, 1.0)[inside]
             name = f"{part.name}_{axis}_{label}"
-            _mean_into(result, name, power[inside], weight, part.repeats, part.spread)
+            spread = part.spread_at(high)
+            _mean_into(result, name, part, power[inside], square[inside], weight, spread)
 
 
 def _mean_into(
     result: FamilyResult,
     name: str,
+    part: _Part,
     power: np.ndarray,
+    square: np.ndarray,
     weight: np.ndarray,
-    repeats: float,
     spread: float,
 ) -> None:
     n = float(weight.sum())
     mean = float(power @ weight) / n if n > 0 else 0.0
     if mean > 0:
-        result.values[name] = _log_value(mean, n * repeats, spread)
+        result.values[name] = _log_value(part, mean, float(square @ weight) / n, n, spread)
     else:
         result.missing[name] = "no power, or no mode of this frame, in this band"
 
 
 def _peaks(part: _Part, result: FamilyResult) -> None:
     shape = part.reduced.modes.shape
-    peak = largest_peak(part.power, shape, part.repeats)
+    peak = largest_peak(part.power, shape, part.repeats, part.name == "temporal")
     name = f"{part.name}_line"
     if peak is None:
         result.missing[name] = "the frame is too small, or has no power, to search for lines"
     else:
         rows, columns = shape
-        result.values[name] = Value(peak.ratio, peak.log_error)
+        error = math.hypot(peak.log_error, _residue(part, peak))
+        result.values[name] = Value(peak.ratio, error)
         uniform = 1 / math.sqrt(12)  # chance puts its peak anywhere
         step = (1 / columns, 1 / rows) if peak.real else (0.5, 1.0)
         result.values[f"{name}_u"] = Value(peak.u, step[0] * uniform)
         result.values[f"{name}_v"] = Value(peak.v, step[1] * uniform)
-        error = peak.amplitude * peak.log_error / 2
-        result.values[f"{name}_amplitude"] = Value(peak.amplitude, error)
+        result.values[f"{name}_amplitude"] = Value(peak.amplitude, peak.amplitude * error / 2)
     if part.name == "pattern":
         ratios = nyquist_ratios(part.power, shape)
         for label in ("10", "01", "11"):
@@ -240,6 +268,18 @@ def _peaks(part: _Part, result: FamilyResult) -> None:
                 result.values[name] = Value(*ratios[label])
             else:
                 result.missing[name] = "there is no power at or next to this mode"
+
+
+def _residue(part: _Part, peak: Peak) -> float:
+    """Share of a peak of the pattern that is what K frames leave of a line that changes in time.
+
+    The mean of K lines of random phase has an exponential power, whose relative spread is 1.
+    """
+    if part.residue is None or not peak.real:
+        return 0.0
+    rows, columns = part.reduced.modes.shape
+    at = round(peak.v * rows) % rows, round(peak.u * columns)
+    return min(1.0, float(part.residue[at] / part.power[at]))
 
 
 def _shape(part: _Part, result: FamilyResult) -> None:
