@@ -109,7 +109,7 @@ def _best_gain(counts: np.ndarray, first: int) -> float | None:
     fine = 1.0 / near[0] + np.linspace(-0.4, 0.4, 33) / counts.size
     scan = np.array([_least(counts, first, 1.0 / k) for k in fine])
     exact = {gain: _least(counts, first, gain) for gain in near[1:]}
-    best = min(float(scan.min()), *exact.values())
+    best = min([float(scan.min()), *exact.values()])
     if best > min(0.25, 0.6 * _misfit(counts, first, 1.0, 0.0)):
         return None
     plain = [gain for gain, misfit in exact.items() if misfit <= best + 0.01]

@@ -45,8 +45,14 @@ def test_guess_finds_the_factor_from_histograms(gain):
     assert effect.offset == round(64 + 6 * gain)
 
 
-def test_no_guess_from_a_smooth_histogram():
-    codes, counts = histogram(1.0, 90.0, 6.0)
+@pytest.mark.parametrize("sigma", [2.0, 6.0, 30.0, 70.0])
+def test_no_guess_from_a_smooth_histogram(sigma):
+    codes, counts = histogram(1.0, 300.0, sigma)
     curves = {"histogram_codes": [codes], "histogram_counts": [counts]}
     assert DigitalGain.guess(Given(off={"code_comb": 3.0}, curves=curves)) == []
+
+
+def test_no_guess_without_a_sign():
+    codes, counts = histogram(1.3, 90.0, 6.0)
+    curves = {"histogram_codes": [codes], "histogram_counts": [counts]}
     assert DigitalGain.guess(Given(curves=curves)) == []
