@@ -144,8 +144,7 @@ def _comb(rough: np.ndarray, noise: np.ndarray, out: FamilyResult) -> None:
     """Largest amplitude of a period of 2 codes or more in the ratio to the smooth histogram."""
     n = rough.size
     amplitude = 2 * np.abs(np.fft.rfft(rough)) / n
-    if n % 2 == 0:
-        amplitude[-1] /= 2
+    amplitude[-1] /= 2  # at half a period a code, or next to it, both signs are one
     best = 2 + int(np.argmax(amplitude[2:])) if amplitude.size > 3 else amplitude.size - 1
     value = float(amplitude[best])
     if value <= 0:
@@ -159,10 +158,8 @@ def _comb(rough: np.ndarray, noise: np.ndarray, out: FamilyResult) -> None:
 
 
 def smoothed(counts: np.ndarray, width: int) -> np.ndarray:
-    """Cubic Savitzky-Golay smooth on the root scale, where counts have constant variance; > 0."""
+    """Cubic Savitzky-Golay smooth of a histogram over ``width`` codes; > 0."""
     from scipy.signal import savgol_coeffs
 
-    half = width // 2
-    root = np.pad(np.sqrt(counts + 0.375), half)
-    smooth = np.convolve(root, savgol_coeffs(width, 3), "valid")
-    return np.maximum(smooth**2 - 0.125, 0.5)
+    padded = np.pad(counts, width // 2)
+    return np.maximum(np.convolve(padded, savgol_coeffs(width, 3), "valid"), 0.5)

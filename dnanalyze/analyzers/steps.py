@@ -35,7 +35,7 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     """
     low, high = ordered.quantile(np.array([TRIM, 1 - TRIM]))
     least = max(3 * residue, 2.5 * ordered.step)
-    if not high - low > 4 * least:
+    if least <= 0 or not high - low > 4 * least:
         return None
     width = min((high - low) / 256, least / 4)
     if ordered.step:
@@ -60,8 +60,17 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     found = math.hypot(0.2, 2 / math.sqrt(max(power[k[best]], 1.0)))  # 0.2: that of the floor
     se = found if ratio[best] > FOUND else max(extreme, 0.4)
     strength = Value(float(max(ratio[best], 1.0)), se)
-    spacing = float(1 / frequency[k[best]])
+    first_peak = int(np.argmax(ratio >= min(ratio[best], max(FOUND, math.sqrt(ratio[best])))))
+    near = (k >= k[first_peak]) & (k < 1.3 * k[first_peak])  # the lowest harmonic that stands out
+    spacing = float(1 / frequency[_crest(power, k[near][np.argmax(ratio[near])])])
     return strength, Value(spacing, spacing**2 / (high - low) / math.sqrt(max(ratio[best], 1.0)))
+
+
+def _crest(power: np.ndarray, i: int) -> int:
+    """The local maximum of the power uphill from ``i``."""
+    while 0 < i < power.size - 1 and max(power[i - 1], power[i + 1]) > power[i]:
+        i += 1 if power[i + 1] > power[i - 1] else -1
+    return i
 
 
 def _around(power: np.ndarray, i: int) -> float:

@@ -211,12 +211,19 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
 
 
 def _transients(acc: Accumulated, out: FamilyResult) -> None:
+    """Rise and fall against the mean of the pixel's other frames; its other extreme is left out
+    of that mean where three frames allow, so that a flash does not make the rest look dark."""
     k, sigma = acc.frames, acc.difference_sigma
     high, high_at, low = acc.maps.extremes()
-    limit = np.float32(TRANSIENT * sigma * math.sqrt(k * (k - 1)) / k)
-    # y - mean of the others = (y - mean of all) K / (K - 1)
-    high -= acc.pattern
-    np.subtract(acc.pattern, low, out=low)
+    high, low = high.copy(), low.copy()
+    others = acc.pattern * np.float32(k) - high - low if k > 2 else None
+    if others is None:
+        high, low = high - low, high - low
+    else:
+        others /= np.float32(k - 2)
+        high -= others
+        np.subtract(others, low, out=low)
+    limit = np.float32(TRANSIENT * sigma * math.sqrt(1 + 1 / max(k - 2, 1)))
     out.values["transient_high"] = _transient_count(acc, high, limit)
     out.values["transient_low"] = _transient_count(acc, low, limit)
     rise = high > limit

@@ -1,0 +1,181 @@
+import math
+
+import numpy as np
+import pytest
+from dark_frames import dark_frames
+
+from dnanalyze.analyzers import codes, tails, time
+from dnanalyze.analyzers.streaming import accumulate
+
+SHAPE = (128, 160)
+
+
+def values_of(family, frames):
+    return family.finish(accumulate(frames).finish()).values
+
+
+def gaussian(seed, count, noise=2.0, shape=SHAPE):
+    rng = np.random.default_rng(seed)
+    return [np.rint(100 + noise * rng.normal(size=shape)).astype(np.uint16) for _ in range(count)]
+
+
+def test_hot_and_cold_counts_are_those_put_in():
+    rng = np.random.default_rng(1)
+    pattern = 100 + rng.normal(size=SHAPE)
+    at = rng.permutation(pattern.size)
+    sigma = math.sqrt(1 + 0.25 / 4)
+    for share, level in ((slice(0, 40), 12), (slice(40, 60), 24), (slice(60, 70), 300)):
+        pattern.flat[at[share]] = 100 + level * sigma
+    pattern.flat[at[70:85]] = 100 - 6.5 * sigma
+    frames = [(pattern + 0.5 * rng.normal(size=SHAPE)).astype(np.float32) for _ in range(4)]
+    values = values_of(tails, frames)
+    counts = {k: values[f"hot_count_{k}"].value for k in tails.HOT}
+    assert counts == {5: 70, 8: 70, 16: 30, 32: 10, 64: 10, 128: 10}
+    assert values["cold_count_5"].value == 15
+    assert values["cold_count_8"].value == 0
+
+
+def test_neighbours_are_found_in_all_eight_directions():
+    mask = np.zeros((12, 12), bool)
+    mask[0, 0] = mask[11, 11] = mask[5, 11] = mask[6, 0] = True  # alone, across the edges
+    assert not tails.in_clumps(mask).any()
+    for dr, dc in [(-1, -1), (-1, 0), (-1, 1), (0, 1)]:
+        pair = mask.copy()
+        pair[4, 5] = pair[4 + dr, 5 + dc] = True
+        assert tails.in_clumps(pair).sum() == 2
+    assert tails.in_clumps(np.ones((3, 3), bool)).all()
+
+
+def test_transients_are_counted_and_tracks_known_by_their_frame():
+    frames = gaussian(2, 6)
+    frames[2][10, 20:26] += 90  # a track
+    frames[4][50, 60] += 90
+    frames[1][80, 80] += 90  # neighbours in different frames are no track
+    frames[3][80, 81] += 90
+    frames[5][90, 90] -= 60
+    values = values_of(tails, frames)
+    assert values["transient_high"].value == 9
+    assert values["transient_low"].value == 1
+    assert values["transient_adjacent"].value == 6
+
+
+def test_hot_repeat_is_one_for_silicon_and_nought_for_cosmic_rays():
+    fixed, moving = gaussian(3, 4), gaussian(4, 4)
+    hot = np.random.default_rng(5).random(SHAPE) < 0.01
+    for n in range(4):
+        fixed[n][hot] += 100
+        moving[n][np.roll(hot, 7 * n + 1, axis=1)] += 100
+    assert values_of(tails, fixed)["hot_repeat"].value == 1.0
+    assert values_of(tails, moving)["hot_repeat"].value < 0.05
+
+
+def test_dead_pixels_never_change():
+    frames = gaussian(6, 8, noise=6.0)  # chance: 20480 (1 / 15)^7 / sqrt 8 < 1e-4
+    for frame in frames:
+        frame[3, :7] = 4000
+    assert values_of(tails, frames)["dead_count"].value == 7
+    quiet = tails.finish(accumulate(gaussian(6, 5, noise=0.1)).finish())
+    assert "dead_count" in quiet.missing
+
+
+def test_tail_index_of_a_pareto_tail():
+    rng = np.random.default_rng(7)
+    frames = [(100 + rng.pareto(2.5, SHAPE) * np.ones(1)).astype(np.float32)] * 2
+    value = values_of(tails, frames)["tail_index"]
+    assert abs(value.value - 2.5) < 5 * value.se + 0.25
+
+
+def test_drift_and_its_trend():
+    rng = np.random.default_rng(8)
+    steps = np.array([0.0, 1.0, -0.5, 2.0, 0.3])
+    frames = [(100 + 2 * rng.normal(size=SHAPE) + s).astype(np.float32) for s in steps]
+    values = values_of(time, frames)
+    assert values["drift"].value == pytest.approx(np.std(steps, ddof=1), rel=0.03)
+    slope = np.polyfit(np.arange(5), steps, 1)[0]
+    assert values["drift_trend"].value == pytest.approx(slope, abs=0.03)
+
+
+def test_temporal_filter_shows_as_memory_and_white_noise_does_not():
+    rng = np.random.default_rng(9)
+    white = rng.normal(size=(12, *SHAPE)).astype(np.float32)
+    filtered = white.copy()
+    for n in range(1, 12):
+        filtered[n] = 0.8 * filtered[n] * math.sqrt(1 - 0.5**2) / 0.8 + 0.5 * filtered[n - 1]
+    value = values_of(time, list(white))["temporal_r1"]
+    # the median of r1 of 12 normal values is within .02 of its mean, -1/12
+    assert abs(value.value) < 5 * value.se + 0.02
+    assert values_of(time, list(filtered))["temporal_r1"].value > 0.3
+
+
+def test_variance_quantiles_of_equal_pixels_are_chi_squares():
+    from scipy import stats
+
+    rng = np.random.default_rng(10)
+    values = values_of(time, [rng.normal(size=SHAPE).astype(np.float32) for _ in range(7)])
+    for level in time.VARIANCE_LEVELS:
+        value = values[f"temporal_variance_q{level}"]
+        truth = stats.chi2.ppf(float(level), 6) / 6
+        assert abs(math.log(value.value / truth)) < 5 * value.se
+
+
+def test_blinking_pixels_repeat_and_heavy_noise_does_not():
+    rng = np.random.default_rng(11)
+    heavy = [(2 * rng.standard_t(4, SHAPE)).astype(np.float32) for _ in range(8)]
+    value = values_of(time, heavy)["blink_repeat"]
+    assert abs(value.value) < 5 * value.se
+    some = np.where(rng.random(SHAPE) < 0.02, 6.0, 1.0)
+    blinking = [(some * rng.normal(size=SHAPE)).astype(np.float32) for _ in range(8)]
+    assert values_of(time, blinking)["blink_repeat"].value > 0.1
+
+
+def test_shot_noise_grows_with_the_pattern():
+    rng = np.random.default_rng(12)
+    dark = 20 * np.exp(0.8 * rng.normal(size=SHAPE))
+    frames = [(100 + rng.poisson(dark)).astype(np.uint16) for _ in range(16)]
+    values = values_of(time, frames)
+    order = np.sort(dark.ravel())
+    n = order.size
+    for name, (low, high) in time.GROUPS.items():
+        truth = order[int(low * n) : int(high * n)].mean()
+        value = values[f"noise_at_{name}"]
+        # F of 16 frames does not order the pixels perfectly: 3 %
+        assert abs(math.log(value.value / truth)) < 5 * value.se + 0.03
+
+
+def test_pattern_correlation_is_the_fixed_share_of_the_variance():
+    rng = np.random.default_rng(13)
+    pattern = 3 * rng.normal(size=SHAPE)
+    frames = [(pattern + 2 * rng.normal(size=SHAPE)).astype(np.float32) for _ in range(4)]
+    value = values_of(time, frames)["pattern_correlation"]
+    assert abs(value.value - 9 / 13) < 5 * value.se
+
+
+def test_missing_codes_make_gaps_roughness_and_a_comb():
+    plain = gaussian(14, 4, noise=12.0)
+    gaps = [np.where(f % 4 == 3, f - 1, f).astype(np.uint16) for f in plain]
+    smooth, rough = values_of(codes, plain), values_of(codes, gaps)
+    assert smooth["unused_codes"].value == 0
+    assert rough["unused_codes"].value == pytest.approx(0.25, abs=0.03)
+    assert rough["code_roughness"].value == pytest.approx(1 / math.sqrt(2), rel=0.15)
+    assert rough["code_comb_period"].value == pytest.approx(4.0, rel=0.1)
+    assert smooth["code_comb"].value < 0.05 < 0.5 < rough["code_comb"].value
+
+
+def test_clipping_shows_as_spikes():
+    plain = gaussian(15, 3, noise=6.0)
+    clipped = [np.clip(f, 95, 108) for f in plain]
+    values = values_of(codes, clipped)
+    assert values["low_spike"].value > 2
+    assert values["high_spike"].value > 1.5
+    assert values["lowest_code"].value == 95
+    assert values["clipped_low"].value == pytest.approx(np.mean(np.array(plain) <= 95), rel=1e-9)
+    assert values_of(codes, plain)["low_spike"].value < 2
+
+
+def test_lattice_and_entropy():
+    assert values_of(codes, gaussian(16, 2))["lattice"].value == 1.0
+    loose = codes.finish(accumulate(dark_frames(16, 2, SHAPE, codes=False)).finish())
+    assert loose.values["lattice"].value < 0.05
+    assert "whole codes" in loose.missing["code_comb"]
+    flat = [np.random.default_rng(17).integers(0, 16, SHAPE).astype(np.uint16)]
+    assert values_of(codes, flat)["effective_bits"].value == pytest.approx(4.0, abs=0.01)
