@@ -143,15 +143,26 @@ class Rts(Effect):
         lost = lost[np.isfinite(lost) & (lost > 0)]
         fraction = float(np.median(lost)) if lost.size else 0.01
         step = np.sqrt(np.where(step2 > 0, step2, np.nan))
-        guesses: list[Effect] = []
-        fixed = float(np.nanmedian(step / hints.gains(clues)))
         thermal = hints.thermal_fit(clues, step / hints.exposure_and_gain(clues), 0.6)
-        for kind, share, of_step in (("exponential", 2.0, 0.4), ("fixed", 1.0, 0.8)):
-            p = fraction * share
-            if thermal is not None and thermal[1] > 0.15:
-                size, ea = thermal
-                values = hints.clip(cls, fraction=p, amplitude=size * of_step, ea_ev=ea)
-                guesses.append(cls.from_plain({**values, "amplitudes": kind}))
-            values = hints.clip(cls, fraction=p, amplitude=fixed * of_step, ea_ev=0.0)
-            guesses.append(cls.from_plain({**values, "amplitudes": kind, "exposure": "none"}))
-        return guesses
+        fixed = float(np.nanmedian(step / hints.gains(clues)))
+        kinds: list[tuple[float, float, str]] = [(fixed, 0.0, "none")]
+        if thermal is not None and thermal[1] > 0.2:
+            kinds.insert(0, (*thermal, "proportional"))
+        # the noisiest pixels of few frames overstate the step; the variance p E[A^2] o (1 - o) is kept
+        shares = {"exponential": (0.35, 2.0), "fixed": (0.6, 1.0)}
+        return [
+            cls.from_plain(
+                {
+                    **hints.clip(
+                        cls,
+                        fraction=fraction / (share**2 * square),
+                        amplitude=size * share,
+                        ea_ev=ea,
+                    ),
+                    "amplitudes": law,
+                    "exposure": exposure,
+                }
+            )
+            for size, ea, exposure in kinds
+            for law, (share, square) in shares.items()
+        ]

@@ -191,6 +191,6 @@ def test_blinking_is_guessed_from_the_noisiest_pixels():
     )
     guesses = Rts.guess(clues)
     fixed = next(g for g in guesses if g.amplitudes == "fixed")
-    assert fixed.amplitude == pytest.approx(20, rel=0.3)
-    assert fixed.fraction == pytest.approx(0.02, rel=0.3)
+    assert 10 < fixed.amplitude < 40
+    assert fixed.fraction * fixed.amplitude**2 == pytest.approx(0.02 * 400, rel=0.05)
     assert fixed.exposure == "none"  # alike at both temperatures
