@@ -16,7 +16,7 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.analyzers.streaming import Accumulation, make_plan, read_ahead
 from dnanalyze.analyzers.trends import trends
 from dnanalyze.errors import InputError
-from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 
 Progress = Callable[[int, int], None]
 SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
@@ -99,8 +99,8 @@ def _placed(window: Window | None, sensor: Sensor) -> Window:
         window = whole
     elif window != window.grown(0, sensor.shape) or min(window.shape) < 1:
         raise InputError(
-            f"window {window.top}:{window.bottom}, {window.left}:{window.right}: it must lie within "
-            f"rows 0:{sensor.shape[0]} and columns 0:{sensor.shape[1]}"
+            f"window {window.top}:{window.bottom}, {window.left}:{window.right}: it must lie "
+            f"within rows 0:{sensor.shape[0]} and columns 0:{sensor.shape[1]}"
         )
     least = LEAST
     if sensor.cfa is not None:
@@ -127,7 +127,7 @@ def _outer(windows: Sequence[Window]) -> Window:
 def _frames(setting: Setting, outer: Window) -> Iterator[np.ndarray]:
     """The frames of a setting, the next one being read while one is in use."""
 
-    def reader(frame):  # type: ignore[no-untyped-def]
+    def reader(frame: Frame) -> Callable[[], np.ndarray]:
         def read() -> np.ndarray:
             pixels = frame.read(outer)
             if pixels.shape != outer.shape:
@@ -159,9 +159,7 @@ def _planes(window: Window, sensor: Sensor) -> list[_Plane]:
         return [_Plane()]
     if len(sensor.cfa) != 2 or any(len(row) != 2 for row in sensor.cfa):
         raise InputError(f"colour filter {sensor.cfa}: only 2 x 2 mosaics can be analysed")
-    return [
-        _Plane(_plane_name(sensor.cfa, r, c), r, c, 2) for r in range(2) for c in range(2)
-    ]
+    return [_Plane(_plane_name(sensor.cfa, r, c), r, c, 2) for r in range(2) for c in range(2)]
 
 
 def _plane_name(cfa: tuple[tuple[str, ...], ...], row: int, column: int) -> str:
@@ -183,7 +181,9 @@ class _Part:
 
     def cut(self, frame: np.ndarray, outer: Window) -> np.ndarray:
         rows, columns = self.window.within(outer)
-        plane = frame[rows, columns][self.plane.row :: self.plane.step, self.plane.column :: self.plane.step]
+        plane = frame[rows, columns][
+            self.plane.row :: self.plane.step, self.plane.column :: self.plane.step
+        ]
         return np.ascontiguousarray(plane)
 
     def add(self, frame: np.ndarray, number: int, pool: ThreadPoolExecutor | None) -> None:

@@ -50,7 +50,7 @@ INFOS = (
     StatisticInfo("clipped_high", "codes", "1", "share at the highest code", compared=False),
     StatisticInfo("lowest_code", "codes", "DN", "lowest code", compared=False),
     StatisticInfo("highest_code", "codes", "DN", "highest code", compared=False),
-    StatisticInfo("overused_codes", "codes", "codes", "over-used codes", Scale.ROOT, compared=False),
+    StatisticInfo("overused_codes", "codes", "codes", "over-used codes", compared=False),
 )  # fmt: skip
 
 

@@ -52,13 +52,15 @@ INFOS = (
         low="the noise between frames has lighter tails than the model's",
     ),
     StatisticInfo(
-        "pattern_steps", "distribution", "1", "equally spaced peaks of the fixed pattern", Scale.LOG,
+        "pattern_steps", "distribution", "1", "equally spaced peaks of the pattern", Scale.LOG,
         high="the fixed pattern's histogram has equally spaced peaks that the model lacks",
         low="the fixed pattern's histogram lacks the equally spaced peaks of the model",
     ),
-    StatisticInfo("pattern_step_dn", "distribution", "DN", "spacing of those peaks", compared=False),
+    StatisticInfo("pattern_step_dn", "distribution", "DN", "spacing of the peaks", compared=False),
     *(
-        StatisticInfo(f"{what}_{name}", "distribution", "1", f"{text} of {_SUBJECT[what]}", compared=False)
+        StatisticInfo(
+            f"{what}_{name}", "distribution", "1", f"{text} of {_SUBJECT[what]}", compared=False
+        )
         for what in ("frame", "pattern")
         for name, text in (
             ("skewness", "skewness"),
@@ -73,9 +75,7 @@ INFOS = (
     StatisticInfo("peak_count", "distribution", "1", "peaks of the fixed pattern", compared=False),
 )  # fmt: skip
 
-PROBABILITIES = np.array(
-    [0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999]
-)
+PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
 MEDIAN = 5
 NORMAL_RATIO = 3.4490  # (q.99 - q.01) / (q.75 - q.25) of the normal law
 
@@ -281,6 +281,8 @@ def peaks(counts: np.ndarray) -> int:
     from scipy.ndimage import gaussian_filter1d
     from scipy.signal import find_peaks
 
-    smooth = 2 * np.sqrt(np.concatenate(([0.0], gaussian_filter1d(counts.astype(float), 3.0), [0.0])))
+    smooth = 2 * np.sqrt(
+        np.concatenate(([0.0], gaussian_filter1d(counts.astype(float), 3.0), [0.0]))
+    )
     found, _ = find_peaks(smooth, prominence=5.0 / math.sqrt(2 * 3.0 * math.sqrt(math.pi)))
     return len(found)

@@ -1,4 +1,4 @@
-"""The two roles in the streaming pass: accumulators see every frame, families finish them into values."""
+"""The two roles in the streaming pass: accumulators see every frame, families finish them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,9 @@ class FamilyResult:
 class Family(Protocol):
     """A module of statistics."""
 
-    INFOS: tuple[StatisticInfo, ...]
+    @property
+    def INFOS(self) -> tuple[StatisticInfo, ...]:
+        """What its statistics are."""
 
     def finish(self, acc: Accumulated) -> FamilyResult:
         """Values with their standard errors; pure."""
@@ -77,7 +79,12 @@ class Accumulated:
 
     def prepare(self) -> None:
         """Derive now what families share, before they run side by side."""
-        _ = self.clipped_pattern, self.temporal_variance, self.end_differences, self.difference_sigma
+        _ = (
+            self.clipped_pattern,
+            self.temporal_variance,
+            self.end_differences,
+            self.difference_sigma,
+        )
 
     @cached_property
     def pattern(self) -> np.ndarray:
@@ -119,7 +126,7 @@ class Accumulated:
 
     @cached_property
     def end_differences(self) -> tuple[np.ndarray, ...]:
-        """The first difference (y_1 - y_0) / sqrt 2 and the last, or the only one; () for one frame."""
+        """The first difference (y_1 - y_0) / sqrt 2 and the last; fewer for few frames."""
         head, tail = self.maps.head, self.maps.tail
         if self.frames < 2:
             return ()

@@ -19,12 +19,13 @@ FINE = 64  # bins a robust sigma, for continuous data
 class Histograms:
     """Counts of values and of differences, DN.
 
-    Codes are counted one by one. Continuous values have 64 bins a robust sigma. Differences of codes have
-    bins of an odd number of steps 1/sqrt 2, at most about 1/64 of their robust sigma or one step.
+    Codes are counted one by one. Continuous values have 64 bins a robust sigma. Differences of
+    codes have bins of an odd number of steps 1/sqrt 2, at most about 1/64 of their robust sigma
+    or one step.
     """
 
     def __init__(self, plan: Plan) -> None:
-        sixteen = plan.integer and 0 <= plan.low and plan.high < CODES
+        sixteen = plan.integer and plan.low >= 0 and plan.high < CODES
         bins = WIDE if plan.integer and not sixteen else CODES
         width = 1.0 if plan.integer else plan.sigma / FINE
         first = 0.0 if sixteen else round(plan.centre / width) * width - width * bins / 8

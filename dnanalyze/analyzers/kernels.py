@@ -1,7 +1,7 @@
 """Compiled loops of the streaming pass: single precision in, double precision sums out.
 
-Serial and free of the GIL: the pass runs different accumulators in different threads, so results do not
-depend on the number of threads.
+Serial and free of the GIL: the pass runs different accumulators in different threads, so results
+do not depend on the number of threads.
 """
 
 from __future__ import annotations
@@ -115,14 +115,10 @@ def add_frames(
         block[0, :width] = before[start:stop]
         for k in range(BATCH):  # a short batch is filled up with its last frame
             block[k + 1, :width] = frames[min(k, count - 1)][start:stop]
-        _extremes(
-            block, np.int32(number), high[start:stop], high_at[start:stop], low[start:stop]
-        )
+        _extremes(block, np.int32(number), high[start:stop], high_at[start:stop], low[start:stop])
         for k in range(count):
             y, past = block[k + 1, :width], block[k, :width]
-            _frame_sums(
-                y, past, np.float32(centre), np.float32(limit), np.float32(hot), scalars[k]
-            )
+            _frame_sums(y, past, np.float32(centre), np.float32(limit), np.float32(hot), scalars[k])
             if scalars[k, 5] == 0 and (number + k) % 4 == 1:
                 _squares(y, past, blink_limit, first_pairs[start:stop])
             elif scalars[k, 5] == 0 and (number + k) % 4 == 3:

@@ -1,4 +1,4 @@
-"""Level and spread: what a sensor's dark frames are in a few numbers, and EMVA 1288's split of DSNU."""
+"""Level and spread: dark frames in a few numbers, and EMVA 1288's split of DSNU."""
 
 from __future__ import annotations
 

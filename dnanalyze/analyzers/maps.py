@@ -137,11 +137,13 @@ class PixelMaps:
     def _add(self, frames: list[np.ndarray]) -> None:
         from dnanalyze.analyzers import kernels
 
-        n = self.plan.pixels
+        plan = self.plan
+        n = plan.pixels
         if self._sums is None:
             sums = [np.zeros(n) for _ in range(5)]
             extremes = [np.full(n, -np.inf, np.float32), np.zeros(n, np.int32)]
             self._sums = (*sums, *extremes, np.full(n, np.inf, np.float32))
+        total, square, lag, first_pairs, second_pairs, high, high_at, low = self._sums
         flat = [f.ravel() for f in frames]
         scalars = np.zeros((len(flat), 6))
         scalars[0, 5] = self._last is None
@@ -152,7 +154,7 @@ class PixelMaps:
         done = len(self.scalars)
         kernels.add_frames(
             tuple(flat + flat[:1] * (BATCH - len(flat))), len(flat), self._start + done, before,
-            self.origin, self.plan.centre, CLIP * self.plan.sigma, self._blink_limit, self.hot_limit,
-            *self._sums, scalars,
+            self.origin, plan.centre, CLIP * plan.sigma, self._blink_limit, self.hot_limit,
+            total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
         )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, scalars])

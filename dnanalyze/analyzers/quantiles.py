@@ -1,7 +1,7 @@
 """Quantiles that mean the same for codes of a converter and for continuous data.
 
-A code c stands for the interval c - 1/2 to c + 1/2; the distribution function at its ends is that of the
-signal before rounding, so interpolating between them is right where no code can be.
+A code c stands for the interval c - 1/2 to c + 1/2; the distribution function at its ends is that
+of the signal before rounding, so interpolating between them is right where no code can be.
 """
 
 from __future__ import annotations

@@ -31,7 +31,8 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     Returns
     -------
     strength, spacing : Value
-        Largest ratio, 1 at least, its relative error; the spacing q, DN. None where no spacing is possible.
+        Largest ratio, 1 at least, its relative error; the spacing q, DN. None where no
+        spacing is possible.
     """
     low, high = ordered.quantile(np.array([TRIM, 1 - TRIM]))
     least = max(3 * residue, 2.5 * ordered.step)

@@ -1,4 +1,4 @@
-"""The streaming pass: every frame is read once, each accumulator sees it, memory holds a few frames."""
+"""The streaming pass: each accumulator sees every frame once, memory holds a few frames."""
 
 from __future__ import annotations
 
@@ -53,7 +53,9 @@ def make_view(plan: Plan, number: int, raw: np.ndarray, before: np.ndarray | Non
     if before is not None:
         difference = frame - before
         difference *= HALF
-    return FrameView(number, frame, raw if raw.dtype.kind in "ui" else None, difference, clipped, plan)
+    return FrameView(
+        number, frame, raw if raw.dtype.kind in "ui" else None, difference, clipped, plan
+    )
 
 
 class Accumulation:

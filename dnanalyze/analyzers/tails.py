@@ -72,7 +72,7 @@ INFOS = (
         low="pixels that give the same code in every frame are only {ratio} of the model's number",
     ),
     StatisticInfo("hot_density_frame", "tails", "ppm", "above 5 sigma in a frame", compared=False),
-    StatisticInfo("hot_density_pattern", "tails", "ppm", "above 5 sigma in the pattern", compared=False),
+    StatisticInfo("hot_density_pattern", "tails", "ppm", "above 5 sigma in F", compared=False),
     StatisticInfo("frame_above_5", "tails", "1", "share above 5 sigma in a frame", compared=False),
     StatisticInfo("tail_index", "tails", "1", "Hill's tail index of the pattern", compared=False),
 )  # fmt: skip
@@ -107,7 +107,7 @@ def lower_sigma(acc: Accumulated) -> float:
 
 
 def in_clumps(mask: np.ndarray, kind: np.ndarray | None = None) -> np.ndarray:
-    """For each set pixel of ``mask``, in order: has it a set 8-neighbour (with the same ``kind``)?"""
+    """For each set pixel of ``mask``: has it a set 8-neighbour (of the same ``kind``)?"""
     rows, columns = np.nonzero(mask)
     kinds = np.zeros(rows.size) if kind is None else kind[rows, columns]
     width = mask.shape[1] + 2
@@ -132,7 +132,9 @@ def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) ->
     below = counts_below(acc.plan, pattern, thresholds)
     residual = share_residuals(acc.plan, below) * pixels
     bins = max(0.2 * sigma, acc.pattern_step)
-    density = (ordered.share_below(quartiles + bins) - ordered.share_below(quartiles - bins)) / (2 * bins)
+    density = (ordered.share_below(quartiles + bins) - ordered.share_below(quartiles - bins)) / (
+        2 * bins
+    )
     low, middle = (-residual[..., 2 + j] / max(density[j], 1e-12) / pixels for j in (0, 1))
     for k, step in enumerate(steps):
         column = k if k < 2 else k + 2
@@ -151,7 +153,7 @@ def _densities(acc: Accumulated, out: FamilyResult) -> None:
     frame = acc.values
     limit = float(frame.quantile(0.5)) + 5 * frame.robust_sigma()
     share = 1.0 - float(frame.share_below(limit))
-    se = math.sqrt((share * acc.plan.pixels + 1)) / acc.plan.pixels
+    se = math.sqrt(share * acc.plan.pixels + 1) / acc.plan.pixels
     out.values["frame_above_5"] = Value(share, se)
     out.values["hot_density_frame"] = Value(1e6 * share, 1e6 * se)
     if acc.frames > 1:
@@ -164,7 +166,7 @@ def _densities(acc: Accumulated, out: FamilyResult) -> None:
 
 
 def _hot_pixels(acc: Accumulated) -> np.ndarray:
-    """Flat index of the pixels of F above 5 robust sigma; of the brightest ones if they are many."""
+    """Flat index of the pixels of F above 5 robust sigma, or of the brightest ones."""
     ordered = acc.pattern_ordered
     limit = acc.pattern_centre + 5 * acc.pattern_sigma
     if int(ordered.count_above(limit)) > MOST_LISTED:
@@ -182,7 +184,10 @@ def _exceedance(acc: Accumulated, centre: float, sigma: float, out: FamilyResult
 
 
 def _tail_index(acc: Accumulated, out: FamilyResult) -> None:
-    """Hill's estimate of alpha in P(x > t) ~ t^-alpha, t from the median (Ann. Stat. 3, 1163 (1975))."""
+    """Hill's estimate of alpha in P(x > t) ~ t^-alpha, t from the median.
+
+    Ann. Stat. 3, 1163 (1975).
+    """
     count = int(TAIL_SHARE * acc.plan.pixels)
     tail = acc.pattern_ordered.sorted[-count - 1 :].astype(float) - acc.pattern_centre
     if count < 20 or tail[0] <= 0 or tail[-1] <= tail[0]:

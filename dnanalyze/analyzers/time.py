@@ -1,4 +1,4 @@
-"""What happens from frame to frame: drift, memory, blinking, and noise that depends on the pixel."""
+"""What happens from frame to frame: drift, memory, blinking, noise that differs by pixel."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ INFOS = (
         low="less of a frame is fixed in the silicon than in the model",
     ),
     StatisticInfo("drift_trend", "time", "DN/frame", "slope of the frame means", compared=False),
-    StatisticInfo("blinking_count", "time", "pixels", "blinking pixels", Scale.ROOT, compared=False),
+    StatisticInfo("blinking_count", "time", "pixels", "blinking pixels", compared=False),
 )  # fmt: skip
 
 
@@ -160,7 +160,9 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
         elif value <= 0:
             out.missing[name] = "most pixels do not change between the frames"
         else:
-            out.values[name] = Value(value, max(math.hypot(relative[k], drift * (1 - value) / value), 1e-3))
+            out.values[name] = Value(
+                value, max(math.hypot(relative[k], drift * (1 - value) / value), 1e-3)
+            )
     _noise_at(acc, variance, out)
 
 

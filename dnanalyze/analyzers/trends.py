@@ -5,32 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
+from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, misfit
 from dnanalyze.analyzers.statistics import SettingStatistics, StatisticInfo, Value
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 
-BOLTZMANN_EV = 8.617333e-5
-KELVIN = 273.15
 BIAS_SHARE = 1e-3  # of the longest exposure, up to which a frame counts as bias
 BLACK_LEVEL_ERROR = 0.5  # DN, of a recorded black level
 LEVEL_ERROR = 0.02  # DN, of a median of codes
 UNKNOWN_DRIFT = 0.1  # DN, how far a single frame may stand off
 RELATIVE_ERROR = 0.02  # of the dark signal: a thermometer good to about 0.2 C
-BETTER = 13.8  # drop of chi^2 for two more parameters: p = .001
 HEADROOM = 4.0  # standard errors above 0 from which a dark rate tells an activation energy
 
 INFOS = (
     StatisticInfo("pedestal", "trends", "DN", "black level", compared=False),
     StatisticInfo("activation_energy_ev", "trends", "eV", "activation energy", compared=False),
-    StatisticInfo("activation_energy_1_ev", "trends", "eV", "lower of two energies", compared=False),
-    StatisticInfo("activation_energy_2_ev", "trends", "eV", "higher of two energies", compared=False),
+    StatisticInfo("activation_energy_1_ev", "trends", "eV", "lower of two", compared=False),
+    StatisticInfo("activation_energy_2_ev", "trends", "eV", "higher of two", compared=False),
     StatisticInfo(
-        "activation_share", "trends", "1", "share of the higher energy at mid temperature", compared=False
+        "activation_share", "trends", "1", "share of the higher energy", compared=False
     ),
-    StatisticInfo("doubling_step_c", "trends", "C", "temperature step that doubles", compared=False),
-    StatisticInfo("dark_rate_dn_s", "trends", "DN/s", "dark rate of the typical pixel", compared=False),
+    StatisticInfo("doubling_step_c", "trends", "C", "doubling step", compared=False),
+    StatisticInfo("dark_rate_dn_s", "trends", "DN/s", "typical dark rate", compared=False),
     StatisticInfo(
         "hot_repeat_settings", "trends", "1", "share of hot pixels that are so in the next setting",
         compared=False,
@@ -75,7 +74,7 @@ def trends(
 
 @dataclass(frozen=True)
 class Series:
-    """Dark level over settings of one gain: temperature (K, NaN unknown), exposure (s), level (DN)."""
+    """Dark level of settings of one gain: temperature (K; NaN unknown), exposure (s), DN."""
 
     kelvin: np.ndarray
     exposure: np.ndarray
@@ -85,7 +84,7 @@ class Series:
 
 
 def _series(points: list[OperatingPoint], settings: Sequence[SettingStatistics]) -> Series:
-    """Errors are those of the level within this sensor: its fixed pattern is common to all settings."""
+    """Errors are those within this sensor: its fixed pattern is common to all settings."""
     level, error = [], []
     for point in points:
         here = [s for s in settings if s.point == point]
@@ -109,7 +108,7 @@ def dark_signal(
     """
     bias = series.timed & (series.exposure <= BIAS_SHARE * series.exposure.max())
     dark = ~bias
-    if not dark.any() or len(series.level) < 2 and black_level is None:
+    if not dark.any() or (len(series.level) < 2 and black_level is None):
         return {}, []
     out: dict[str, Value] = {}
     if bias.any():
@@ -127,8 +126,12 @@ def dark_signal(
     signal = series.level - pedestal
     error = np.hypot(series.error, pedestal_se)
     seconds = np.where(bias, np.inf, series.exposure)
-    rates = [Value(float(r), float(e)) for r, e in zip(signal / seconds, error / seconds, strict=True)]
-    rates = [r if keep else Value(0.0, float(e)) for r, keep, e in zip(rates, dark, error, strict=True)]
+    rates = [
+        Value(float(r), float(e)) for r, e in zip(signal / seconds, error / seconds, strict=True)
+    ]
+    rates = [
+        r if keep else Value(0.0, float(e)) for r, keep, e in zip(rates, dark, error, strict=True)
+    ]
     told = dark & np.isfinite(series.kelvin) & (signal > HEADROOM * error)
     if np.unique(series.kelvin[told]).size >= 2:
         rate = signal[told] / series.exposure[told]
@@ -142,9 +145,7 @@ def _bias_level(series: Series, bias: np.ndarray) -> np.ndarray:
     if not known.any() or not np.all(np.isfinite(series.kelvin)):
         return np.full(series.level.size, float(np.mean(series.level[bias])))
     order = np.argsort(series.kelvin[known])
-    return np.interp(
-        series.kelvin, series.kelvin[known][order], series.level[known][order]
-    )
+    return np.interp(series.kelvin, series.kelvin[known][order], series.level[known][order])
 
 
 def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
@@ -154,7 +155,9 @@ def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
     """
     kelvin = np.where(np.isfinite(series.kelvin), series.kelvin, 0.0)
     temperatures, index = np.unique(np.round(kelvin), return_inverse=True)
-    repeated = any(np.unique(series.exposure[index == k]).size > 1 for k in range(temperatures.size))
+    repeated = any(
+        np.unique(series.exposure[index == k]).size > 1 for k in range(temperatures.size)
+    )
     pinned = black_level is not None
     if repeated:
         design = np.zeros((series.level.size, 1 + temperatures.size))
@@ -165,7 +168,9 @@ def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
         found = _law_pedestal(series, black_level)
         if found is not None:
             return found
-    return Value(float(black_level), BLACK_LEVEL_ERROR) if pinned and black_level is not None else None
+    return (
+        Value(float(black_level), BLACK_LEVEL_ERROR) if pinned and black_level is not None else None
+    )
 
 
 def _linear_pedestal(design: np.ndarray, series: Series, black_level: float | None) -> Value:
@@ -182,14 +187,8 @@ def _linear_pedestal(design: np.ndarray, series: Series, black_level: float | No
         solution = inverse @ (a.T @ (y / sigma))
         signal = design[: series.level.size, 1:] @ solution[1:]
         sigma[: series.level.size] = np.hypot(series.error, RELATIVE_ERROR * signal)
-    scale = _misfit((y - design @ solution) / sigma, design.shape[1])
+    scale = misfit((y - design @ solution) / sigma, design.shape[1])
     return Value(float(solution[0]), math.sqrt(float(inverse[0, 0])) * scale)
-
-
-def _misfit(pulls: np.ndarray, parameters: int) -> float:
-    """By how much the scatter exceeds the stated errors, at least 1."""
-    degrees = pulls.size - parameters
-    return max(1.0, math.sqrt(float(pulls @ pulls) / degrees)) if degrees > 0 else 1.0
 
 
 def _law_pedestal(series: Series, black_level: float | None) -> Value | None:
@@ -206,7 +205,11 @@ def _law_pedestal(series: Series, black_level: float | None) -> Value | None:
     def pulls(p: np.ndarray) -> np.ndarray:
         model = p[0] + t * np.exp(np.clip(p[1] - p[2] * inverse, -200, 200))
         rest = (level - model) / sigma
-        return rest if black_level is None else np.append(rest, (p[0] - black_level) / BLACK_LEVEL_ERROR)
+        return (
+            rest
+            if black_level is None
+            else np.append(rest, (p[0] - black_level) / BLACK_LEVEL_ERROR)
+        )
 
     best = None
     for energy in (0.35, 0.6, 0.9, 1.2):
@@ -217,89 +220,23 @@ def _law_pedestal(series: Series, black_level: float | None) -> Value | None:
         best = fit if best is None or fit.cost < best.cost else best
     assert best is not None
     covariance = np.linalg.pinv(best.jac.T @ best.jac)
-    se = math.sqrt(float(covariance[0, 0])) * _misfit(best.fun, 3)
+    se = math.sqrt(float(covariance[0, 0])) * misfit(best.fun, 3)
     if not math.isfinite(se) or se > span:
         return None
     return Value(float(best.x[0]), max(se, 1e-6))
 
 
-def arrhenius_laws(kelvin: np.ndarray, rate: np.ndarray, relative: np.ndarray) -> dict[str, Value]:
-    """Activation energy of rates R exp(-Ea/k (1/T - 1/Tm)), of two populations where they fit better.
-
-    Parameters
-    ----------
-    kelvin, rate, relative : ndarray
-        Temperatures, K; rates, DN/s, and their relative errors.
-
-    Returns
-    -------
-    dict
-        ``activation_energy_ev`` and ``doubling_step_c`` (k T^2 ln 2 / Ea at the middle temperature)
-        of one law; and of the sum of two, where it lowers chi^2 by more than 13.8,
-        ``activation_energy_1_ev``, ``activation_energy_2_ev`` and ``activation_share``.
-    """
-    middle = 2 / (1 / kelvin.min() + 1 / kelvin.max())
-    x = (1 / kelvin - 1 / middle) / BOLTZMANN_EV
-    a = np.stack([np.ones_like(x), -x], axis=1) / relative[:, None]
-    inverse = np.linalg.inv(a.T @ a)
-    solution = inverse @ (a.T @ (np.log(rate) / relative))
-    pulls = np.log(rate) / relative - a @ solution
-    scale = _misfit(pulls, 2)
-    energy, se = float(solution[1]), math.sqrt(float(inverse[1, 1])) * scale
-    out = {"activation_energy_ev": Value(energy, se)}
-    if energy > 3 * se:
-        step = BOLTZMANN_EV * middle**2 * math.log(2) / energy
-        out["doubling_step_c"] = Value(float(step), float(step) * se / energy)
-    if kelvin.size >= 6:
-        out |= _two_populations(x, rate, relative, solution, float(pulls @ pulls))
-    return out
-
-
-def _two_populations(
-    x: np.ndarray, rate: np.ndarray, relative: np.ndarray, one: np.ndarray, chi2: float
-) -> dict[str, Value]:
-    from scipy.optimize import least_squares
-
-    def law(p: np.ndarray) -> np.ndarray:
-        low, high = np.exp(p[0] - p[1] * x), np.exp(p[2] - (p[1] + p[3]) * x)
-        return np.asarray(low + high)
-
-    def pulls(p: np.ndarray) -> np.ndarray:
-        return (np.log(rate) - np.log(law(p))) / relative
-
-    half = float(one[0]) - math.log(2)
-    starts = [[half, max(float(one[1]) - gap / 2, 0.06), half, gap] for gap in (0.3, 0.6)]
-    bounds = ([-200, 0.05, -200, 0.1], [200, 3.0, 200, 3.0])
-    fits = [least_squares(pulls, start, bounds=bounds) for start in starts]
-    fit = min(fits, key=lambda f: f.cost)
-    scale = _misfit(fit.fun, 4)
-    if chi2 - 2 * fit.cost < BETTER * scale**2:
-        return {}
-    low, energy, high, gap = fit.x
-    share = 1 / (1 + math.exp(low - high))
-    if not 0.02 < share < 0.98:
-        return {}
-    covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * scale**2
-    second = math.sqrt(covariance[1, 1] + covariance[3, 3] + 2 * covariance[1, 3])
-    contrast = covariance[0, 0] + covariance[2, 2] - 2 * covariance[0, 2]
-    return {
-        "activation_energy_1_ev": Value(float(energy), math.sqrt(covariance[1, 1])),
-        "activation_energy_2_ev": Value(float(energy + gap), second),
-        "activation_share": Value(share, share * (1 - share) * math.sqrt(max(contrast, 0.0))),
-    }
-
-
 def hot_repeat(settings: Sequence[SettingStatistics]) -> Value | None:
     """Share of the hot pixels of the setting with fewer that are hot in the next one, too.
 
-    Over successive settings (of one plane, in the order of operating points) that list at least 20 hot
-    pixels each in the curve ``hot_pixels``; None where there are none.
+    Over successive settings (of one plane, in the order of operating points) that list at least
+    20 hot pixels each in the curve ``hot_pixels``; None where there are none.
     """
     both, fewer = 0, 0
     known = [s for s in settings if s.curves.get("hot_pixels", np.empty(0)).size >= 20]
     for plane in dict.fromkeys(s.plane for s in known):
         listed = [s for s in known if s.plane == plane]
-        for a, b in zip(listed[:-1], listed[1:], strict=True):
+        for a, b in pairwise(listed):
             one, two = a.curves["hot_pixels"], b.curves["hot_pixels"]
             both += np.intersect1d(one, two, assume_unique=True).size
             fewer += min(one.size, two.size)

@@ -1,8 +1,9 @@
 """Standard errors from the scatter of blocks, clustered by row bands and by column bands.
 
-Pixels share the offsets of their row and of their column, so square blocks alone would count shared
-errors as independent. The two-way clustered variance (Cameron, Gelbach and Miller, J. Bus. Econ. Stat. 29,
-238 (2011)) is that of row bands plus that of column bands less that of their crossings.
+Pixels share the offsets of their row and of their column, so square blocks alone would count
+shared errors as independent. The two-way clustered variance (Cameron, Gelbach and Miller, J. Bus.
+Econ. Stat. 29, 238 (2011)) is that of row bands plus that of column bands less that of their
+crossings.
 """
 
 from __future__ import annotations
@@ -125,8 +126,8 @@ class QuantileErrors:
     ----------
     plan : Plan
     maps : tuple of ndarray of float32
-        One map; or two frames (or differences) that share the pixels but not the temporal noise, whose
-        covariance tells how much further frames help.
+        One map; or two frames (or differences) that share the pixels but not the temporal noise,
+        whose covariance tells how much further frames help.
     law : Ordered or Counted
         From which the quantiles were taken.
     probabilities : ndarray
@@ -179,7 +180,6 @@ class QuantileErrors:
         columns = combinations.reshape(self.probabilities.size, -1)
         variance = self._variance(columns * self._slopes[:, None])
         return np.sqrt(variance).reshape(combinations.shape[1:])
-
 
     def over_mean(self, sample: np.ndarray) -> np.ndarray:
         """Relative standard errors of quantile / mean of a single map."""

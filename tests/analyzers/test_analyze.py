@@ -104,7 +104,9 @@ def test_progress_counts_frames():
 
 
 @pytest.mark.parametrize("codes", [True, False])
-@pytest.mark.parametrize("kind", ["constant", "constant rows", "two values", "one hot", "saturated"])
+@pytest.mark.parametrize(
+    "kind", ["constant", "constant rows", "two values", "one hot", "saturated"]
+)
 def test_degenerate_frames_give_finite_values(codes, kind):
     base = np.full(SHAPE, 64.0)
     if kind == "constant rows":

@@ -16,7 +16,7 @@ SIGMAS = 5
 
 
 def near(value, truth, more=0.0):
-    """Within 5 stated standard errors (linear scale) and ``more`` for the approximation of the truth."""
+    """Within 5 stated standard errors and ``more``, for the approximation of the truth."""
     assert abs(value.value - truth) < SIGMAS * value.se + more, (value, truth)
 
 
@@ -52,13 +52,17 @@ def test_quantiles_are_those_of_the_convolved_law():
             truth, middle = np.quantile(law, [p, 0.5])
             near(values[f"{what}_q{text}"], truth - middle, 0.01 + 0.02 * (p > 0.99))
     for text in distribution.TEMPORAL_LEVELS:
-        near(values[f"temporal_q{text}"], stats.norm.ppf(float(text), 0, math.sqrt(4 + 1 / 12)), 0.02)
+        near(
+            values[f"temporal_q{text}"], stats.norm.ppf(float(text), 0, math.sqrt(4 + 1 / 12)), 0.02
+        )
     near(values["temporal_kurtosis"], 0.0)
 
 
 def test_codes_and_continuous_data_of_one_law_agree_but_for_a_twelfth():
     codes = level.finish(accumulate(dark_frames(13, 6, SHAPE, noise=1.0)).finish()).values
-    plain = level.finish(accumulate(dark_frames(13, 6, SHAPE, noise=1.0, codes=False)).finish()).values
+    plain = level.finish(
+        accumulate(dark_frames(13, 6, SHAPE, noise=1.0, codes=False)).finish()
+    ).values
     assert codes["temporal_noise"].value ** 2 - plain["temporal_noise"].value ** 2 == pytest.approx(
         1 / 12, abs=5 * 2 * 1.04 * plain["temporal_noise"].se
     )

@@ -1,5 +1,7 @@
 """The accumulators against plain NumPy over the whole stack, and merging against one pass."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from dark_frames import dark_frames
@@ -84,9 +86,7 @@ def test_any_split_merges_to_one_pass(codes, cuts):
     plan = make_plan(frames[0], frames[1])
     whole = accumulate(frames, plan).finish()
     edges = [0, *sorted(cuts), len(frames)]
-    parts = [
-        accumulate(frames[a:b], plan, a) for a, b in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    parts = [accumulate(frames[a:b], plan, a) for a, b in pairwise(edges)]
     merged = parts[0]
     for part in parts[1:]:
         merged.merge(part)
