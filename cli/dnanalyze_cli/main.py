@@ -12,6 +12,7 @@ from dnanalyze.errors import InputError
 from dnanalyze_cli.commands import (
     add,
     analyze,
+    check,
     compare,
     demo,
     detect,
@@ -34,6 +35,7 @@ for panel, commands in {
     "Look": (inspect.inspect, analyze.analyze),
     "Model": (fit.fit, simulate.simulate, compare.compare),
     "Find what is missing": (diagnose.diagnose, add.add, refine.refine, detect.detect),
+    "Hold and share": (check.check,),
     "Learn": (effects.effects, demo.demo),
 }.items():
     for command in commands:
@@ -63,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         result = command.main(arguments, prog_name="dnanalyze", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
-        return _fail("interrupted; nothing was left half-written", INTERRUPTED)
+        result = INTERRUPTED
     except InputError as error:
         return _fail(str(error))
     except _UsageError as error:
@@ -72,6 +74,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return leave.exit_code
     except MemoryError:
         return _fail("out of memory; use fewer or smaller frames")
+    if result == INTERRUPTED:  # some versions of Typer give the code, others raise
+        return _fail("interrupted; nothing was left half-written", INTERRUPTED)
     return result if isinstance(result, int) else 0
 
 

@@ -6,7 +6,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from dnanalyze.errors import InputError
@@ -20,21 +20,13 @@ def atomic_write(path: Path, content: str | bytes) -> None:
     InputError
         The folder is missing or cannot be written.
     """
-    raw = content.encode("utf-8") if isinstance(content, str) else content
-    temporary: str | None = None
+    from dnanalyze.loaders.writers import atomic
+
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(raw)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-        temporary = None
+        with atomic(path) as stream:
+            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        if temporary is not None:
-            with suppress(OSError):
-                os.unlink(temporary)
 
 
 @contextmanager

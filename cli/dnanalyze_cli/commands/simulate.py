@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -81,7 +81,7 @@ def simulate(
     """Draw frames of a model into a new folder, with a manifest."""
     from dataclasses import replace
 
-    from dnanalyze.loaders import write
+    from dnanalyze.loaders import write_captures
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.report import documents
     from dnanalyze.report.files import atomic_folder
@@ -97,9 +97,8 @@ def simulate(
     points = _points(own, pattern, temperatures, exposure, gain, frames)
     sensor = replace(pattern.sensor, shape=size) if pattern else None
     made = run(own, size, points, name=str(model), sensor=sensor)
-    kind, bits, packing = _format(format)
-    with atomic_folder(out) as folder, session.progress("Simulating") as progress:
-        write(made, folder, kind, bits=bits, packing=packing, progress=progress.now)
+    with atomic_folder(out) as folder, session.progress("Simulating") as tick:
+        write_captures(made, folder, format, progress=tick)
     show.written(session.console, made, out, format)
     session.write(documents.simulation(made, out, format, model, own.seed, like))
 
@@ -109,14 +108,6 @@ def _shape(text: str) -> tuple[int, int]:
     if not (rows.isdecimal() and columns.isdecimal() and int(rows) and int(columns)):
         raise InputError(f"--shape {text}: not ROWSxCOLUMNS, such as 1080x1920")
     return int(rows), int(columns)
-
-
-def _format(text: str) -> tuple[str, int | None, Any]:
-    """Format, bits and packing: ``raw12-mipi`` is headerless, 12 bits, packed as MIPI does."""
-    kind, _, packing = text.partition("-")
-    if kind.startswith("raw") and kind[3:].isdecimal():
-        return "raw", int(kind[3:]), packing or "plain"
-    return text, None, "plain"
 
 
 def _numbers(option: str, text: str | None) -> list[float] | None:

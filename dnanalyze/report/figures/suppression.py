@@ -64,9 +64,9 @@ def suppression(measured: Layer) -> Picture | None:
 
     return picture(
         draw,
-        "Power above .45 cycles/pixel over power from .03 to .12, axes masked, against temperature. "
+        "Power above .45 cycles/pixel over power from .03 to .12, axes masked, over temperature. "
         "An unfiltered sensor stays at 1. Defect correction pulls it down when warm; denoise, "
-        "often, when cold. Linear crosstalk falls, then levels off; the dashed curves are what "
+        "often, when cold. Linear crosstalk falls, then levels off: the dashed curves are what "
         "crosstalk of the stated weight a neighbour would give. Bars: two standard errors."
         + plane_note(statistics),
         "High-frequency suppression over temperature.",

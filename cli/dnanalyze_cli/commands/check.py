@@ -1,0 +1,129 @@
+"""``dnanalyze check``: does the simulation keep to its targets; exit 0 within, 1 outside."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dnanalyze.errors import InputError
+from dnanalyze_cli.options import Config, EffectFiles, Json, Quiet, Seed, Tolerance
+from dnanalyze_cli.session import Session
+
+_FILES = "Results"
+
+
+def check(
+    captures: Annotated[
+        str,
+        typer.Argument(
+            metavar="CAPTURES",
+            help="The measured frames, with --model; else the simulated frames to hold.",
+            show_default=False,
+        ),
+    ],
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            "--model",
+            metavar="M.yaml",
+            help="Hold this model's frames, at the settings of CAPTURES.",
+        ),
+    ] = None,
+    targets: Annotated[
+        Path | None, typer.Option("--targets", metavar="T.yaml", help="The limits to keep to.")
+    ] = None,
+    init: Annotated[
+        Path | None,
+        typer.Option(
+            "--init",
+            metavar="T.yaml",
+            help="Write a targets file from the measured CAPTURES, with margins that a correct "
+            "simulation breaks once in a thousand runs.",
+        ),
+    ] = None,
+    measured: Annotated[
+        str | None,
+        typer.Option(
+            "--measured",
+            metavar="FOLDER",
+            help="Without --model: the measurement, where targets refer to it.",
+        ),
+    ] = None,
+    junit: Annotated[
+        Path | None,
+        typer.Option(
+            "--junit", metavar="OUT.xml", rich_help_panel=_FILES, help="For the CI system."
+        ),
+    ] = None,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            "--markdown",
+            metavar="OUT.md",
+            rich_help_panel=_FILES,
+            help="Summary for a pull request; - prints it.",
+        ),
+    ] = None,
+    json: Json = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    effects: EffectFiles = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+) -> int:
+    """Hold a simulation against targets: exit 0 within, 1 outside, 2 bad input."""
+    from dnanalyze.comparator.check import check as run
+    from dnanalyze.comparator.margins import propose
+    from dnanalyze.comparator.targets import dump_targets, load_targets
+    from dnanalyze.report import check as report
+    from dnanalyze.report.files import atomic_write, check_output
+    from dnanalyze_cli import show_check
+
+    if (targets is None) == (init is None):
+        raise InputError("check: give either --targets T.yaml to hold, or --init T.yaml to write")
+    if init is not None and (junit or markdown or json):
+        raise InputError(
+            "check --init: only writes the targets; leave out --junit, --markdown, --json"
+        )
+    session = Session(
+        "check", captures, json, output=init, effects=tuple(effects or ()), quiet=quiet
+    )
+    for path in (junit, markdown):
+        if path is not None and path != Path("-"):
+            check_output(path, captures)
+    limits = load_targets(targets) if targets is not None else None
+    own = session.model(model, seed)
+    found = session.load(config, tolerance_c)
+    if limits is None:
+        with session.progress("Drawing sensors" if own else "Analyzing") as progress:
+            made = propose(found, own, tell=progress.now)
+        session.write({}, model=lambda: dump_targets(made))
+        show_check.proposed(session.console, found, made)
+        return 0
+    other = None
+    if measured is not None:
+        from dnanalyze.loaders import load
+
+        if own is not None:
+            raise InputError(
+                "check: with --model CAPTURES are the measurement; leave out --measured"
+            )
+        other = load(measured, config=config, tolerance_c=tolerance_c)
+    with session.progress("Holding") as progress:
+        result = run(found, limits, own, measured=other, progress=progress)
+    show_check.result(session.console, found, result)
+    simulation = str(model) if model is not None else captures
+    texts = [
+        (junit, report.junit(result)),
+        (markdown, report.markdown(result, str(targets), str(model) if model else None)),
+    ]
+    for path, text in texts:
+        if path == Path("-"):
+            print(text, end="")
+        elif path is not None:
+            atomic_write(path, text)
+            session.say(f"wrote {path}")
+    session.write(report.document(captures, result, targets, model, simulation))
+    return 0 if result.passed else 1

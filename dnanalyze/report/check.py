@@ -1,0 +1,166 @@
+"""The outcome of `check` for CI systems: JUnit XML, and Markdown for a pull request."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+from xml.sax.saxutils import escape, quoteattr
+
+from dnanalyze.report.words import family_title, number, plural
+
+MOST_ROWS = 20
+
+
+def limit(check: Any) -> str:
+    """``1.9 to 2.1 DN``, ``at most 1.3``."""
+    unit = f" {check.unit}" if check.unit and check.unit != "1" else ""
+    low, high = math.isfinite(check.lower), math.isfinite(check.upper)
+    if low and high:
+        return f"{number(check.lower, 5)} to {number(check.upper, 5)}{unit}"
+    if low or high:
+        return f"at {'least' if low else 'most'} {number(check.lower if low else check.upper, 5)}{unit}"
+    return "any value"
+
+
+def excess(check: Any) -> str:
+    """By how much a value is outside: ``+0.31 DN (+12 %, 5.2 floors)``."""
+    if math.isnan(check.value):
+        return f"no value: {check.reason}"
+    edge = check.upper if check.beyond > 0 else check.lower
+    unit = f" {check.unit}" if check.unit and check.unit != "1" else ""
+    sign = "+" if check.beyond > 0 else "−"
+    more = []
+    if edge and math.isfinite(edge):
+        more.append(f"{sign}{number(100 * abs(check.beyond / edge), 2)} %")
+    if check.floors_beyond is not None:
+        more.append(f"{number(abs(check.floors_beyond), 2)} floors")
+    tail = f" ({', '.join(more)})" if more else ""
+    return f"{sign}{number(abs(check.beyond), 3)}{unit} beyond its limit{tail}"
+
+
+def look(check: Any) -> str:
+    """Which figure shows it."""
+    if check.family == "model":
+        return "the model file"
+    if check.family == "error":
+        return "'Where the model fails'"
+    return f"'{family_title(check.family)}'"
+
+
+def headline(result: Any) -> str:
+    """Passed or failed, in one sentence."""
+    total = plural(len(result.checks), "target")
+    known = len(result.known_misses)
+    tail = f"; {known} known to be missed and not enforced" if known else ""
+    if result.passed:
+        return f"Passed: {total} held{tail}."
+    return f"Failed: {len(result.failures)} of {total} broken{tail}."
+
+
+def junit(result: Any) -> str:
+    """JUnit XML: one test case a target, its suite the captures."""
+    checks: Sequence[Any] = result.checks
+    skipped = len(result.known_misses)
+    counts = f'tests="{len(checks)}" failures="{len(result.failures)}" errors="0" skipped="{skipped}"'
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<testsuites name="dnanalyze check" {counts}>',
+        f"<testsuite name={_attribute(result.captures)} {counts}>",
+    ]
+    for check in checks:
+        case = f'<testcase classname={_attribute(f"dnanalyze.{check.kind}.{check.family}")} name={_attribute(check.name)}'
+        if check.passed:
+            lines.append(f"{case}/>")
+            continue
+        text = f"{number(check.value, 5)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
+        if math.isnan(check.value):
+            text = f"{excess(check)}; limit {limit(check)}; see {look(check)}"
+        if check.enforced:
+            inner = f"<failure message={_attribute(text)}>{escape(_clean(text))}</failure>"
+        else:
+            inner = f"<skipped message={_attribute(f'known miss, not enforced: {text}')}/>"
+        lines.append(f"{case}>{inner}</testcase>")
+    return "\n".join([*lines, "</testsuite>", "</testsuites>", ""])
+
+
+def _clean(text: str) -> str:
+    """Without the control characters that XML 1.0 forbids."""
+    return "".join(c for c in text if c >= " " or c in "\t\n")
+
+
+def _attribute(text: str) -> str:
+    return quoteattr(_clean(text))
+
+
+def markdown(result: Any, targets: str, model: str | None = None) -> str:
+    """A summary for a pull request or a job's page."""
+    lines = [f"### {'✅' if result.passed else '❌'} Dark noise: {headline(result)}", ""]
+    rows = result.failures[:MOST_ROWS]
+    lines += _table("broken target", rows)
+    if len(result.failures) > MOST_ROWS:
+        lines += [f"and {len(result.failures) - MOST_ROWS} more.", ""]
+    if result.known_misses:
+        lines += ["<details><summary>Known misses, not enforced</summary>", ""]
+        lines += [*_table("target", result.known_misses[:MOST_ROWS]), "</details>", ""]
+    if rows:
+        command = f"dnanalyze compare {result.captures}{f' --model {model}' if model else ''} --report compare.html"
+        lines += [f"To see it: `{command.replace('`', '')}`", ""]
+    rate = result.false_failures
+    if rate:
+        lines += [f"A correct simulation with a new seed fails these targets about once in {1 / rate:,.0f} runs.", ""]
+    lines.append(f"Held: {_cell(model or result.simulation)} against {_cell(targets)}.")
+    return "\n".join(lines) + "\n"
+
+
+def _table(title: str, rows: Sequence[Any]) -> list[str]:
+    if not rows:
+        return []
+    lines = [f"| {title} | limit | simulated | measured | off by | figure |", "|---|---|---|---|---|---|"]
+    for c in rows:
+        cells = (c.name, limit(c), number(c.value, 4), number(c.measured, 4), excess(c), look(c))
+        lines.append("| " + " | ".join(map(_cell, cells)) + " |")
+    return [*lines, ""]
+
+
+def _cell(text: str) -> str:
+    return " ".join(str(text).split()).replace("|", "\\|").replace("<", "&lt;")
+
+
+def document(where: str, result: Any, targets: Any, model: Any, simulation: str) -> dict[str, Any]:
+    """The JSON document."""
+    from dnanalyze.report.plain import document as made
+
+    checks = [
+        {
+            "name": c.name,
+            "kind": c.kind,
+            "subject": c.subject,
+            "family": c.family,
+            **{k: getattr(c.point, k) for k in ("temperature_c", "exposure_s", "gain", "channel")},
+            "plane": c.plane,
+            "limit": limit(c),
+            "min": c.lower,
+            "max": c.upper,
+            "value": c.value,
+            "measured": c.measured,
+            "unit": c.unit,
+            "passed": c.passed,
+            "enforced": c.enforced,
+            "off_by": None if c.passed else c.beyond,
+            "off_by_floors": c.floors_beyond,
+            "reason": "" if c.passed else c.reason,
+            "figure": look(c),
+        }
+        for c in result.checks
+    ]
+    return made(
+        "check",
+        where,
+        passed=result.passed,
+        simulation=simulation,
+        targets=targets,
+        model=model,
+        false_failures=result.false_failures,
+        checks=checks,
+    )

@@ -1,0 +1,183 @@
+"""Each command on a small folder; what takes minutes is replaced by its result."""
+
+import json
+import math
+
+import pytest
+import report_fakes as fakes
+import yaml
+from dnanalyze_cli.main import main
+
+from dnanalyze.loaders import load, write_captures
+from dnanalyze.model.noise_model import dump_model, load_model
+
+SLOW = {
+    "fit": ("dnanalyze.fitting.fit.fit", fakes.fit),
+    "compare": ("dnanalyze.comparator.compare.compare", fakes.comparison),
+    "diagnose": ("dnanalyze.diagnosis.diagnose.diagnose", fakes.diagnosis),
+    "add": ("dnanalyze.diagnosis.refine.add", fakes.refinement),
+    "refine": ("dnanalyze.diagnosis.refine.refine", fakes.refinement),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return write_captures(fakes.captures(), tmp_path_factory.mktemp("captures") / "sensor")
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """Replaces the long calls; gives their arguments by command."""
+    seen = {}
+
+    def stand_in(command, result):
+        def call(*args, **named):
+            seen[command] = args, named
+            return result()
+
+        return call
+
+    for command, (path, result) in SLOW.items():
+        monkeypatch.setattr(path, stand_in(command, result))
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan: None)
+    monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: None)
+    return seen
+
+
+def finite(value):
+    if isinstance(value, dict):
+        return all(map(finite, value.values()))
+    if isinstance(value, list):
+        return all(map(finite, value))
+    return not isinstance(value, float) or math.isfinite(value)
+
+
+@pytest.mark.parametrize("command", ["inspect", "analyze", *SLOW])
+def test_every_command_writes_its_json_and_shows_its_verdict(
+    command, folder, calls, tmp_path, capsys
+):
+    out = tmp_path / "out.json"
+    more = ["column_fpn"] if command == "add" else []
+    assert main([command, str(folder), *more, "--json", str(out), "--quiet"]) == 0
+    made = json.loads(out.read_text())
+    assert made["schema"] == f"dnanalyze/{command}/1"
+    assert made["captures"] == str(folder)
+    assert finite(made)
+    shown = capsys.readouterr()
+    assert "sensor: 3 operating points" in shown.out
+    assert shown.err == ""
+    assert max(map(len, shown.out.splitlines())) <= 80
+    assert "\x1b" not in shown.out
+
+
+def test_the_verdict_comes_before_the_numbers(folder, calls, capsys):
+    main(["compare", str(folder), "-q"])
+    text = capsys.readouterr().out
+    assert text.index("Error 6.5") < text.index("Failure 0") < text.index("family")
+    main(["diagnose", str(folder), "-q"])
+    text = capsys.readouterr().out
+    assert text.index("Missing: column_fpn") < text.index("candidate")
+
+
+@pytest.mark.parametrize("command", ["compare", "analyze"])
+def test_a_report_and_a_table_are_written(command, folder, calls, tmp_path):
+    page, table = tmp_path / "out.html", tmp_path / "out.csv"
+    assert main([command, str(folder), "--report", str(page), "--csv", str(table), "-q"]) == 0
+    assert page.read_text().startswith("<!DOCTYPE html>")
+    assert table.read_text().splitlines()[0].startswith(("name", "temperature_c"))
+
+
+def test_json_to_standard_output_is_all_that_stands_there(folder, capsys):
+    assert main(["inspect", str(folder), "--json", "-", "-q"]) == 0
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["frames"] == 12
+    assert "operating points" in shown.err
+
+
+def test_the_new_model_is_written_and_can_be_read_again(folder, calls, tmp_path):
+    for command in ("fit", "refine", "add"):
+        path = tmp_path / f"{command}.yaml"
+        more = ["column_fpn"] if command == "add" else []
+        assert main([command, str(folder), *more, "-o", str(path), "-q"]) == 0
+        assert load_model(path).names == ["convolved_lognormal"]
+
+
+def test_add_takes_its_two_names_in_either_order(folder, calls):
+    assert main(["add", "column_fpn", str(folder), "-q"]) == 0
+    assert calls["add"][0][1] == "column_fpn"
+
+
+def test_refine_is_steered(folder, calls, tmp_path):
+    model = tmp_path / "m.yaml"
+    model.write_text(dump_model(fakes.model()))
+    steer = ["--exclude", "rts", "--exclude", "dpc", "--max-effects", "2", "--until-error", "1.5"]
+    assert main(["refine", str(folder), "--model", str(model), "--seed", "7", *steer, "-q"]) == 0
+    named = calls["refine"][1]
+    assert named["exclude"] == ("rts", "dpc")
+    assert named["most_effects"] == 2
+    assert named["until_error"] == 1.5
+    assert named["model"].seed == 7
+
+
+def test_a_users_own_effect_is_listed_and_offered(folder, calls, tmp_path, capsys):
+    own = tmp_path / "own.py"
+    own.write_text(
+        "from dataclasses import dataclass\n"
+        "from dnanalyze import Effect, Stage, parameter\n"
+        "@dataclass(frozen=True)\n"
+        "class Hum(Effect):\n"
+        "    name = 'my_hum'\n"
+        "    stage = Stage.LINE_READ\n"
+        "    summary = 'a hum of mine'\n"
+        "    amplitude: float = parameter(1.0, 'DN', 1e-3, 1e3, 'amplitude')\n"
+    )
+    assert main(["effects", "--effects", str(own)]) == 0
+    assert "my_hum" in capsys.readouterr().out
+    assert main(["effects", "my_hum", "--effects", str(own)]) == 0
+    assert "amplitude" in capsys.readouterr().out
+    assert main(["diagnose", str(folder), "--effects", str(own), "-q"]) == 0
+    assert "my_hum" in calls["diagnose"][1]["known"]
+
+
+def test_the_catalogue_as_json(tmp_path, capsys):
+    out = tmp_path / "effects.json"
+    assert main(["effects", "--json", str(out)]) == 0
+    names = {e["name"] for e in json.loads(out.read_text())["effects"]}
+    assert {"convolved_lognormal", "read_noise"} <= names
+
+
+@pytest.mark.parametrize("form", ["tif", "fits", "npy", "h5", "png", "pgm", "raw12", "raw12-mipi"])
+def test_simulated_frames_are_a_capture_folder(form, tmp_path, capsys):
+    model, out = tmp_path / "m.yaml", tmp_path / "frames"
+    model.write_text(dump_model(fakes.model()))
+    grid = ["--shape", "32x48", "--temperatures", "25,45", "--exposure", "0.05", "--frames", "2"]
+    assert main(["simulate", str(out), "--model", str(model), *grid, "--format", form, "-q"]) == 0
+    found = load(out)
+    assert found.sensor.shape == (32, 48)
+    assert [s.point.temperature_c for s in found.settings] == [25.0, 45.0]
+    assert {len(s.frames) for s in found.settings} == {2}
+    assert {s.point.exposure_s for s in found.settings} == {0.05}
+
+
+def test_a_simulation_like_a_folder_has_its_layout(folder, tmp_path):
+    model, out = tmp_path / "m.yaml", tmp_path / "frames"
+    model.write_text(dump_model(fakes.model()))
+    made = tmp_path / "out.json"
+    base = ["simulate", str(out), "--model", str(model), "--like", str(folder), "-q"]
+    assert main([*base, "--seed", "5", "--json", str(made)]) == 0
+    here, there = load(out), load(folder)
+    assert here.sensor.shape == there.sensor.shape
+    assert [s.point for s in here.settings] == [s.point for s in there.settings]
+    assert json.loads(made.read_text())["seed"] == 5
+
+
+def test_the_same_seed_gives_the_same_frames_and_another_others(tmp_path):
+    model = tmp_path / "m.yaml"
+    model.write_text(yaml.safe_dump(fakes.model().to_plain()))
+    frames = []
+    for name, seed in (("a", "1"), ("b", "1"), ("c", "2")):
+        base = ["simulate", str(tmp_path / name), "--model", str(model), "--shape", "16x16"]
+        assert main([*base, "--seed", seed, "--frames", "1", "-q"]) == 0
+        frames.append(load(tmp_path / name).settings[0].frames[0].read())
+    assert (frames[0] == frames[1]).all()
+    assert (frames[0] != frames[2]).any()

@@ -1,0 +1,151 @@
+"""Bad input is one line on stderr and exit 2; nothing is half-written."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+import report_fakes as fakes
+from dnanalyze_cli.main import main
+
+from dnanalyze.loaders import write_captures
+from dnanalyze.model.noise_model import dump_model
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return write_captures(fakes.captures(), tmp_path_factory.mktemp("captures") / "sensor")
+
+
+@pytest.fixture
+def model(tmp_path):
+    path = tmp_path / "m.yaml"
+    path.write_text(dump_model(fakes.model()))
+    return path
+
+
+def refused(arguments, capsys):
+    """Exit code 2 and one line on stderr; gives the line."""
+    assert main([str(a) for a in arguments]) == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith("dnanalyze: ")
+    assert shown.err.count("\n") == 1
+    return shown.err
+
+
+def test_folders_that_are_none(tmp_path, capsys):
+    assert "nowhere" in refused(["inspect", tmp_path / "nowhere"], capsys)
+    assert str(tmp_path) in refused(["analyze", tmp_path], capsys)
+
+
+def test_usage_errors(folder, capsys):
+    assert "frobnicate" in refused(["frobnicate"], capsys)
+    assert "--wrong" in refused(["inspect", folder, "--wrong"], capsys)
+    refused(["inspect"], capsys)
+    assert "--tolerance-c" in refused(["inspect", folder, "--tolerance-c", "-1"], capsys)
+
+
+def test_unknown_effects_name_the_valid_ones(folder, capsys):
+    assert "read_noise" in refused(["effects", "nothing"], capsys)
+    assert "read_noise" in refused(["add", folder, "nothing"], capsys)
+    assert "read_noise" in refused(["refine", folder, "--exclude", "nothing"], capsys)
+
+
+def test_model_files_that_are_none(folder, tmp_path, capsys):
+    broken = tmp_path / "broken.yaml"
+    broken.write_text("effects: [nothing]")
+    assert str(broken) in refused(["compare", folder, "--model", broken], capsys)
+    assert "m2.yaml" in refused(["compare", folder, "--model", tmp_path / "m2.yaml"], capsys)
+
+
+def test_outputs_are_refused_before_any_work(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("dnanalyze.loaders.load", pytest.fail)
+    inside = folder / "out.json"
+    assert "never changed" in refused(["inspect", folder, "--json", inside], capsys)
+    assert "is a folder" in refused(["analyze", folder, "--csv", tmp_path], capsys)
+    there = tmp_path / "no" / "out.json"
+    assert "does not exist" in refused(["analyze", folder, "--json", there], capsys)
+    both = ["--json", tmp_path / "x", "--csv", tmp_path / "x"]
+    assert "two outputs" in refused(["analyze", folder, *both], capsys)
+
+
+def test_what_simulate_cannot_do(model, folder, tmp_path, capsys):
+    out = tmp_path / "frames"
+    base = ["simulate", out, "--model", model, "-q"]
+    assert "--shape" in refused([*base, "--shape", "32"], capsys)
+    assert "--temperatures" in refused([*base, "--temperatures", "warm"], capsys)
+    both = ["--like", folder, "--exposure", "1"]
+    assert "--like" in refused([*base, *both], capsys)
+    assert "valid" in refused([*base, "--shape", "16x16", "--format", "bmp"], capsys)
+    assert not out.exists()
+    out.mkdir()
+    (out / "mine").write_text("")
+    assert "exists already" in refused([*base, "--shape", "16x16"], capsys)
+    assert os.listdir(out) == ["mine"]
+
+
+def test_an_interrupt_leaves_nothing_and_exits_130(model, tmp_path, capsys, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("dnanalyze.loaders.writers.write_captures", interrupted)
+    before = sorted(os.listdir(tmp_path))
+    assert main(["simulate", str(tmp_path / "frames"), "--model", str(model), "-q"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert sorted(os.listdir(tmp_path)) == before
+
+
+def test_reading_leaves_the_captures_as_they_were(folder, tmp_path):
+    def state():
+        return sorted((p, p.stat().st_mtime_ns, p.stat().st_size) for p in folder.rglob("*"))
+
+    before = state()
+    assert main(["analyze", str(folder), "--json", str(tmp_path / "a.json"), "-q"]) == 0
+    assert state() == before
+
+
+def command(*arguments, **options):
+    code = "from dnanalyze_cli.main import run; run()"
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)],
+        capture_output=True, text=True, timeout=120, **options,
+    )  # fmt: skip
+
+
+def test_the_command_itself(tmp_path):
+    done = command("inspect", tmp_path / "nowhere")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("dnanalyze: ")
+    assert "Traceback" not in done.stderr
+    done = command("--version")
+    assert done.returncode == 0
+    assert done.stdout.startswith("dnanalyze ")
+
+
+def test_help_names_every_command():
+    done = command("--help")
+    assert done.returncode == 0
+    for name in ("inspect", "analyze", "fit", "simulate", "compare", "diagnose", "add", "refine",
+                 "detect", "effects", "demo"):  # fmt: skip
+        assert name in done.stdout
+    assert command().stdout == done.stdout
+
+
+def test_a_terminated_run_leaves_no_temporary(model, tmp_path):
+    out = tmp_path / "frames"
+    code = "from dnanalyze_cli.main import run; run()"
+    big = ["--shape", "2048x2048", "--frames", "400"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "simulate", str(out), "--model", str(model), *big],
+        stderr=subprocess.PIPE,
+    )
+    for _ in range(600):
+        if any(p.name.startswith(".frames.") for p in tmp_path.iterdir()):
+            break
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(0.1)
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=60)
+    assert process.returncode == 143
+    assert os.listdir(tmp_path) == ["m.yaml"]

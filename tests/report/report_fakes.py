@@ -1,0 +1,200 @@
+"""Results as the library would give them, small and of known content."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
+from dnanalyze.model.noise_model import NoiseModel
+
+SHAPE = (64, 64)
+POINTS = tuple(OperatingPoint(t, 0.05, 1.0) for t in (25.0, 65.0, 105.0))
+
+
+def captures(name: str = "folder/<sensor> & co", cfa: Any = None) -> CaptureSet:
+    """Three temperatures, four frames of noise each."""
+
+    def frame(point: OperatingPoint, number: int) -> Frame:
+        def load(window: Any) -> np.ndarray:
+            rng = np.random.default_rng([number, int(point.temperature_c or 0)])
+            y = np.rint(rng.normal(64, 3, SHAPE)).astype(np.uint16)
+            return y if window is None else y[window.slices]
+
+        return Frame(f"frame {number}", point, load)
+
+    made = tuple(Setting(p, tuple(frame(p, n) for n in range(4))) for p in POINTS)
+    return CaptureSet(name, Sensor(SHAPE, bits=12, cfa=cfa), made, notes=("a note with <b>",))
+
+
+def statistics(noise: float = 3.0, plane: str = "") -> Statistics:
+    """Statistics of Gaussian frames, made with NumPy; every curve that the figures draw."""
+    settings = []
+    for n, point in enumerate(POINTS):
+        rng = np.random.default_rng(n)
+        y = np.rint(rng.normal(64 + 10 * n, noise, SHAPE))
+        codes, counts = np.unique(y, return_counts=True)
+        f = np.arange(1, 40) / 80
+        values = {
+            "mean": Value(float(y.mean()), 0.05),
+            "median": Value(float(np.median(y)), 0.05),
+            "temporal_noise": Value(noise * (n + 1), 0.01),
+            "pattern_noise": Value(noise / 2, 0.02),
+            "hot_count_8": Value(float(n), 1.0),
+            "frame_hf_mf": Value(1.0 - 0.1 * n, 0.03),
+            "frame_psd_0.08_0.16": Value(noise**2 * (1 + n), 0.03),
+            "pattern_psd_0.08_0.16": Value(noise**2, 0.05),
+            "column_outliers": Value(0.0, 1.0),
+            "pattern_corr_10": Value(0.01 * n, 0.01),
+            "drift": Value(0.02, 0.2),
+            "lattice": Value(1.0, 0.05),
+            "shading_0_1": Value(0.1, 0.05),
+            "temporal_kurtosis": Value(float("nan"), 0.1),
+        }
+        curves = {
+            "histogram_codes": codes,
+            "histogram_counts": counts,
+            "exceedance_k": np.geomspace(1, 30, 12),
+            "exceedance_n": np.geomspace(1000, 0.5, 12).round(),
+            "frame_means": rng.normal(64, 0.05, 4),
+            "block_means": rng.normal(0, 0.2, (8, 8)),
+            "column_mean": rng.normal(0, 0.4, 64),
+            "row_mean": rng.normal(0, 0.4, 64),
+        }
+        for part in ("pattern", "temporal"):
+            curves |= {
+                f"{part}_radial_f": f,
+                f"{part}_radial_s": noise**2 * rng.gamma(20, 1 / 20, len(f)),
+                f"{part}_radial_full_s": noise**2 * rng.gamma(20, 1 / 20, len(f)),
+                f"{part}_column_spectrum": noise**2 * rng.gamma(1, 1, 32),
+                f"{part}_row_spectrum": noise**2 * rng.gamma(1, 1, 32),
+                f"{part}_psd2d": rng.normal(0, 0.3, (32, 17)),
+            }
+        missing = {"hot_halo": "Fewer than 10 isolated hot pixels."}
+        settings.append(SettingStatistics(point, plane, 4, SHAPE, values, curves, missing))
+    trends = {
+        "pedestal": Value(60.0, 0.1),
+        "activation_energy_ev": Value(0.65, 0.02),
+        "doubling_step_c": Value(6.1, 0.2),
+    }
+    return Statistics("folder", Sensor(SHAPE, bits=12), tuple(settings), trends)
+
+
+def rows(measured: Statistics, simulated: Statistics) -> list[dict[str, Any]]:
+    """Rows with the contract's keys."""
+    made = []
+    for m, s in zip(measured.settings, simulated.settings, strict=True):
+        for name, value in m.values.items():
+            other = s.values[name].value
+            made.append(
+                {
+                    "name": name,
+                    "family": "spectrum" if "psd" in name else "level",
+                    **vars(m.point),
+                    "plane": m.plane,
+                    "unit": "DN^2" if "psd" in name else "DN",
+                    "scale": "linear",
+                    "measured": value.value,
+                    "simulated": other,
+                    "floor": 0.1,
+                    "discrepancy": (value.value - other) / 0.1,
+                    "relative": None,
+                }
+            )
+    return made
+
+
+def model() -> NoiseModel:
+    """The paper's model."""
+    return NoiseModel((ConvolvedLognormal(),), 64.0)
+
+
+def comparison() -> SimpleNamespace:
+    """A comparison with a hostile sentence among its failures."""
+    measured, simulated, gaussian = statistics(3.0), statistics(2.5), statistics(4.0)
+    return SimpleNamespace(
+        error=6.5,
+        baselines={"gaussian": 80.0, "paper": 7.5},
+        families={"level": 9.0, "spectrum": 1.1, "tails": float("nan")},
+        failures=[f"failure {n} <script>alert(1)</script>" for n in range(8)],
+        statistics=rows(measured, simulated),
+        measured=measured,
+        simulated=simulated,
+        gaussian=gaussian,
+        model=model(),
+    )
+
+
+def diagnosis(verdict: str = "missing") -> SimpleNamespace:
+    """Two candidates."""
+    candidates = [
+        SimpleNamespace(
+            effect=name, error_after=after, explained=0.9, confidence=sure,
+            confused_with=rivals, evidence=["striped power 38 times the model's"],
+        )
+        for name, after, sure, rivals in (
+            ("column_fpn", 1.1, 0.97, ["column_gain"]), ("column_gain", 3.0, 0.02, []),
+        )
+    ]  # fmt: skip
+    return SimpleNamespace(
+        error=6.5,
+        verdict=verdict,
+        candidates=candidates,
+        unexplained=["pattern_q0.001"],
+        detection_limits={"row_fpn": "row_fpn below 0.02 DN would not be seen"},
+        next_capture=["eight more frames at 45 C"],
+        model=model(),
+    )
+
+
+def refinement() -> SimpleNamespace:
+    """Something added, something taken out again."""
+    steps = [
+        SimpleNamespace(added=a, error=e, confidence=c, evidence=[])
+        for a, e, c in (
+            (None, 6.5, None), ("row_fpn", 4.0, 0.6), ("column_fpn", 1.1, 0.97),
+            ("-row_fpn", 1.05, None),
+        )
+    ]  # fmt: skip
+    return SimpleNamespace(
+        steps=steps,
+        effects=["convolved_lognormal", "column_fpn"],
+        verdict="adequate",
+        model=model(),
+        diagnosis=diagnosis("adequate"),
+        bench=None,
+    )
+
+
+def detection(filtered: bool = True) -> SimpleNamespace:
+    """One flagged finding, one not."""
+    findings = [
+        SimpleNamespace(
+            test="rank", kind="dpc", temperature_c=105.0, p_value=1e-9, effect_size=0.2,
+            flagged=filtered,
+        ),
+        SimpleNamespace(
+            test="memory", kind="temporal_denoise", temperature_c=None, p_value=float("nan"),
+            effect_size=0.0, flagged=False,
+        ),
+    ]  # fmt: skip
+    kind = "dpc" if filtered else "none"
+    return SimpleNamespace(filtered=filtered, kind=kind, findings=findings, evidence=["why"])
+
+
+def fit() -> SimpleNamespace:
+    """Two parameters, one without an error."""
+    parameters = [
+        SimpleNamespace(name="convolved_lognormal.mu", value=1.234, se=0.012, unit="ln DN"),
+        SimpleNamespace(name="pedestal", value=64.0, se=float("nan"), unit="DN"),
+    ]
+    return SimpleNamespace(
+        model=model(),
+        parameters=parameters,
+        correlations=np.array([[1.0, np.nan], [np.nan, 1.0]]),
+        undetermined=["mu and pedestal cannot be told apart"],
+    )

@@ -1,0 +1,99 @@
+import json
+import math
+from pathlib import Path
+
+import pytest
+import report_fakes as fakes
+
+from dnanalyze.model.registry import built_in
+from dnanalyze.report import documents, tables
+from dnanalyze.report.plain import to_json
+
+ROW = {
+    "name", "family", "temperature_c", "exposure_s", "gain", "channel", "measured", "simulated",
+    "floor", "discrepancy", "relative",
+}  # fmt: skip
+MADE = {
+    "analyze": lambda: documents.statistics("f", fakes.statistics()),
+    "fit": lambda: documents.fit("f", fakes.fit(), Path("m.yaml")),
+    "compare": lambda: documents.comparison("f", fakes.comparison()),
+    "diagnose": lambda: documents.diagnosis("f", fakes.diagnosis()),
+    "refine": lambda: documents.refinement("f", fakes.refinement(), Path("m.yaml")),
+    "add": lambda: documents.addition("f", "column_fpn", fakes.refinement(), None),
+    "detect": lambda: documents.detection("f", fakes.detection()),
+    "effects": lambda: documents.effects(built_in()),
+}
+
+
+def numbers(value):
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list):
+        return [n for v in value for n in numbers(v)]
+    return [value] if isinstance(value, float) else []
+
+
+@pytest.mark.parametrize("command", MADE)
+def test_every_document_has_its_head_and_only_finite_numbers(command):
+    made = json.loads(to_json(MADE[command]()))
+    assert made["schema"] == f"dnanalyze/{command}/1"
+    assert isinstance(made["captures"], str)
+    assert isinstance(made["version"], str)
+    assert all(math.isfinite(n) for n in numbers(made))
+
+
+def test_the_keys_are_those_of_the_contract():
+    compare = MADE["compare"]()
+    assert {"error", "baselines", "statistics"} <= set(compare)
+    assert {"gaussian", "paper"} <= set(compare["baselines"])
+    assert all(set(row) >= ROW for row in compare["statistics"])
+    diagnose = MADE["diagnose"]()
+    assert {"error", "verdict", "candidates", "unexplained"} <= set(diagnose)
+    assert set(diagnose["candidates"][0]) == {
+        "effect", "error_after", "explained", "confidence", "confused_with", "evidence",
+    }  # fmt: skip
+    refine = MADE["refine"]()
+    assert {"steps", "effects", "verdict", "model"} <= set(refine)
+    assert refine["model"] == "m.yaml"
+    detect = MADE["detect"]()
+    assert {"filtered", "kind", "findings"} <= set(detect)
+    assert set(detect["findings"][0]) == {
+        "test", "kind", "temperature_c", "p_value", "effect_size", "flagged",
+    }  # fmt: skip
+
+
+def test_steps_name_what_was_added_and_what_was_taken_out():
+    steps = MADE["refine"]()["steps"]
+    assert [s["added"] for s in steps] == [None, "row_fpn", "column_fpn", None]
+    assert steps[3]["removed"] == "row_fpn"
+    added = MADE["add"]()
+    assert (added["error_before"], added["error_after"]) == (6.5, 1.05)
+
+
+def test_every_effect_is_described():
+    for effect in MADE["effects"]()["effects"]:
+        assert effect["summary"] or effect["name"] == "convolved_lognormal"
+        assert all(p["doc"] for p in effect["parameters"].values())
+
+
+def test_tables_have_a_row_a_number():
+    measured = fakes.statistics()
+    table = tables.statistics(measured)
+    assert len(table) == sum(len(s.values) for s in measured.settings)
+    assert {"temperature_c", "plane", "name", "value", "se", "unit"} <= set(table.columns)
+    assert len(tables.comparison(fakes.comparison())) == len(fakes.comparison().statistics)
+    assert list(tables.steps(fakes.refinement())["error"]) == [6.5, 4.0, 1.1, 1.05]
+    assert list(tables.candidates(fakes.diagnosis())["effect"]) == ["column_fpn", "column_gain"]
+    assert len(tables.findings(fakes.detection())) == 2
+    assert len(tables.parameters(fakes.fit())) == 2
+    assert list(tables.operating_points(fakes.captures())["frames"]) == [4, 4, 4]
+
+
+def test_the_worst_rows_name_each_statistic_once():
+    rows = fakes.comparison().statistics
+    shown = tables.worst(rows, most=5)
+    sizes = [abs(r["discrepancy"]) for r in shown]
+    assert sizes == sorted(sizes, reverse=True)
+    assert len({r["name"] for r in shown}) == len(shown)
+    assert sizes[0] == max(abs(r["discrepancy"]) for r in rows if math.isfinite(r["discrepancy"]))
+    assert all(r["family"] == "spectrum" for r in tables.worst(rows, "spectrum"))

@@ -1,0 +1,86 @@
+import os
+import stat
+
+import pytest
+
+from dnanalyze.errors import InputError
+from dnanalyze.report.files import atomic_folder, atomic_write, check_output
+
+
+def test_a_file_is_written_whole_and_replaces_the_old_one(tmp_path):
+    path = tmp_path / "out.json"
+    path.write_text("old")
+    atomic_write(path, "new")
+    assert path.read_text() == "new"
+    assert os.listdir(tmp_path) == ["out.json"]
+
+
+def test_a_file_is_as_readable_as_any_other(tmp_path):
+    plain = tmp_path / "plain"
+    plain.write_text("")
+    atomic_write(tmp_path / "ours", b"x")
+    mode = stat.S_IMODE((tmp_path / "ours").stat().st_mode)
+    assert mode == stat.S_IMODE(plain.stat().st_mode)
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, OSError(28, "No space left on device")])
+def test_an_interrupted_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, raised):
+    path = tmp_path / "out.json"
+    path.write_text("old")
+
+    def broken(*_):
+        raise raised
+
+    monkeypatch.setattr(os, "replace", broken)
+    with pytest.raises((KeyboardInterrupt, InputError)):
+        atomic_write(path, "new")
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["out.json"]
+
+
+def test_a_folder_appears_only_when_it_is_complete(tmp_path):
+    with atomic_folder(tmp_path / "frames") as folder:
+        (folder / "a").write_text("1")
+        assert not (tmp_path / "frames").exists()
+    assert (tmp_path / "frames" / "a").read_text() == "1"
+    assert os.listdir(tmp_path) == ["frames"]
+
+
+def test_an_interrupted_folder_leaves_nothing(tmp_path):
+    def fill():
+        with atomic_folder(tmp_path / "frames") as folder:
+            (folder / "a").write_text("1")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fill()
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_folder_with_something_in_it_is_refused(tmp_path):
+    (tmp_path / "frames").mkdir()
+    (tmp_path / "frames" / "mine").write_text("")
+
+    def fill():
+        with atomic_folder(tmp_path / "frames"):
+            pass
+
+    with pytest.raises(InputError, match="exists already"):
+        fill()
+
+
+def test_outputs_inside_the_captures_are_refused(tmp_path):
+    captures = tmp_path / "captures"
+    (captures / "T25").mkdir(parents=True)
+    for path in (captures / "out.json", captures / "T25" / "out.json"):
+        with pytest.raises(InputError, match="never changed"):
+            check_output(path, captures)
+    check_output(tmp_path / "out.json", captures)
+    check_output(tmp_path / "out.json", "s3://bucket/captures")
+
+
+def test_outputs_that_cannot_be_written_are_refused_early(tmp_path):
+    with pytest.raises(InputError, match="is a folder"):
+        check_output(tmp_path)
+    with pytest.raises(InputError, match="does not exist"):
+        check_output(tmp_path / "nowhere" / "out.json")

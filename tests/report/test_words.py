@@ -1,0 +1,83 @@
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from report_fakes import POINTS, diagnosis, refinement
+
+from dnanalyze.report import words
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0, "0"), (1.0, "1"), (12.345, "12.3"), (0.001234, "0.00123"), (123456.0, "123456"),
+        (1.5e7, "1.5e7"), (-2.0e-6, "-2e-6"), (999.6, "1000"), (math.nan, "–"), (None, "–"),
+    ],
+)  # fmt: skip
+def test_numbers_are_short(value, text):
+    assert words.number(value) == text
+
+
+@given(st.floats(-1e12, 1e12).filter(lambda v: v == 0 or abs(v) > 1e-9))
+def test_a_number_keeps_its_value_to_three_digits(value):
+    assert float(words.number(value)) == pytest.approx(value, rel=6e-3)
+
+
+def test_errors_have_two_digits_and_the_value_the_same_place():
+    assert words.with_error(1.23456, 0.0123, "DN") == "1.235 ± 0.012 DN"
+    assert words.with_error(145.6, 3.0) == "145.6 ± 3.0"
+    assert words.with_error(2.0, math.nan, "s") == "2 s"
+    assert words.with_error(2.0, 0.0) == "2"
+
+
+@pytest.mark.parametrize(
+    ("measured", "simulated", "unit", "scale", "text"),
+    [
+        (16.0, 1.0, "DN^2", "log", "+12.0 dB"), (1.1, 1.0, "DN", "linear", "+10 %"),
+        (1.02, 1.0, "DN", "linear", "+2.0 %"), (20.0, 1.0, "DN", "linear", "×20"),
+        (0.0, 33.0, "pixels", "root", "−33 pixels"), (-1.0, 1.0, "DN", "linear", "−2 DN"),
+        (0.04, 0.01, "", "linear", "+0.03"), (1.0, 1.0, "DN", "linear", "0 %"),
+        (math.nan, 1.0, "DN", "linear", "–"),
+    ],
+)  # fmt: skip
+def test_the_plain_size_of_a_difference(measured, simulated, unit, scale, text):
+    assert words.gap(measured, simulated, unit, scale) == text
+
+
+def test_labels_say_only_what_differs():
+    rows = [vars(p) for p in POINTS]
+    only = words.varied(rows)
+    assert only == {"temperature_c"}
+    assert [words.point_label(p, only) for p in POINTS] == ["25 °C", "65 °C", "105 °C"]
+    assert words.point_label(POINTS[0]) == "25 °C, 0.05 s, gain 1"
+    assert words.point_label(POINTS[0], set()) == "25 °C, 0.05 s, gain 1"
+    assert words.point_label({}) == "one setting"
+
+
+def test_verdicts_name_the_effect_the_confidence_and_the_rival():
+    found = diagnosis()
+    text = words.diagnose_headline("missing", found.candidates, found.error)
+    assert "column_fpn" in text
+    assert "97 %" in text
+    assert "column_gain" in text
+    assert words.diagnose_headline("adequate", [], 1.0).startswith("Adequate")
+    assert words.diagnose_headline("unexplained", [], 4.0).startswith("Unexplained")
+
+
+def test_what_was_taken_out_again_is_not_said_to_be_added():
+    found = refinement()
+    text = words.refine_headline(found.steps, found.verdict)
+    assert "column_fpn" in text
+    assert "row_fpn" not in text
+    assert re.search(r"from 6\.5 to 1\.05", text)
+    assert words.step_name("-row_fpn", 3) == "without row_fpn"
+    assert words.step_name(None, 0) == "start"
+
+
+def test_sentences_come_from_lists_mappings_and_text():
+    assert words.texts(["one", "two."]) == ["One.", "Two."]
+    assert words.texts({"rts": 0.25, "a": "said so"}) == ["Rts: 0.25.", "Said so."]
+    assert words.texts(None) == []
+    assert words.texts("one") == ["One."]
