@@ -1,5 +1,6 @@
 """The random numbers: bits by a published vector, normals by their distribution, tails included."""
 
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import numpy as np
@@ -66,6 +67,15 @@ def test_a_window_draws_the_numbers_of_the_whole(window):
     whole = Window(0, 60, 0, 401)
     for draw in (draws.bits, draws.uniform, draws.normal):
         np.testing.assert_array_equal(draw(9, window, 401), draw(9, whole, 401)[window.slices])
+
+
+def test_threads_and_tiles_draw_the_numbers_of_one_pass():
+    whole = draws.normal(9, Window(0, 512, 0, 401), 401)
+    tiles = [Window(r, r + 37, 0, 401) for r in range(0, 470, 37)]
+    with ThreadPoolExecutor(4) as pool:
+        parts = list(pool.map(lambda tile: draws.normal(9, tile, 401), tiles))
+    for tile, part in zip(tiles, parts, strict=True):
+        np.testing.assert_array_equal(part, whole[tile.slices])
 
 
 def test_a_few_pixels_by_index_are_those_of_the_field():

@@ -148,21 +148,12 @@ class Rts(Effect):
         kinds: list[tuple[float, float, str]] = [(fixed, 0.0, "none")]
         if thermal is not None and thermal[1] > 0.2:
             kinds.insert(0, (*thermal, "proportional"))
-        # the noisiest pixels of few frames overstate the step; the variance p E[A^2] o (1 - o) is kept
+        # the noisiest pixels of few frames overstate the step; p E[A^2] o (1 - o) is kept
         shares = {"exponential": (0.35, 2.0), "fixed": (0.6, 1.0)}
-        return [
-            cls.from_plain(
-                {
-                    **hints.clip(
-                        cls,
-                        fraction=fraction / (share**2 * square),
-                        amplitude=size * share,
-                        ea_ev=ea,
-                    ),
-                    "amplitudes": law,
-                    "exposure": exposure,
-                }
-            )
-            for size, ea, exposure in kinds
-            for law, (share, square) in shares.items()
-        ]
+        guesses: list[Effect] = []
+        for size, ea, exposure in kinds:
+            for law, (share, square) in shares.items():
+                p = fraction / (share**2 * square)
+                values = hints.clip(cls, fraction=p, amplitude=size * share, ea_ev=ea)
+                guesses.append(cls.from_plain({**values, "amplitudes": law, "exposure": exposure}))
+        return guesses
