@@ -41,7 +41,8 @@ def proposed(console: Console, captures: Any, made: Any) -> None:
     console.print(Text(capture.one_line(captures), style="dim"))
     console.print()
     missed = [t for t in made.targets if not t.enforced]
-    text = f"{plural(len(made.targets), 'target')}; a correct simulation fails once in {1 / made.false_failures:,.0f} runs"
+    runs = f"{1 / made.false_failures:,.0f} runs"
+    text = f"{plural(len(made.targets), 'target')}; a correct simulation fails once in {runs}"
     console.print(Padding(Text(text, style="bold"), (0, 0, 0, 2)))
     if missed:
         names = ", ".join(dict.fromkeys(str(t.statistic) for t in missed))

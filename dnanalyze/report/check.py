@@ -19,7 +19,8 @@ def limit(check: Any) -> str:
     if low and high:
         return f"{number(check.lower, 5)} to {number(check.upper, 5)}{unit}"
     if low or high:
-        return f"at {'least' if low else 'most'} {number(check.lower if low else check.upper, 5)}{unit}"
+        side, edge = ("least", check.lower) if low else ("most", check.upper)
+        return f"at {side} {number(edge, 5)}{unit}"
     return "any value"
 
 
@@ -29,7 +30,7 @@ def excess(check: Any) -> str:
         return f"no value: {check.reason}"
     edge = check.upper if check.beyond > 0 else check.lower
     unit = f" {check.unit}" if check.unit and check.unit != "1" else ""
-    sign = "+" if check.beyond > 0 else "−"
+    sign = "+" if check.beyond > 0 else "\N{MINUS SIGN}"
     more = []
     if edge and math.isfinite(edge):
         more.append(f"{sign}{number(100 * abs(check.beyond / edge), 2)} %")
@@ -62,18 +63,23 @@ def junit(result: Any) -> str:
     """JUnit XML: one test case a target, its suite the captures."""
     checks: Sequence[Any] = result.checks
     skipped = len(result.known_misses)
-    counts = f'tests="{len(checks)}" failures="{len(result.failures)}" errors="0" skipped="{skipped}"'
+    counts = (
+        f'tests="{len(checks)}" failures="{len(result.failures)}" errors="0" skipped="{skipped}"'
+    )
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<testsuites name="dnanalyze check" {counts}>',
         f"<testsuite name={_attribute(result.captures)} {counts}>",
     ]
     for check in checks:
-        case = f'<testcase classname={_attribute(f"dnanalyze.{check.kind}.{check.family}")} name={_attribute(check.name)}'
+        group = _attribute(f"dnanalyze.{check.kind}.{check.family}")
+        case = f"<testcase classname={group} name={_attribute(check.name)}"
         if check.passed:
             lines.append(f"{case}/>")
             continue
-        text = f"{number(check.value, 5)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
+        text = (
+            f"{number(check.value, 5)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
+        )
         if math.isnan(check.value):
             text = f"{excess(check)}; limit {limit(check)}; see {look(check)}"
         if check.enforced:
@@ -104,11 +110,16 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
         lines += ["<details><summary>Known misses, not enforced</summary>", ""]
         lines += [*_table("target", result.known_misses[:MOST_ROWS]), "</details>", ""]
     if rows:
-        command = f"dnanalyze compare {result.captures}{f' --model {model}' if model else ''} --report compare.html"
+        own = f" --model {model}" if model else ""
+        command = f"dnanalyze compare {result.captures}{own} --report compare.html"
         lines += [f"To see it: `{command.replace('`', '')}`", ""]
     rate = result.false_failures
     if rate:
-        lines += [f"A correct simulation with a new seed fails these targets about once in {1 / rate:,.0f} runs.", ""]
+        lines += [
+            "A correct simulation with a new seed fails these targets "
+            f"about once in {1 / rate:,.0f} runs.",
+            "",
+        ]
     lines.append(f"Held: {_cell(model or result.simulation)} against {_cell(targets)}.")
     return "\n".join(lines) + "\n"
 
@@ -116,7 +127,10 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
 def _table(title: str, rows: Sequence[Any]) -> list[str]:
     if not rows:
         return []
-    lines = [f"| {title} | limit | simulated | measured | off by | figure |", "|---|---|---|---|---|---|"]
+    lines = [
+        f"| {title} | limit | simulated | measured | off by | figure |",
+        "|---|---|---|---|---|---|",
+    ]
     for c in rows:
         cells = (c.name, limit(c), number(c.value, 4), number(c.measured, 4), excess(c), look(c))
         lines.append("| " + " | ".join(map(_cell, cells)) + " |")
