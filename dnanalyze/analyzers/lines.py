@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -170,41 +169,36 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
     if not spectra.useful:
         result.missing["lines"] = "the frame is too small for line noise"
         return
-    single = _axis_powers(spectra.frame_power())
+    single, (rows, columns) = _axis_powers(spectra.frame_power()), spectra.shape
+    mean = spectra.sum / spectra.frames
+    jumps = [_jump(mean.mean(axis=axis)) for axis in (0, 1)]
     if acc.frames < 2:
         result.missing["lines"] = "one frame does not tell noise in time from a fixed pattern"
-        _part_noise("", spectra.shape, single, (1.0, 1.0), result)
-        return
-    fixed = _image_axis_powers(spectra.sum / spectra.frames)
-    k = acc.frames / (acc.frames - 1.0)
-    temporal = tuple(np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True))
-    repeats = [
-        frame_repeats(float(s.sum()), float(t.sum()), acc.frames)
-        for s, t in zip(single[:2], temporal[:2], strict=True)
-    ]
-    _part_noise("", spectra.shape, single, repeats, result)
-    own = acc.frames - 1.0
-    _part_noise("temporal_", spectra.shape, temporal, (own, own), result)
-    for kind, power in zip(("column", "row"), temporal[:2], strict=True):
-        value = _lag_one(power, own)
-        if value is None:
-            why = f"the means of the {kind}s do not change in time"
-            result.missing[f"temporal_{kind}_lag1"] = why
-        else:
-            result.values[f"temporal_{kind}_lag1"] = value
+        repeats = [1.0, 1.0]
+    else:
+        fixed = _image_axis_powers(mean)
+        k, own = acc.frames / (acc.frames - 1.0), acc.frames - 1.0
+        temporal = tuple(np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True))
+        repeats = [
+            frame_repeats(float(s.sum()), float(t.sum()), acc.frames)
+            for s, t in zip(single[:2], temporal[:2], strict=True)
+        ]
+        for kind, power, length in (("column", temporal[0], rows), ("row", temporal[1], columns)):
+            _line_noise(f"temporal_{kind}", power, float(temporal[2]), length, own, 0.0, result)
+            value = _lag_one(power, own)
+            if value is None:
+                why = f"the means of the {kind}s do not change in time"
+                result.missing[f"temporal_{kind}_lag1"] = why
+            else:
+                result.values[f"temporal_{kind}_lag1"] = value
+    pixels = float(single[2])
+    _line_noise("column", single[0], pixels, rows, repeats[0], jumps[0], result)
+    _line_noise("row", single[1], pixels, columns, repeats[1], jumps[1], result)
 
 
-def _part_noise(
-    prefix: str,
-    shape: tuple[int, int],
-    powers: Sequence[np.ndarray],
-    repeats: Sequence[float],
-    result: FamilyResult,
-) -> None:
-    rows, columns = shape
-    pixels = float(powers[2])
-    _line_noise(f"{prefix}column", powers[0], pixels, rows, repeats[0], result)
-    _line_noise(f"{prefix}row", powers[1], pixels, columns, repeats[1], result)
+def _jump(means: np.ndarray) -> float:
+    """Squared step from the last line to the first, neighbours to a periodic spectrum."""
+    return float(means[0] - means[-1]) ** 2
 
 
 def _axis_powers(power: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -228,7 +222,13 @@ def _image_axis_powers(image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 def _line_noise(
-    name: str, power: np.ndarray, pixels: float, length: int, repeats: float, result: FamilyResult
+    name: str,
+    power: np.ndarray,
+    pixels: float,
+    length: int,
+    repeats: float,
+    jump: float,
+    result: FamilyResult,
 ) -> None:
     """Differences of neighbouring line means over what pixels explain; and plain, in DN.
 
@@ -237,6 +237,7 @@ def _line_noise(
     weight, cosine = _mode_weights(power.size)
     steps = weight * (1 - cosine)
     level, plain = float(steps @ power) / float(steps.sum()), float(weight @ power) / weight.sum()
+    level = max(level - jump * length / (4 * power.size), 0.0)
     if not (pixels > 0 and level > 0):
         result.missing[f"{name}_noise"] = "the frames are constant"
         return

@@ -44,10 +44,10 @@ _ROOT_FLOOR = 0.375  # variance of a count that may be 0
 
 @dataclass(frozen=True)
 class _Sums:
-    """Sums over the frames by block, (row bands, column bands, sums), and frame by frame, (n, sums).
+    """Sums over the frames by block, (row bands, column bands, sums), and by frame, (n, sums).
 
-    ``frames`` counts the frames, or the differences, in them; ``overlap`` is by how much neighbouring
-    differences, which share a frame, repeat one another.
+    ``frames`` counts the frames, or the differences, in them; ``overlap`` is by how much
+    neighbouring differences, which share a frame, repeat one another.
     """
 
     plan: Plan
@@ -76,8 +76,8 @@ class _Sums:
     def error(self, weights: dict[int, float]) -> float:
         """Standard error of a combination of the sums whose total is 0 (a linearised statistic).
 
-        From the scatter of the blocks; or from that of the frames, where something that whole frames
-        share makes it larger beyond doubt.
+        From the scatter of the blocks; or from that of the frames, where something that whole
+        frames share makes it larger beyond doubt.
         """
         combine = np.zeros(self.total.size)
         combine[list(weights)] = list(weights.values())

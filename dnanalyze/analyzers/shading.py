@@ -119,7 +119,7 @@ def _noise(
 
 
 def _line_variance(means: np.ndarray) -> float:
-    """Variance of line means by their middle frequencies: neither shading nor odd and even lines."""
+    """Variance of line means by their middle frequencies: no shading, no odd and even lines."""
     square = scipy.fft.dct(means, norm="ortho") ** 2
     first = min(HIGH, means.size // 4)
     return float(np.mean(square[first : max(first + 1, means.size // 4)]))

@@ -21,15 +21,20 @@ SLOPE_BANDS = {"low": (0.005, 0.05), "mid": (0.05, 0.2), "high": (0.2, 0.5)}
 HIGH_BAND = (0.45, 0.71)  # of the high-to-mid ratio
 MID_BAND = (0.03, 0.12)
 SMALLEST_SIDE = 8  # pixels; below this a spectrum says nothing
+_MOST_LOST = 0.03  # share of the lines that may be given up for a fast FFT
 _RADIAL_STEP = 1.08  # ratio of successive edges of the fine radial bins
 
 
 def good_size(size: int) -> int:
-    """Largest even number up to ``size`` whose prime factors are 2, 3, 5, 7 or 11: a fast FFT."""
-    good = size - size % 2
-    while good > 2 and scipy.fft.next_fast_len(good, real=False) != good:
-        good -= 2
-    return good
+    """Largest even number up to ``size`` with a fast FFT: no prime factor above 11.
+
+    Where that would lose more than 3 % of the lines, the largest even number.
+    """
+    even = size - size % 2
+    for good in range(even, int(size * (1 - _MOST_LOST)), -2):
+        if scipy.fft.next_fast_len(good, real=False) == good:
+            return good
+    return even
 
 
 @dataclass(frozen=True)
@@ -146,8 +151,8 @@ class ReducedPower:
     ----------
     modes : Modes
     radial, radial_square : ndarray
-        Sum over the off-axis modes of each fine radial bin, each independent mode once, of the powers,
-        DN^2, and of their squares.
+        Sum over the off-axis modes of each fine radial bin, each independent mode once, of the
+        powers, DN^2, and of their squares.
     columns : ndarray
         Power of (u > 0, v = 0): what whole columns share, DN^2.
     rows : ndarray

@@ -28,7 +28,8 @@ class Peak:
     u, v : float
         Frequency, cycles/pixel; v is signed.
     amplitude : float
-        Amplitude of the sine wave that makes such a line, DN.
+        Amplitude of the sine wave that makes such a line, DN; from the 3 x 3 modes around, over
+        which a wave between two modes spreads.
     real : bool
         Chance makes such a peak in fewer than one frame of a thousand.
     """
@@ -73,8 +74,10 @@ def largest_peak(
     ratio, i, k, floor, searched = kernels.search(power, columns, reach, _GUARD, LOWEST_LINE)
     if not ratio > 0 or searched < 16:
         return None
-    peak = float(power[i, k])
-    amplitude = 2.0 * math.sqrt(max(peak - floor, 0.0) / (rows * columns))
+    near = np.arange(i - 1, i + 2) % rows, np.arange(max(1, k - 1), min(k + 2, power.shape[1]))
+    around = power[np.ix_(*near)]
+    line = max(float(around.sum()) - around.size * floor, float(power[i, k]) - floor)
+    amplitude = 2.0 * math.sqrt(line / (rows * columns))
     v = (i if i <= rows // 2 else i - rows) / rows
     cells = 6.0 * (reach - _GUARD)
     error, real = _peak_error(ratio, searched, repeats, cells, temporal)

@@ -49,8 +49,8 @@ class _Part:
 
     ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy
     tails move all modes together. ``coarse_spread`` is the same of 4 x 4 pixels together, for hits
-    that cover several pixels. ``line_spread`` is the same of the means of columns, and of rows. ``residue`` is what the temporal noise
-    leaves in the pattern, DN^2.
+    that cover several pixels. ``line_spread`` is the same of the means of columns, and of rows.
+    ``residue`` is what the temporal noise leaves in the pattern, DN^2.
     """
 
     name: str
@@ -168,8 +168,8 @@ def _log_value(part: _Part, power: float, square: float, modes: float, spread: f
     """A mean over independent exponential modes, and the standard error of its log.
 
     Equal modes have a mean square of 1 + 1/repeats times the squared mean; where it is larger, few
-    of the modes hold the power, and count as so many less. The log of a gamma deviate of shape n has the
-    variance trigamma(n) = zeta(2, n).
+    of the modes hold the power, and count as so many less. The log of a gamma deviate of shape n
+    has the variance trigamma(n) = zeta(2, n).
     """
     alike = min(1.0, power**2 * (1 + 1 / part.repeats) / square) if square > 0 else 1.0
     effective = max(modes * alike, min(modes, 1.0)) * part.repeats
@@ -250,7 +250,9 @@ def _peaks(part: _Part, result: FamilyResult) -> None:
     peak = largest_peak(part.power, shape, part.repeats, part.name == "temporal")
     name = f"{part.name}_line"
     if peak is None:
-        result.missing[name] = "the frame is too small, or has no power, to search for lines"
+        why = "the frame is too small, or has no power, to search for lines"
+        for what in ("", "_u", "_v", "_amplitude"):
+            result.missing[f"{name}{what}"] = why
     else:
         rows, columns = shape
         error = math.hypot(peak.log_error, _residue(part, peak))
