@@ -24,12 +24,17 @@ def white(rng: np.random.Generator, shape: tuple[int, int], count: int, sd: floa
     return [rng.normal(100, sd, shape).astype(np.float32) for _ in range(count)]
 
 
-def sensor(rng: np.random.Generator, shape: tuple[int, int] = (192, 160), count: int = 4) -> Frames:
+def sensor(
+    rng: np.random.Generator,
+    shape: tuple[int, int] = (192, 160),
+    count: int = 4,
+    hot: float = 1e-3,
+) -> Frames:
     """Log-normal pattern, hot pixels, line offsets, Gaussian temporal noise; whole codes."""
     delta = 0.5
     q = np.exp(delta**2)
     pattern = (rng.lognormal(0, delta, shape) - np.sqrt(q)) / np.sqrt(q * (q - 1)) * 3
-    pattern += (rng.random(shape) < 1e-3) * rng.exponential(60, shape)
+    pattern += (rng.random(shape) < hot) * rng.exponential(60, shape)
     pattern += 0.3 * rng.normal(size=(1, shape[1])) + 0.3 * rng.normal(size=(shape[0], 1))
     frames = (100 + pattern + 3 * rng.normal(size=shape) for _ in range(count))
     return [np.rint(f).astype(np.uint16) for f in frames]
