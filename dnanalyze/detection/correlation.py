@@ -1,0 +1,132 @@
+"""Correlation of the temporal noise between neighbours, and how much of it crosstalk can make.
+
+Charge crosstalk smooths the dark charge and its shot noise, never the read noise, which arises after it. So
+its correlation grows with the share of shot noise, and cannot exceed that of the largest crosstalk that
+sensors have; a filter smooths read noise as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.detection.flatten import clipped
+from dnanalyze.detection.spectrum import EDGES, OctaveSpectrum, kernel_log_power
+
+LARGEST_CROSSTALK = 0.02  # share to each of the 8 neighbours
+LEAST_EA_EV = 0.40  # below the activation energy of any bulk dark current
+BOLTZMANN_EV_K = 8.617e-5
+
+
+@dataclass(frozen=True)
+class LagCorrelation:
+    """Correlation coefficients of an image with itself, shifted.
+
+    Parameters
+    ----------
+    along_rows, along_columns : tuple of float
+        At lags 1, 2 and 3.
+    diagonal : float
+        At (1, 1).
+    se : float
+        Standard error of each for white noise.
+    variance : float
+        Of the core of the distribution, DN^2.
+    """
+
+    along_rows: tuple[float, float, float]
+    along_columns: tuple[float, float, float]
+    diagonal: float
+    se: float
+    variance: float
+
+    @property
+    def short_range(self) -> float:
+        """The lesser over rows and columns of rho(1) - 2.5 rho(2).
+
+        At most zero for 1/f noise of either kind; a readout that is slow along rows, too, is left out.
+        """
+        return min(a - 2.5 * max(b, 0.0) for a, b, _ in (self.along_rows, self.along_columns))
+
+
+def lag_correlation(images: np.ndarray) -> LagCorrelation:
+    """From images (n, rows, columns), outliers pulled in."""
+    sums = np.zeros(8)
+    for image in images:
+        x = clipped(image)
+        x = x - x.mean()
+        sums += [
+            np.mean(x * x),
+            np.mean(x[:, 1:] * x[:, :-1]), np.mean(x[:, 2:] * x[:, :-2]), np.mean(x[:, 3:] * x[:, :-3]),
+            np.mean(x[1:] * x[:-1]), np.mean(x[2:] * x[:-2]), np.mean(x[3:] * x[:-3]),
+            (np.mean(x[1:, 1:] * x[:-1, :-1]) + np.mean(x[1:, :-1] * x[:-1, 1:])) / 2,
+        ]  # fmt: skip
+    variance = sums[0] / len(images)
+    r = sums[1:] / sums[0] if sums[0] > 0 else np.zeros(7)
+    return LagCorrelation(
+        tuple(r[0:3]), tuple(r[3:6]), float(r[6]), 1 / np.sqrt(images.size), float(variance)
+    )  # fmt: skip
+
+
+def crosstalk_kernel(phi: float) -> np.ndarray:
+    """The 3x3 kernel that gives a share phi to each of 8 neighbours."""
+    taps = np.full((3, 3), phi)
+    taps[1, 1] = 1 - 8 * phi
+    return taps
+
+
+@dataclass(frozen=True)
+class CrosstalkBound:
+    """The most that the largest crosstalk does to pure shot noise, statistic by statistic."""
+
+    short_range: float
+    concavity: float
+    extremes: float = 0.045  # 1 - 9 P, by simulation
+
+
+def largest_crosstalk() -> CrosstalkBound:
+    """From the kernel's autocorrelation and spectrum."""
+    taps = crosstalk_kernel(LARGEST_CROSSTALK)
+    padded = np.pad(taps, 3)
+
+    def lag(n: int) -> float:
+        return float((padded * np.roll(padded, n, axis=1)).sum() / (taps * taps).sum())
+
+    power = kernel_log_power(taps)
+    spectrum = OctaveSpectrum(power, np.full(EDGES.size - 1, 1.0))
+    return CrosstalkBound(lag(1) - 2.5 * lag(2), spectrum.concavity()[0])
+
+
+def shot_share(
+    variance: float, temperature_c: float | None, others: list[tuple[float, float | None]]
+) -> float:
+    """Upper bound on the share of shot noise in the temporal variance at a temperature.
+
+    Between T and a warmer T' shot noise grows by at least g = exp(Ea/k (1/T - 1/T')) with the least
+    activation energy; so it is at most (V' - V)/(g - 1) at T.
+
+    Parameters
+    ----------
+    variance : float
+        Temporal variance here, DN^2.
+    temperature_c : float, optional
+        C.
+    others : list of (variance, temperature)
+        Elsewhere, at the same exposure and gain.
+
+    Returns
+    -------
+    float
+        0 to 1; 1 where nothing is known.
+    """
+    if temperature_c is None or variance <= 0:
+        return 1.0
+    share = 1.0
+    here = temperature_c + 273.15
+    for other, warmer in others:
+        if warmer is None or warmer <= temperature_c + 3:
+            continue
+        growth = np.exp(LEAST_EA_EV / BOLTZMANN_EV_K * (1 / here - 1 / (warmer + 273.15)))
+        share = min(share, max(0.0, (other - variance) / variance) / (growth - 1))
+    return float(share)

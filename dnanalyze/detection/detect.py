@@ -1,0 +1,156 @@
+"""Have these raw frames been filtered? Read once, ask every question, give one verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
+from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather
+from dnanalyze.detection.results import Detection, Finding
+from dnanalyze.detection.sample import Group, groups, read
+from dnanalyze.detection.series import suppression_series
+from dnanalyze.detection.verdict import Answer, ask, decide
+from dnanalyze.loaders.captures import CaptureSet
+
+WORKERS = 2  # groups in memory at a time
+
+
+def detect(
+    captures: CaptureSet,
+    *,
+    alpha: float = 1e-3,
+    progress: Callable[[int, int], None] | None = None,
+) -> Detection:
+    """Look for hidden defect-pixel correction, denoise and temporal denoise.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        Dark frames; a temperature series of several frames each tells most, one frame least.
+    alpha : float
+        Chance of a false alarm over all questions together, for exchangeable pixels; limits on
+        effect sizes guard against sensors whose pixels are not.
+    progress : callable, optional
+        ``progress(done, total)`` after each setting.
+
+    Returns
+    -------
+    Detection
+    """
+    evidence = _gather(groups(captures), progress)
+    answers = ask(evidence, alpha)
+    kind, flags = decide(answers)
+    found = estimate(kind, flags, evidence) if flags else None
+    series = _series(evidence)
+    return Detection(
+        filtered=kind != "none",
+        kind=kind,
+        confidence=_confidence(flags, evidence),
+        estimate=found,
+        also=_also(kind, answers),
+        findings=tuple(_finding(a, a in flags) for a in answers),
+        evidence=_words(flags, found),
+        ambiguous=_ambiguous(kind, answers, evidence),
+        tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
+        effect=effect_of(kind, found, evidence) if found else {},
+        series=series,
+        scatters={e.point.label(): e.scatter for e in evidence if e.view == "frame"},
+    )
+
+
+def _gather(
+    found: list[Group], progress: Callable[[int, int], None] | None
+) -> list[ViewEvidence]:
+    done = 0
+
+    def one(group: Group) -> list[ViewEvidence]:
+        stack = read(group)
+        seen = [gather(group, stack, view) for view in VIEWS]
+        return [s for s in seen if s is not None]
+
+    evidence: list[ViewEvidence] = []
+    with ThreadPoolExecutor(WORKERS) as pool:
+        for part in pool.map(one, found):
+            evidence += part
+            done += 1
+            if progress is not None:
+                progress(done, len(found))
+    return evidence
+
+
+def _finding(answer: Answer, speaks: bool) -> Finding:
+    a = answer.asked
+    return Finding(
+        a.test, a.kind, a.evidence.point.temperature_c, min(a.p, 1.0), a.effect, speaks,
+        a.evidence.view, a.words,
+    )  # fmt: skip
+
+
+def _confidence(flags: list[Answer], evidence: list[ViewEvidence]) -> float:
+    """One minus the corrected p-value; for "none", the share of settings fit for the tests."""
+    if flags:
+        return float(np.clip(1 - min(a.holm for a in flags), 0.0, 0.9999))
+    fit = [e.usable and e.temporal and e.noise >= e.step for e in evidence]
+    return float(np.mean(fit)) if fit else 0.0
+
+
+def _also(kind: str, answers: list[Answer]) -> tuple[str, ...]:
+    """Other kinds with flags; denoise brings those of a correction with it, so they are not named."""
+    hidden = {kind, "dpc"} if kind == "denoise" else {kind}
+    if kind == "dpc":
+        hidden.add("denoise")
+    return tuple(sorted({a.asked.kind for a in answers if a.flagged} - hidden))
+
+
+def _words(flags: list[Answer], found: object) -> tuple[str, ...]:
+    """The strongest finding of each test, in words."""
+    seen: dict[str, Answer] = {}
+    for a in sorted(flags, key=lambda a: (-min(a.asked.effect / a.asked.limit, 1e3), a.holm)):
+        seen.setdefault(a.asked.test, a)
+    said = []
+    for a in seen.values():
+        e = a.asked.evidence
+        within = " within a colour" if e.view == "planes" else ""
+        said.append(f"{e.point.label()}{within}: {a.asked.words}.")
+    return tuple(said)
+
+
+def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -> tuple[str, ...]:
+    said = []
+    tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
+    soft = [
+        a for a in answers
+        if a.asked.test in tests and a.judge and a.holm < 1e-6 and 0.01 < a.asked.effect <= a.asked.limit
+    ]  # fmt: skip
+    if kind in ("none", "temporal_denoise") and soft:
+        said.append(
+            "Neighbouring pixels share noise, no more than charge crosstalk can explain: crosstalk and "
+            "weak linear smoothing cannot be told apart here; a colder setting, where read noise "
+            "rules, would."
+        )
+    if kind == "denoise":
+        said.append("A correction of hot pixels on top of the denoise cannot be told from it.")
+    if not any(e.temporal for e in evidence):
+        said.append("Single frames: temporal filters leave no trace, static replacement none either.")
+    coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
+    if coarse:
+        said.append(
+            f"Noise below the rounding step at {', '.join(sorted(coarse))}: a weak filter would have been "
+            "rounded away."
+        )
+    return tuple(said)
+
+
+def _series(evidence: list[ViewEvidence]):
+    frames = [
+        e for e in evidence
+        if e.view == "frame" and e.usable and e.point.temperature_c is not None
+    ]  # fmt: skip
+    if not frames:
+        return None
+    like = [e for e in frames if (e.point.exposure_s, e.point.gain, e.point.channel)
+            == (frames[0].point.exposure_s, frames[0].point.gain, frames[0].point.channel)]  # fmt: skip
+    return suppression_series([e.point.temperature_c for e in like], [e.spectrum for e in like])

@@ -1,0 +1,179 @@
+"""Everything that the tests need of one group of frames, gathered in one reading."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
+from dnanalyze.detection.excess import Excess, Scatter, excess, scatter, without_transients
+from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading
+from dnanalyze.detection.memory import Autocorrelation, autocorrelation
+from dnanalyze.detection.rank import Exceedance, exceedance
+from dnanalyze.detection.replaced import Replaced, replaced
+from dnanalyze.detection.rows import RowPhase, row_phase
+from dnanalyze.detection.sample import SMALLEST, Group, Plane, planes
+from dnanalyze.detection.spectrum import OctaveSpectrum, octave_spectrum
+from dnanalyze.detection.texture import Texture, equal_neighbours, texture
+from dnanalyze.loaders.captures import OperatingPoint
+
+VIEWS: dict[str, tuple[int, int] | None] = {"frame": None, "planes": (2, 2)}
+SATURATED = 0.1  # share of pixels at the highest or lowest code above which noise tells nothing
+
+
+@dataclass(frozen=True)
+class ViewEvidence:
+    """What the tests found in one view (the frame, or the planes of a 2x2 mosaic) of one group.
+
+    Parameters
+    ----------
+    view : str
+    point : OperatingPoint
+    frames : int
+    noise : float
+        Robust sd of the temporal noise (of the single frame, where there is but one), DN.
+    step : float
+        Spacing of the recorded values, DN.
+    temporal : bool
+        Noise statistics are of differences of frames; False: of one flattened frame.
+    usable : bool
+        Noise statistics mean something: few pixels are clipped.
+    rank : dict
+        Neighbours to counts.
+    recorded : Exceedance
+        Among 8 neighbours in single frames, fixed pattern and all: asymmetric for a correction of hot pixels.
+    spectrum, correlation, texture
+        Of the noise.
+    top8, top24 : Excess
+        Above the largest of 8, of 24 neighbours, DN.
+    ratio8, ratio24 : Excess
+        As ratios above the median.
+    replaced : Replaced, optional
+        For 3 frames or more.
+    memory : Autocorrelation, optional
+        For 4 repeats or more.
+    equal : tuple
+        Equality with the right neighbour, with one farther away, pixels.
+    rows : RowPhase, optional
+        Of the whole frame only.
+    scatter : ndarray
+        2-D histogram of pixel against its neighbours' maximum, see ``excess.scatter``.
+    """
+
+    view: str
+    point: OperatingPoint
+    frames: int
+    noise: float
+    step: float
+    temporal: bool
+    usable: bool
+    rank: dict[int, Exceedance]
+    recorded: Exceedance
+    spectrum: OctaveSpectrum
+    correlation: LagCorrelation
+    texture: Texture
+    top8: Excess
+    top24: Excess
+    ratio8: Excess
+    ratio24: Excess
+    replaced: Replaced | None
+    memory: Autocorrelation | None
+    equal: tuple[float, float, int]
+    rows: RowPhase | None
+    scatter: Scatter
+
+
+def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
+    """Evidence of one view; None where the planes are too small."""
+    parts = list(planes(stack, VIEWS[view]))
+    h, w = np.min([p.raw.shape[1:] for p in parts], axis=0)
+    if min(h, w) < SMALLEST:
+        return None
+    parts = [Plane(p.name, p.raw[:, :h, :w], p.step) for p in parts]
+    temporal = stack.shape[0] >= 2
+    noise_images = [_noise_images(p, temporal) for p in parts]
+    noise = max(float(np.median([robust_sd(n) for n in noise_images])), parts[0].step * 0.29, 1e-9)
+    images = np.concatenate(noise_images)
+    ceiling = _ceiling(stack)
+    clean = [without_transients(p.raw, noise) for p in parts]
+
+    top8, ratio8 = _excess(clean, 1, noise, ceiling)
+    top24, ratio24 = _excess(clean, 2, noise, ceiling)
+
+    return ViewEvidence(
+        view,
+        group.point,
+        stack.shape[0],
+        noise,
+        parts[0].step,
+        temporal,
+        _clipped_share(stack) < SATURATED and noise > 0.3 * parts[0].step,
+        {8: exceedance(images, 8), 12: exceedance(images[:1], 12), 24: exceedance(images[:1], 24)},
+        _recorded(parts),
+        octave_spectrum(images),
+        lag_correlation(images),
+        texture(images),
+        top8,
+        top24,
+        ratio8,
+        ratio24,
+        _replaced(parts, noise),
+        _memory(parts) if group.repeats else None,
+        equal_neighbours(parts[0].raw),
+        row_phase(images) if view == "frame" else None,
+        scatter(parts[0].raw[0], noise),
+    )
+
+
+def _noise_images(plane: Plane, temporal: bool) -> np.ndarray:
+    smooth = plane.dithered()
+    if temporal:
+        return pair_differences(smooth)
+    return without_shading(smooth[0])[None]
+
+
+def _recorded(parts: list[Plane]) -> Exceedance:
+    frames = [without_lines(p.dithered()[0]) for p in parts]
+    return exceedance(np.stack(frames))
+
+
+def _excess(
+    stacks: list[np.ndarray], reach: int, noise: float, ceiling: float
+) -> tuple[Excess, Excess]:
+    found = [excess(s, reach, noise, ceiling) for s in stacks]
+    return sum((f[0] for f in found[1:]), found[0][0]), sum((f[1] for f in found[1:]), found[0][1])
+
+
+def _ceiling(stack: np.ndarray) -> float:
+    top = stack.max()
+    return float(top) if np.count_nonzero(stack == top) > 20 else np.inf
+
+
+def _clipped_share(stack: np.ndarray) -> float:
+    sample = stack[:, ::2, ::2]
+    ends = (sample == stack.max()) | (sample == stack.min())
+    return float(ends.mean()) if np.ptp(sample) > 8 else 0.0
+
+
+def _replaced(parts: list[Plane], noise: float) -> Replaced | None:
+    if parts[0].raw.shape[0] < 3:
+        return None
+    found = [replaced(p.raw, p.step, noise) for p in parts]
+    return Replaced(
+        np.sum([f.own for f in found], axis=0),
+        np.sum([f.control for f in found], axis=0),
+        np.concatenate([f.sites for f in found]),
+        sum(f.tried for f in found),
+    )
+
+
+def _memory(parts: list[Plane]) -> Autocorrelation | None:
+    found = [m for m in (autocorrelation(p.raw) for p in parts) if m is not None]
+    if not found:
+        return None
+    excess_ = float(np.mean([m.excess for m in found]))
+    se = float(np.sqrt(np.sum([m.se**2 for m in found])) / len(found))
+    memory = float(np.mean([m.memory for m in found]))
+    return Autocorrelation(excess_, se, memory, found[0].frames)
+

@@ -1,0 +1,210 @@
+"""Tests to findings: each question with its null, its effect size and the effect that nature can mimic.
+
+A question is put to every view of every group. It is flagged only where its p-value survives Holm's
+correction over all questions of the capture set *and* its effect exceeds what unfiltered
+sensors show (``Asked.limit``): at a million pixels everything is significant.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from dnanalyze.detection.correlation import CrosstalkBound, largest_crosstalk, shot_share
+from dnanalyze.detection.evidence import ViewEvidence
+from dnanalyze.detection.excess import Excess
+from dnanalyze.detection.replaced import RULES
+
+CLUSTERED = 0.3  # share of hot pixels that may fail to stand out because they come in clusters
+LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
+LEAST_REPLACED = 8
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A question with its answer: flagged where p is small and effect > limit."""
+
+    test: str
+    kind: str
+    evidence: ViewEvidence
+    p: float
+    effect: float
+    limit: float
+    words: str
+    at: float = np.nan  # threshold, ratio or rule that the answer points to
+
+
+def one_sided(value: float, se: float) -> float:
+    """P(N(0, se) > value)."""
+    return float(stats.norm.sf(value / se)) if np.isfinite(se) and se > 0 else 1.0
+
+
+def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list[Asked]:
+    """Has the noise been smoothed beyond what charge crosstalk can do to shot noise?"""
+    if not e.usable:
+        return []
+    bound: CrosstalkBound = largest_crosstalk()
+    share = shot_share(e.correlation.variance, e.point.temperature_c, others) if e.temporal else 1.0
+    room = 1.25 * share
+    rank, (bend, bend_se), lag = e.rank[8], e.spectrum.concavity(), e.correlation
+    rarer = 1 - rank.extremes
+    extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
+    asked = [
+        Asked(
+            "rank_exceedance", "denoise", e, one_sided(rarer, rank.se), rarer,
+            0.02 + extra + room * bound.extremes,
+            f"local extremes of the noise are {rarer:.1%} rarer than in any unfiltered noise",
+        ),
+        Asked(
+            "spectral_corner", "denoise", e, one_sided(bend, bend_se), bend,
+            0.10 + 2 * extra + room * bound.concavity,
+            f"the noise spectrum is flat at low frequencies and falls by {np.expm1(bend):.0%} of itself "
+            "towards high ones, which 1/f noise never does",
+        ),
+        Asked(
+            "crosstalk_or_denoise", "denoise", e, one_sided(lag.short_range, lag.se * 3),
+            lag.short_range, 0.02 + extra + room * bound.short_range,
+            f"neighbours' noise correlates by {max(lag.along_rows[0], 0):.3f} along rows and "
+            f"{max(lag.along_columns[0], 0):.3f} along columns; crosstalk could give at most "
+            f"{room * bound.short_range:.3f} here, since it cannot touch read noise",
+        ),
+    ]  # fmt: skip
+    asked += _texture(e, asked)
+    own, far, pixels = e.equal
+    repeat = (own - far) / max(1 - far, 1e-6)
+    se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
+    asked.append(
+        Asked(
+            "median_equality", "denoise", e, one_sided(own - far, se), repeat, 0.10,
+            f"{own:.1%} of pixels equal their right neighbour exactly, {far:.1%} one farther away; "
+            "a 3x3 median gives 21 %",
+        )  # fmt: skip
+    )
+    return asked
+
+
+def _texture(e: ViewEvidence, smoothed: list[Asked]) -> list[Asked]:
+    """Texture tells the kind of a filter; hits and clusters mimic it, so it never speaks alone."""
+    t = e.texture
+    backed = any(a.effect > a.limit for a in smoothed)
+    uneven = t.dispersion - 1
+    return [
+        Asked(
+            "local_variance", "denoise", e, one_sided(uneven, t.dispersion_se), uneven,
+            0.3 if backed else np.inf,
+            f"the noise is smooth here and rough there: 4x4 variances scatter {t.dispersion:.2f} times "
+            "as much as of independent pixels",
+        ),
+        Asked(
+            "wavelet_kurtosis", "denoise", e, one_sided(t.hh_excess, t.hh_se), t.hh_excess,
+            0.3 if backed else np.inf,
+            f"the finest diagonal wavelet band has kurtosis {t.hh_kurtosis:.1f}, {t.hh_excess:.1f} above "
+            "that of independent pixels",
+        ),
+    ]  # fmt: skip
+
+
+def standing_out(e: ViewEvidence) -> list[Asked]:
+    """Does something keep pixels from standing out of their neighbours?"""
+    asked = []
+    for count, top, ratio in ((8, e.top8, e.ratio8), (24, e.top24, e.ratio24)):
+        asked.append(_cap(e, count, top))
+        asked.append(_cliff(e, count, top, "dynamic_threshold"))
+        asked.append(_cliff(e, count, ratio, "ratio_rule"))
+    return [a for a in asked if a is not None]
+
+
+def _cap(e: ViewEvidence, count: int, top: Excess) -> Asked | None:
+    control = float(top.control[0]) / top.frames
+    own = float(top.own[0]) / top.frames
+    if control < 20:
+        return None
+    return Asked(
+        "cap_to_neighbours", "dpc", e, _fewer(own, control), 1 - own / control, 0.9,
+        f"{own:.0f} pixels a frame stand above the largest of their {count} neighbours where "
+        f"{control:.0f} stand above rings elsewhere: values are capped to the neighbours'",
+        count,
+    )  # fmt: skip
+
+
+def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
+    control, own = top.control / top.frames, top.own / top.frames
+    enough = control >= LEAST_SITES
+    if not enough.any():
+        return None
+    p = np.where(enough, _fewer(own, control), 1.0)
+    j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
+    below = float(own[j] / control[j])
+    unit = "DN above" if test == "dynamic_threshold" else "times"
+    return Asked(
+        test, "dpc", e, float(p[j]) * 8, 1 - below, 0.9,
+        f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of their "
+        f"{count} neighbours, {control[j]:.0f} were expected from rings elsewhere",
+        _edge(top, own, control, j),
+    )  # fmt: skip
+
+
+def _edge(top: Excess, own: np.ndarray, control: np.ndarray, j: int) -> float:
+    """The smallest bound beyond which (almost) nothing is left."""
+    empty = own <= 0.02 * control
+    while j > 0 and empty[j - 1] and control[j - 1] > 0:
+        j -= 1
+    return float(top.bounds[j])
+
+
+def _fewer(own: np.ndarray | float, control: np.ndarray | float) -> np.ndarray | float:
+    """Poisson P(n <= own) where clusters leave only a part of the control standing out."""
+    return stats.poisson.cdf(np.floor(own), CLUSTERED * np.asarray(control))
+
+
+def sites(e: ViewEvidence) -> list[Asked]:
+    """Are there sites that are always what their neighbours say?"""
+    if e.replaced is None or not e.replaced.tried:
+        return []
+    own, control = e.replaced.own, e.replaced.control
+    chance = 3 * control + 1
+    p = stats.poisson.sf(own - 1, chance)
+    j = int(np.argmax(own / (control + 3)))
+    beyond = float(own[j] / (control[j] + 1))
+    found = int(own[j])
+    return [
+        Asked(
+            "static_replacement", "dpc", e, min(1.0, float(p[j]) * len(RULES)),
+            beyond if found >= LEAST_REPLACED else 0.0, 5.0,
+            f"{found} sites are in all {e.frames} frames the {RULES[j]} of their neighbours, "
+            f"{control[j]:.0f} of a ring elsewhere",
+            j,
+        )  # fmt: skip
+    ]
+
+
+def memory(e: ViewEvidence) -> list[Asked]:
+    """Do pixels remember the frame before?"""
+    if e.memory is None or not e.usable:
+        return []
+    m = e.memory
+    return [
+        Asked(
+            "temporal_autocorrelation", "temporal_denoise", e, one_sided(m.excess, m.se), m.excess, 0.03,
+            f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of independent "
+            f"frames: a recursive memory of {m.memory:.0%}",
+            m.memory,
+        )  # fmt: skip
+    ]
+
+
+def row_phases(e: ViewEvidence) -> list[Asked]:
+    """Are some rows, at a period, smoother than the rest?"""
+    r = e.rows
+    if r is None or not e.usable:
+        return []
+    p = min(1.0, one_sided(r.z, 1.0) * max(r.tried, 1))
+    return [
+        Asked(
+            "row_phase", "dpc" if r.one_sided else "denoise", e, p, r.effect, 0.03,
+            f"rows {r.phase} of every {r.period} have {r.effect:.1%} fewer local extremes than the others",
+            r.period,
+        )  # fmt: skip
+    ]

@@ -1,0 +1,159 @@
+"""Pixels that are in every frame what their neighbours say: replaced, site by site.
+
+For each way in which correctors interpolate (means and medians of 2, 4 or 8 neighbours, copies), a site
+matches where the residual stays within one step in all frames though the pixel itself varies.
+The control counts matches with the same interpolation of a ring a few pixels away, which has
+the same noise, rounding, clipping and line structure, so that no model of the noise is needed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+RULES = (
+    "mean of 4", "mean of 8", "mean of left and right", "mean of above and below",
+    "median of 8", "fifth of 8", "median of 4", "largest of 8", "copy of a neighbour",
+)  # fmt: skip
+CONTROLS = np.array([(0, 4), (4, 0)])  # along the row, along the column
+
+
+@dataclass(frozen=True)
+class Replaced:
+    """Sites that match, rule by rule.
+
+    Parameters
+    ----------
+    own : ndarray
+        (rules,), sites that match their own neighbours.
+    control : ndarray
+        (rules,), count over displaced rings, along rows or along columns, what is more
+        (noise that is correlated along one of them is shared only there).
+    sites : ndarray
+        (n, 3): rule, row, column of the own matches.
+    tried : int
+        Sites looked at.
+    """
+
+    own: np.ndarray
+    control: np.ndarray
+    sites: np.ndarray
+    tried: int
+
+
+@njit(cache=True, nogil=True)
+def _references(f: np.ndarray, y: int, x: int, out: np.ndarray, ring: np.ndarray) -> None:
+    up, down, left, right = f[y - 1, x], f[y + 1, x], f[y, x - 1], f[y, x + 1]
+    ring[0] = f[y - 1, x - 1]
+    ring[1] = up
+    ring[2] = f[y - 1, x + 1]
+    ring[3] = left
+    ring[4] = right
+    ring[5] = f[y + 1, x - 1]
+    ring[6] = down
+    ring[7] = f[y + 1, x + 1]
+    cross = up + down + left + right
+    out[0] = cross / 4
+    out[1] = ring[:8].sum() / 8
+    out[2] = (left + right) / 2
+    out[3] = (up + down) / 2
+    out[6] = (cross - max(up, down, left, right) - min(up, down, left, right)) / 2
+    for i in range(1, 8):  # insertion sort
+        v = ring[i]
+        j = i - 1
+        while j >= 0 and ring[j] > v:
+            ring[j + 1] = ring[j]
+            j -= 1
+        ring[j + 1] = v
+    out[4] = (ring[3] + ring[4]) / 2
+    out[5] = ring[4]
+    out[7] = ring[7]
+
+
+@njit(cache=True, nogil=True)
+def _match(stack: np.ndarray, shifts: np.ndarray, step: float, slack: float, least: float, limit: int):
+    """Matches of each rule; own ring first, then the displaced ones."""
+    frames, h, w = stack.shape
+    rules = 9
+    counts = np.zeros((shifts.shape[0], rules), np.int64)
+    sites = np.empty((limit, 3), np.int64)
+    found = 0
+    low = np.empty(rules)
+    high = np.empty(rules)
+    alive = np.empty(rules, np.bool_)
+    copies = np.empty(4, np.bool_)
+    ref = np.empty(rules)
+    ring = np.empty(8)
+    margin = 1 + np.abs(shifts).max()
+    tried = 0
+    for y in range(margin, h - margin):
+        for x in range(margin, w - margin):
+            smallest = stack[:, y, x].min()
+            if stack[:, y, x].max() - smallest < least:
+                continue
+            tried += 1
+            for s in range(shifts.shape[0]):
+                oy, ox = y + shifts[s, 0], x + shifts[s, 1]
+                alive[:] = True
+                copies[:] = True
+                low[:] = np.inf
+                high[:] = -np.inf
+                for k in range(frames):
+                    v = stack[k, y, x]
+                    f = stack[k]
+                    _references(f, oy, ox, ref, ring)
+                    some = False
+                    for r in range(8):
+                        if not alive[r]:
+                            continue
+                        d = v - ref[r]
+                        low[r] = min(low[r], d)
+                        high[r] = max(high[r], d)
+                        if r == 5 or r == 7:  # order statistics are copied exactly
+                            alive[r] = abs(d) <= slack
+                        else:
+                            alive[r] = (
+                                low[r] > -step - slack
+                                and high[r] < step + slack
+                                and high[r] - low[r] <= step + slack
+                            )
+                        some = some or alive[r]
+                    if alive[8]:
+                        copies[0] = copies[0] and abs(v - f[oy, ox - 1]) <= slack
+                        copies[1] = copies[1] and abs(v - f[oy, ox + 1]) <= slack
+                        copies[2] = copies[2] and abs(v - f[oy - 1, ox]) <= slack
+                        copies[3] = copies[3] and abs(v - f[oy + 1, ox]) <= slack
+                        alive[8] = copies[0] or copies[1] or copies[2] or copies[3]
+                        some = some or alive[8]
+                    if not some:
+                        break
+                for r in range(rules):
+                    if alive[r]:
+                        counts[s, r] += 1
+                        if s == 0 and found < limit:
+                            sites[found, 0] = r
+                            sites[found, 1] = y
+                            sites[found, 2] = x
+                            found += 1
+    return counts, sites[:found], tried
+
+
+def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
+    """Look for replaced sites in the raw frames of one plane.
+
+    Parameters
+    ----------
+    stack : ndarray
+        (frames >= 3, rows, columns), DN as recorded.
+    step : float
+        Spacing of the recorded values, DN; 0 for frames that are not quantised.
+    noise : float
+        Temporal standard deviation of a typical pixel, DN.
+    """
+    slack = 1e-3 * (step or noise)
+    shifts = np.concatenate([[(0, 0)], CONTROLS])
+    least = max(2 * step, 0.1 * noise)
+    counts, sites, tried = _match(stack, shifts, step, slack, least, 1 << 16)
+    return Replaced(counts[0], counts[1:].max(axis=0), sites, tried)

@@ -1,0 +1,191 @@
+"""What `detect` answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.detection.excess import Scatter
+from dnanalyze.detection.series import SuppressionSeries
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One test at one setting.
+
+    Parameters
+    ----------
+    test : str
+    kind : str
+        What it speaks for: "dpc", "denoise" or "temporal_denoise".
+    temperature_c : float, optional
+        C; None where unknown or where the test spans all temperatures.
+    p_value : float
+        Under the test's null, before the correction for many questions.
+    effect_size : float
+        0: as unfiltered; in the test's own unit (see docs/detection.md).
+    flagged : bool
+        Significant after the correction, and larger than any unfiltered sensor explains.
+    view : str
+        "frame", or "planes" of a 2x2 mosaic.
+    words : str
+        The evidence, in a sentence.
+    """
+
+    test: str
+    kind: str
+    temperature_c: float | None
+    p_value: float
+    effect_size: float
+    flagged: bool
+    view: str = "frame"
+    words: str = ""
+
+    def to_plain(self) -> dict[str, Any]:
+        """As in the JSON report."""
+        return {
+            "test": self.test,
+            "kind": self.kind,
+            "temperature_c": _finite(self.temperature_c),
+            "p_value": _finite(self.p_value),
+            "effect_size": _finite(self.effect_size),
+            "flagged": bool(self.flagged),
+            "view": self.view,
+            "words": self.words,
+        }
+
+
+@dataclass(frozen=True)
+class FilterEstimate:
+    """What the filter seems to be.
+
+    Parameters
+    ----------
+    subkind : str
+        dpc: "dynamic", "clamp", "ratio", "static"; denoise: "linear", "median", "edge_preserving",
+        "some_rows"; temporal_denoise: "recursive".
+    view : str
+        "frame", or "planes": it works within a colour.
+    threshold_dn, threshold_sigma, ratio : float, optional
+        Of a dynamic correction: the excess above the neighbours' maximum, or the ratio to it, from
+        which no pixel stands out.
+    neighbours : int, optional
+        8 or 24.
+    replacement : str, optional
+        Rule that the replaced sites obey.
+    site_ppm : float, optional
+        Replaced sites found, per million.
+    strength : float, optional
+        denoise: share of high-frequency power removed; temporal: the memory.
+    from_temperature_c : float, optional
+        Lowest temperature at which it shows, C.
+    """
+
+    subkind: str
+    view: str = "frame"
+    threshold_dn: float | None = None
+    threshold_sigma: float | None = None
+    ratio: float | None = None
+    neighbours: int | None = None
+    replacement: str | None = None
+    site_ppm: float | None = None
+    strength: float | None = None
+    from_temperature_c: float | None = None
+
+
+@dataclass(frozen=True)
+class TailBound:
+    """Hot pixels before correction, in one setting.
+
+    Parameters
+    ----------
+    temperature_c : float, optional
+    level_dn : float
+        Excess above the neighbours' maximum, DN.
+    ppm_seen : float
+        Isolated pixels beyond it that are left.
+    ppm_lower, ppm_upper : float
+        Bounds of what there was: what the survivors beside other hot pixels imply, and with the
+        replaced sites that may or may not have been hot.
+    """
+
+    temperature_c: float | None
+    level_dn: float
+    ppm_seen: float
+    ppm_lower: float
+    ppm_upper: float
+
+
+@dataclass(frozen=True)
+class Detection:
+    """Has the raw data been filtered?
+
+    Parameters
+    ----------
+    filtered : bool
+    kind : str
+        "none", "dpc", "denoise" or "temporal_denoise".
+    confidence : float
+        0 to 1: one minus the corrected p-value of the verdict; for "none" the share of the tests
+        that had the power to find something.
+    estimate : FilterEstimate, optional
+    also : tuple of str
+        Further kinds with flagged findings of their own.
+    findings : tuple of Finding
+    evidence : tuple of str
+        Sentences, most telling first.
+    ambiguous : tuple of str
+        What cannot be told apart with these frames.
+    tail : tuple of TailBound
+        Where a correction was found.
+    effect : dict
+        {"dpc" | "denoise" | "temporal_denoise": parameters} that mimics the filter in a model; empty for none.
+    series : SuppressionSeries, optional
+        Suppression of high frequencies over temperature, for the figure.
+    scatters : dict
+        Setting's label to the histogram of a pixel against its neighbours' maximum, for the figure.
+    """
+
+    filtered: bool
+    kind: str
+    confidence: float
+    estimate: FilterEstimate | None = None
+    also: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    evidence: tuple[str, ...] = ()
+    ambiguous: tuple[str, ...] = ()
+    tail: tuple[TailBound, ...] = ()
+    effect: dict[str, dict[str, Any]] = field(default_factory=dict)
+    series: SuppressionSeries | None = None
+    scatters: dict[str, Scatter] = field(default_factory=dict)
+
+    def to_plain(self) -> dict[str, Any]:
+        """As in the JSON report; numbers finite or null."""
+        return {
+            "filtered": self.filtered,
+            "kind": self.kind,
+            "subkind": self.estimate.subkind if self.estimate else None,
+            "confidence": _finite(self.confidence),
+            "also": list(self.also),
+            "estimate": _plain(vars(self.estimate)) if self.estimate else None,
+            "findings": [f.to_plain() for f in self.findings],
+            "evidence": list(self.evidence),
+            "ambiguous": list(self.ambiguous),
+            "tail": [_plain(vars(t)) for t in self.tail],
+            "effect": self.effect,
+            "series": _plain(vars(self.series)) if self.series else None,
+        }
+
+
+def _plain(raw: dict[str, Any]) -> dict[str, Any]:
+    return {k: v if isinstance(v, str) else _finite(v) for k, v in raw.items()}
+
+
+def _finite(value: Any) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, np.ndarray):
+        return [_finite(v) for v in value]
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,100 @@
+"""Octave powers of the noise, and what tells a low-pass filter from 1/f noise.
+
+White noise with any amount of 1/f falls ever more slowly towards high frequencies: ln P over octaves is
+convex. A filter is flat below its corner and falls above it: concave somewhere. Medians over the
+bins of an octave ignore spectral lines (hum, taps); the axes, which hold lines' offsets, are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy import fft
+
+from dnanalyze.detection.flatten import clipped
+
+EDGES = np.array([0.004, 0.008, 0.016, 0.03, 0.06, 0.12, 0.25, 0.45, 0.7072])  # cycles/pixel
+CENTRES = np.log2(EDGES[:-1] * EDGES[1:]) / 2
+LEAST_BINS = 16
+MIDDLE, HIGH = (0.03, 0.12), 0.45  # bands of the paper's ratio
+
+
+@dataclass(frozen=True)
+class OctaveSpectrum:
+    """Powers of octaves of radial frequency.
+
+    Parameters
+    ----------
+    log_power : ndarray
+        (octaves,), ln of the median power, about what white noise has; NaN below the frame's reach.
+    se : ndarray
+        (octaves,), standard errors.
+    """
+
+    log_power: np.ndarray
+    se: np.ndarray
+
+    @property
+    def suppression(self) -> tuple[float, float]:
+        """ln R = ln of the power above .45 over that of .03 to .12 cycles/pixel, and its error."""
+        last = self.log_power.size - 1
+        middle = slice(int(np.searchsorted(EDGES, MIDDLE[0])), int(np.searchsorted(EDGES, MIDDLE[1])))
+        weights = 1 / self.se[middle] ** 2
+        level = float(np.sum(weights * self.log_power[middle]) / weights.sum())
+        return self.log_power[last] - level, float(np.hypot(self.se[last], weights.sum() ** -0.5))
+
+    def concavity(self) -> tuple[float, float]:
+        """Largest rise of ln P above the chord between a lower and a higher octave, and its error.
+
+        At most zero, but for sampling error, for white noise with 1/f noise of any strength and slope.
+        The one taken is the largest after four standard errors are taken off.
+        """
+        p, s = self.log_power, self.se
+        best, error, score = 0.0, np.inf, -np.inf
+        for i, j, k in combinations(np.flatnonzero(np.isfinite(p)), 3):
+            share = float(CENTRES[k] - CENTRES[j]) / float(CENTRES[k] - CENTRES[i])
+            value = float(p[j] - share * p[i] - (1 - share) * p[k])
+            se = float(np.sqrt(s[j] ** 2 + (share * s[i]) ** 2 + ((1 - share) * s[k]) ** 2))
+            if value - 4 * se > score:
+                best, error, score = value, se, value - 4 * se
+        return best, error
+
+
+def octave_spectrum(images: np.ndarray) -> OctaveSpectrum:
+    """From images (n, rows, columns) of the same noise, outliers pulled in."""
+    n, h, w = images.shape
+    rho, where = _bins(h, w)
+    total = np.zeros(rho.shape, np.float32)
+    for image in images:
+        spectrum = fft.rfft2(clipped(image))
+        total += spectrum.real**2 + spectrum.imag**2
+    power = np.full(EDGES.size - 1, np.nan)
+    se = np.full(EDGES.size - 1, np.inf)
+    for band in range(power.size):
+        inside = total[where == band]
+        if inside.size >= LEAST_BINS:
+            middle = float(np.median(inside)) / (n * h * w)
+            if middle > 0:
+                power[band] = np.log(middle)
+                se[band] = 1.25 / np.sqrt(n * inside.size)
+    return OctaveSpectrum(power, se)
+
+
+def _bins(h: int, w: int) -> tuple[np.ndarray, np.ndarray]:
+    u = np.fft.rfftfreq(w).astype(np.float32)[None]
+    v = np.abs(np.fft.fftfreq(h)).astype(np.float32)[:, None]
+    rho = np.hypot(u, v)
+    band = np.searchsorted(EDGES, rho, side="right") - 1
+    band[(u < 1.5 / w) | (v < 1.5 / h) | (rho < EDGES[0])] = -1
+    return rho, band.astype(np.int8)
+
+
+def kernel_log_power(taps: np.ndarray, shape: tuple[int, int] = (256, 256)) -> np.ndarray:
+    """ln |K|^2 in the octaves, of white noise through a small symmetric kernel (odd sides)."""
+    padded = np.zeros(shape)
+    padded[: taps.shape[0], : taps.shape[1]] = taps
+    power = np.abs(fft.rfft2(padded)) ** 2
+    _, where = _bins(*shape)
+    return np.array([np.log(np.median(power[where == b])) if (where == b).any() else np.nan for b in range(EDGES.size - 1)])

@@ -1,0 +1,126 @@
+"""One verdict from all answers: Holm's correction, what nature can mimic, and agreement between tests."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dnanalyze.detection import questions
+from dnanalyze.detection.evidence import ViewEvidence
+from dnanalyze.detection.questions import Asked
+
+FINE = 0.75  # noise over step from which rounding no longer hides a filter
+CAUSES = ("cap_to_neighbours", "dynamic_threshold", "ratio_rule", "static_replacement")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A question with its corrected p-value.
+
+    Parameters
+    ----------
+    asked : Asked
+    holm : float
+        p-value after Holm's correction over all questions.
+    flagged : bool
+    judge : bool
+        Asked where its answer counts; elsewhere it is given for information.
+    """
+
+    asked: Asked
+    holm: float
+    flagged: bool
+    judge: bool = True
+
+
+def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
+    """Put every question to every view, and correct for their number."""
+    judges = _quietest(evidence)
+    asked: list[tuple[Asked, bool]] = []
+    for e in evidence:
+        warmer = [
+            (o.correlation.variance, o.point.temperature_c)
+            for o in evidence
+            if o.view == e.view and o.usable and replace(o.point, temperature_c=None)
+            == replace(e.point, temperature_c=None)
+        ]  # fmt: skip
+        asked += [(a, id(e) in judges) for a in questions.smoothing(e, warmer)]
+        rest = questions.standing_out(e) + questions.sites(e) + questions.memory(e)
+        asked += [(a, True) for a in rest]
+        asked += [(a, id(e) in judges) for a in questions.row_phases(e)]
+    adjusted = holm(np.array([a.p for a, _ in asked]))
+    return [
+        Answer(a, float(p), bool(judge and p < alpha and a.effect > a.limit), judge)
+        for (a, judge), p in zip(asked, adjusted, strict=True)
+    ]
+
+
+def holm(p: np.ndarray) -> np.ndarray:
+    """Holm's step-down adjusted p-values."""
+    order = np.argsort(p)
+    steps = np.minimum(p[order] * np.arange(p.size, 0, -1), 1.0)
+    adjusted = np.empty_like(p)
+    adjusted[order] = np.maximum.accumulate(steps)
+    return adjusted
+
+
+def _quietest(evidence: list[ViewEvidence]) -> set[int]:
+    """Where a denoise must show: the two quietest groups of each gain and channel.
+
+    What warms up (shot noise under crosstalk, hits) is least there. Where rounding hides
+    everything the least rounded group is taken; single frames only where there are no repeats.
+    """
+    chosen: set[int] = set()
+    sets: dict[tuple[object, ...], list[ViewEvidence]] = defaultdict(list)
+    repeats = any(e.temporal and e.usable for e in evidence)
+    for e in evidence:
+        if e.usable and (e.temporal or not repeats):
+            sets[(e.view, e.point.gain, e.point.channel)].append(e)
+    for members in sets.values():
+        members.sort(key=lambda e: e.correlation.variance)
+        fine = [e for e in members if e.noise >= FINE * e.step]
+        chosen |= {id(e) for e in (fine[:2] if repeats else fine[:1]) or members[-1:]}
+    return chosen
+
+
+def decide(answers: list[Answer]) -> tuple[str, list[Answer]]:
+    """The kind ("none" for no flag) and the flagged answers that speak for it."""
+    flagged = [a for a in answers if a.flagged]
+    capped = _of(flagged, "cap_to_neighbours")
+    corrected = [a for a in flagged if a.asked.kind == "dpc"]
+    smoothed = [a for a in flagged if a.asked.kind == "denoise"]
+    remembered = _memory(answers)
+    asked_cap = [a for a in answers if a.asked.test == "cap_to_neighbours"]
+    if capped and 4 * len(capped) >= len(asked_cap):
+        return "dpc", corrected
+    if smoothed and not (corrected and _only_maxima(smoothed + corrected)):
+        return "denoise", smoothed
+    if corrected:
+        return "dpc", corrected
+    if remembered:
+        return "temporal_denoise", remembered
+    return "none", []
+
+
+def _of(answers: list[Answer], *tests: str) -> list[Answer]:
+    return [a for a in answers if a.asked.test in tests]
+
+
+def _memory(answers: list[Answer]) -> list[Answer]:
+    """Flags of at least half of the settings in which rounding could not hide a memory."""
+    able = [
+        a for a in _of(answers, "temporal_autocorrelation")
+        if a.asked.evidence.noise >= 1.2 * a.asked.evidence.step or a.flagged
+    ]  # fmt: skip
+    flagged = [a for a in able if a.flagged]
+    return flagged if 2 * len(flagged) >= max(1, len(able)) else []
+
+
+def _only_maxima(answers: list[Answer]) -> bool:
+    """Maxima of the frames as recorded are rarer and minima are not: hot pixels alone were touched."""
+    seen = {id(a.asked.evidence): a.asked.evidence.recorded for a in answers}
+    up = np.mean([1 - 9 * r.above / r.pixels for r in seen.values()])
+    down = np.mean([1 - 9 * r.below / r.pixels for r in seen.values()])
+    return bool(up > 0.01 and down < 0.4 * up)
