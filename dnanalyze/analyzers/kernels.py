@@ -15,6 +15,12 @@ CHUNK = 4096  # pixels whose sums stay in the cache while a batch of frames goes
 FAST = {"contract", "nsz", "reassoc"}
 
 
+@njit(nogil=True)
+def _copy(source, target):
+    for i in range(source.size):
+        target[i] = source[i]
+
+
 @njit(nogil=True, fastmath=FAST)
 def _frame_sums(y, past, centre, cut, hot, out):
     """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
@@ -112,9 +118,9 @@ def add_frames(
     for start in range(0, n, CHUNK):
         stop = min(n, start + CHUNK)
         width = stop - start
-        block[0, :width] = before[start:stop]
+        _copy(before[start:stop], block[0])
         for k in range(BATCH):  # a short batch is filled up with its last frame
-            block[k + 1, :width] = frames[min(k, count - 1)][start:stop]
+            _copy(frames[min(k, count - 1)][start:stop], block[k + 1])
         _extremes(block, np.int32(number), high[start:stop], high_at[start:stop], low[start:stop])
         for k in range(count):
             y, past = block[k + 1, :width], block[k, :width]
@@ -123,7 +129,9 @@ def add_frames(
                 _squares(y, past, blink_limit, first_pairs[start:stop])
             elif scalars[k, 5] == 0 and (number + k) % 4 == 3:
                 _squares(y, past, blink_limit, second_pairs[start:stop])
-        block[count + 1 :, :width] = np.float32(origin)  # adds nothing to sums
+        for k in range(count, BATCH):
+            for i in range(width):
+                block[k + 1, i] = origin  # adds nothing to sums
         _pixel_sums(block, origin, total[start:stop], square[start:stop], lag[start:stop])
 
 
@@ -220,3 +228,36 @@ def power_sums(values, centre):
         s7 += r * q * d
         s8 += r * r
     return s1, s2, s3, s4, s5, s6, s7, s8
+
+
+@njit(cache=True, nogil=True)
+def block_covariance(a, b, out):
+    """Covariance of two sums over blocks, from their residuals (row bands, column bands, k).
+
+    ``out`` (3, k) gets the covariance from single blocks, what row and column bands add to it,
+    and the variance of the first where the two are independent.
+    """
+    rows, columns, count = a.shape
+    for k in range(count):
+        each, chance, by_rows, by_columns = 0.0, 0.0, 0.0, 0.0
+        for r in range(rows):
+            left, right = 0.0, 0.0
+            for c in range(columns):
+                product = a[r, c, k] * b[r, c, k]
+                each += product
+                chance += product * product
+                left += a[r, c, k]
+                right += b[r, c, k]
+            by_rows += left * right
+        for c in range(columns):
+            left, right = 0.0, 0.0
+            for r in range(rows):
+                left += a[r, c, k]
+                right += b[r, c, k]
+            by_columns += left * right
+        each *= rows * columns / max(rows * columns - 1, 1)
+        out[0, k] = each
+        if rows > 1 and columns > 1:
+            out[1, k] = by_rows * rows / (rows - 1) + by_columns * columns / (columns - 1)
+            out[1, k] -= 2 * each
+        out[2, k] = chance

@@ -8,7 +8,7 @@ import numpy as np
 
 from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
 
-BATCH = 8  # frames that go over the sums together, to spare memory traffic
+BATCH = 4  # frames that go over the sums together, to spare memory traffic
 HOT_SIGMAS = 5.0
 BLINK_CUT = 64.0  # squared differences are cut at this many times their scale
 

@@ -56,6 +56,11 @@ class Plan:
         """First column of each column band of the block grid, and the end; int64."""
         return _edges(self.shape[1], SMALLEST_BANDS[1])
 
+    @cached_property
+    def block_pixels(self) -> np.ndarray:
+        """Pixels of each block, (row bands, column bands)."""
+        return np.outer(np.diff(self.row_edges), np.diff(self.column_edges)).astype(float)
+
 
 def _edges(size: int, smallest: int) -> np.ndarray:
     bands = max(1, min(BANDS, size // smallest))

@@ -10,7 +10,7 @@ from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.statistics import Value
 
 BINS = 2048
-FOUND = 20.0  # ratio from which a peak is no chance
+FOUND = 12.0  # ratio from which a peak is no chance
 TRIM = 0.0005  # share left out on either side
 
 
@@ -18,7 +18,7 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     """Strength and spacing of equally spaced peaks.
 
     The power of the empirical characteristic function at frequency 1/q, over the higher of its
-    medians just below and just above that frequency: a smooth law's power falls, so that its ratio
+    means just below and just above that frequency: a smooth law's power falls, so that its ratio
     is below 1, and where none is left, n |mean exp(2 pi i x/q)|^2 is an exponential deviate.
 
     Parameters
@@ -53,8 +53,7 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     if last - first < 8:
         return None
     k = np.unique(np.geomspace(first, last, 256).astype(int))
-    floor = np.array([_around(power, int(i)) for i in k])
-    ratio = power[k] / np.maximum(floor, 0.5)
+    ratio = power[k] / np.maximum(_floor(power, k), 0.5)
     best = int(np.argmax(ratio))
     trials = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
     extreme = 1.28 / (math.log(trials) + 0.577)  # Gumbel's law
@@ -74,9 +73,16 @@ def _crest(power: np.ndarray, i: int) -> int:
     return i
 
 
-def _around(power: np.ndarray, i: int) -> float:
-    """The higher of the medians on either side: above what a falling spectrum has here."""
+def _floor(power: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """The higher of the means on either side: above what a falling spectrum has at ``k``."""
     near, far = 1.2, 1.7
-    below = power[max(1, int(i / far)) : max(2, int(i / near))]
-    above = power[math.ceil(i * near) : math.ceil(i * far) + 1]
-    return max(float(np.median(below)), float(np.median(above)))
+    summed = np.concatenate(([0.0], np.cumsum(power)))
+
+    def mean(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        low, high = np.maximum(low.astype(int), 1), np.minimum(high.astype(int), power.size)
+        high = np.maximum(high, low + 1)
+        return np.asarray((summed[high] - summed[low]) / (high - low))
+
+    below = mean(k / far, k / near)
+    above = mean(np.ceil(k * near), np.ceil(k * far) + 1)
+    return np.maximum(below, above)

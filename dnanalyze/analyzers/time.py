@@ -11,7 +11,6 @@ from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import (
     QuantileErrors,
-    block_pixels,
     clustered_variance,
     counts_below,
     mean_error,
@@ -169,7 +168,7 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
     limits = acc.pattern_ordered.quantile(CUTS)
     counts = counts_below(acc.plan, acc.pattern, limits)
-    counts = np.diff(np.dstack([counts, block_pixels(acc.plan)]), axis=2, prepend=0.0)
+    counts = np.diff(np.dstack([counts, acc.plan.block_pixels]), axis=2, prepend=0.0)
     block_sums = np.diff(sums_below(acc.plan, acc.pattern, variance, limits), axis=2, prepend=0.0)
     pixels, sums = counts.sum(axis=(0, 1)), block_sums.sum(axis=(0, 1))
     for name, group in zip(GROUPS, (0, 2, 3, 4), strict=True):

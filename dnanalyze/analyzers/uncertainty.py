@@ -17,11 +17,6 @@ from dnanalyze.analyzers.plan import Plan
 from dnanalyze.analyzers.quantiles import Counted, Ordered
 
 
-def block_pixels(plan: Plan) -> np.ndarray:
-    """Pixels of each block, (row bands, column bands)."""
-    return np.outer(np.diff(plan.row_edges), np.diff(plan.column_edges)).astype(float)
-
-
 def counts_below(plan: Plan, key: np.ndarray, thresholds: np.ndarray) -> np.ndarray:
     """Pixels of ``key`` below each threshold, (row bands, column bands, thresholds)."""
     from dnanalyze.analyzers import kernels
@@ -53,29 +48,28 @@ def sums_below(
 def mean_residuals(plan: Plan, weight: np.ndarray) -> np.ndarray:
     """What each block adds to the error of the mean of ``weight``, (row bands, column bands)."""
     sums = sums_below(plan, weight, weight)[..., 0]
-    return (sums - block_pixels(plan) * (sums.sum() / plan.pixels)) / plan.pixels
+    return (sums - plan.block_pixels * (sums.sum() / plan.pixels)) / plan.pixels
 
 
 def share_residuals(plan: Plan, below: np.ndarray) -> np.ndarray:
     """What each block adds to the error of the shares ``counts_below`` / pixels; same shape."""
     share = below.sum(axis=(0, 1)) / plan.pixels
-    return (below - block_pixels(plan)[..., None] * share) / plan.pixels
+    return (below - plan.block_pixels[..., None] * share) / plan.pixels
 
 
-def _scatter(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Covariance of two sums over blocks: that of single blocks, and what lines add to it."""
+def _scatter(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Covariance of two sums over blocks: that of single blocks, and what lines add to it.
+
+    Also the standard deviation that the first has by chance where the two are independent.
+    """
+    from dnanalyze.analyzers import kernels
+
     rows, columns = a.shape[:2]
-
-    def covariance(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        n = x.shape[0]
-        return np.asarray((x * y).sum(axis=0) * n / max(n - 1, 1))
-
-    flat = (rows * columns, *a.shape[2:])
-    each = covariance(a.reshape(flat), b.reshape(flat))
-    if rows < 2 or columns < 2:
-        return each, np.zeros_like(each)
-    bands = covariance(a.sum(axis=1), b.sum(axis=1)) + covariance(a.sum(axis=0), b.sum(axis=0))
-    return each, bands - 2 * each
+    flat = (rows, columns, a.size // (rows * columns))
+    out = np.zeros((3, flat[2]))
+    kernels.block_covariance(a.reshape(flat), b.reshape(flat), out)
+    each, lines, chance = out.reshape(3, *a.shape[2:])
+    return each, lines, np.sqrt(chance)
 
 
 def clustered_variance(residuals: np.ndarray) -> np.ndarray:
@@ -96,17 +90,17 @@ def repeated_variance(sides: list[np.ndarray], repeats: float) -> np.ndarray:
         Independent frames behind the estimate.
     """
     singles = [_scatter(side, side) for side in sides]
-    parts = [np.maximum(np.mean(part, axis=0), 0.0) for part in zip(*singles, strict=True)]
+    blocks = sum(s[0] for s in singles) / len(sides)
+    bands = np.maximum(sum(s[1] for s in singles) / len(sides), 0.0)
     if repeats > 1 and len(sides) > 1:
-        each, lines = _scatter(sides[0], sides[1])
-        chance = np.sqrt(((sides[0] * sides[1]) ** 2).sum(axis=(0, 1)))
-        common = np.clip(each - chance, 0.0, parts[0])
-        share = common / np.maximum(parts[0], 1e-300)
-        seen = parts[1] > 0.5 * parts[0]  # else what lines add is itself chance
-        common_lines = np.where(seen, np.clip(lines, 0.0, parts[1]), share * parts[1])
+        each, lines, chance = _scatter(sides[0], sides[1])
+        common = np.clip(each - chance, 0.0, blocks)
+        share = common / np.maximum(blocks, 1e-300)
+        seen = bands > 0.5 * blocks  # else what lines add is itself chance
+        common_lines = np.where(seen, np.clip(lines, 0.0, bands), share * bands)
         common = common + common_lines
-        return common + (parts[0] + parts[1] - common) / repeats
-    return parts[0] + parts[1]
+        return np.asarray(common + (blocks + bands - common) / repeats)
+    return np.asarray(blocks + bands)
 
 
 def mean_error(plan: Plan, *influences: np.ndarray, repeats: float = 1.0) -> float:

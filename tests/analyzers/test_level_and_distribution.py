@@ -123,15 +123,15 @@ def test_steps_are_found_with_their_spacing():
     steps = 7.0 * rng.poisson(2.0, 60_000) + rng.normal(0, 0.8, 60_000)
     strength, spacing = pattern_steps(Ordered(steps.astype(np.float32)), 0.8)
     assert spacing.value == pytest.approx(7.0, rel=0.05)
-    assert strength.value > 100
+    assert strength.value > 30
 
 
 def test_smooth_patterns_have_no_steps():
     for seed in range(20):
         smooth = 4 * np.exp(0.5 * np.random.default_rng(seed).normal(size=30_000))
         strength, _ = pattern_steps(Ordered(smooth.astype(np.float32)), 0.2)
-        # the largest of some 60 exponential deviates over their median: 18 with p ~ 1e-4
-        assert strength.value < 18
+        # the largest of at most 256 exponential deviates over their mean: 12 with p ~ .002
+        assert strength.value < 15
 
 
 def test_peaks_of_a_histogram():
