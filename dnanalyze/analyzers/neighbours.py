@@ -36,7 +36,6 @@ from dnanalyze.analyzers.uncertainty import clustered_variance
 __all__ = ["INFOS", "finish"]
 
 SMALLEST_SIDE = 8  # pixels
-_BLOCK = 24  # pixels along a side of a block, at least: ranks of neighbours are correlated
 _FEWEST_FRAMES = 3  # whose scatter tells something
 _RANK_SD = 9 * 0.157  # of 9 P_max for n exchangeable pixels, times sqrt(n)
 _ROOT_FLOOR = 0.375  # variance of a count that may be 0
@@ -63,16 +62,6 @@ class _Sums:
     def total(self) -> np.ndarray:
         return np.asarray(self.blocks.sum(axis=(0, 1)))
 
-    @cached_property
-    def coarse(self) -> np.ndarray:
-        """On a grid whose blocks have 24 pixels or more along a side where they can."""
-        sums = self.blocks
-        for axis, size in enumerate(self.plan.shape):
-            bands = sums.shape[axis]
-            wanted = max(1, min(bands, size // _BLOCK))
-            sums = np.add.reduceat(sums, np.arange(wanted) * bands // wanted, axis=axis)
-        return sums
-
     def error(self, weights: dict[int, float]) -> float:
         """Standard error of a combination of the sums whose total is 0 (a linearised statistic).
 
@@ -81,7 +70,7 @@ class _Sums:
         """
         combine = np.zeros(self.total.size)
         combine[list(weights)] = list(weights.values())
-        variance = max(0.0, float(clustered_variance(self.coarse @ combine)))
+        variance = max(0.0, float(clustered_variance(self.blocks @ combine)))
         n = self.frames
         if n >= _FEWEST_FRAMES:
             residuals = self.each @ combine

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+from dnanalyze.analyzers.plan import BANDS, CLIP, FrameView, Plan
 
 EXCESS_SIGMAS = (4.0, 8.0, 16.0)
 TAIL_CLIP = 8.0  # temporal sigmas at which local variances and Haar coefficients are cut
@@ -17,6 +17,7 @@ LAGS = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))  # (dx, dy); both diagon
 TILE_COUNT, TILE_VARIANCE, TILE_SQUARE, HAAR_COUNT, HAAR_SECOND, HAAR_FOURTH = range(6)
 TILE_SUMS = 6
 TILE = 4
+_BLOCK = 24  # pixels along a side of a block, at least
 _TOP_SHARE = 0.01
 _SAMPLE = 65536  # pixels from which the level of the top 1 % is taken
 
@@ -24,12 +25,13 @@ _SAMPLE = 65536  # pixels from which the level of the top 1 % is taken
 class Neighbours:
     """Block sums over the frames y and over their differences D; see `neighbour_kernels`.
 
-    Attributes are (row bands, column bands, sums), float64: ``peaks`` of y; ``ranks``, ``lags`` and
-    ``tiles`` of D. ``each`` holds, by the same names, the sums over the field of each y and each D.
+    Attributes are (row bands, column bands, sums) on the grid of `edges_of`, float64: ``peaks`` of
+    y; ``ranks``, ``lags`` and ``tiles`` of D. ``each`` holds, by the same names, the sums over the
+    field of each y and each D.
     """
 
     def __init__(self, plan: Plan) -> None:
-        grid = plan.row_edges.size - 1, plan.column_edges.size - 1
+        grid = grid_of(plan)
         self.plan = plan
         self.frames = 0
         self.differences = 0
@@ -47,7 +49,8 @@ class Neighbours:
         leads = np.array(EXCESS_SIGMAS) * plan.difference_sigma
         top, share = top_level(view.frame)
         peaks = np.zeros_like(self.peaks)
-        kernels.peak_sums(view.frame, top, share, leads, plan.row_edges, plan.column_edges, peaks)
+        rows, columns = edges_of(plan)
+        kernels.peak_sums(view.frame, top, share, leads, rows, columns, peaks)
         self._take("peaks", peaks)
         self.frames += 1
         if view.difference is not None:
@@ -73,9 +76,8 @@ class Neighbours:
         self._take("lags", lag_products(plan, difference, CLIP * plan.difference_sigma))
         tiles = np.zeros_like(self.tiles)
         reach = TAIL_CLIP * plan.difference_sigma
-        kernels.tile_sums(
-            difference, reach, band_of(plan.row_edges), band_of(plan.column_edges), tiles
-        )
+        rows, columns = edges_of(plan)
+        kernels.tile_sums(difference, reach, band_of(rows), band_of(columns), tiles)
         self._take("tiles", tiles)
 
     def _take(self, name: str, sums: np.ndarray) -> None:
@@ -84,13 +86,32 @@ class Neighbours:
         self.each[name].append(sums.sum(axis=(0, 1)))
 
 
+def edges_of(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+    """First line of each band, and the end, of rows and of columns, int64.
+
+    The bands are wider than the plan's on small frames: neighbouring ranks depend on one another.
+    """
+    bands = (max(1, min(BANDS, size // _BLOCK)) for size in plan.shape)
+    rows, columns = (
+        np.arange(n + 1, dtype=np.int64) * size // n
+        for n, size in zip(bands, plan.shape, strict=True)
+    )
+    return rows, columns
+
+
+def grid_of(plan: Plan) -> tuple[int, int]:
+    """Row bands and column bands of `edges_of`."""
+    rows, columns = edges_of(plan)
+    return rows.size - 1, columns.size - 1
+
+
 def lag_products(plan: Plan, image: np.ndarray, reach: float) -> np.ndarray:
     """Block sums of the products at `LAGS`; row and column means are removed first."""
     from dnanalyze.analyzers import neighbour_kernels as kernels
 
-    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, len(LAGS)))
+    out = np.zeros((*grid_of(plan), len(LAGS)))
     by_row, by_column = kernels.line_means(image, reach)
-    kernels.lag_sums(image, reach, by_row, by_column, plan.row_edges, plan.column_edges, out)
+    kernels.lag_sums(image, reach, by_row, by_column, *edges_of(plan), out)
     return out
 
 
@@ -98,8 +119,8 @@ def rank_shares(plan: Plan, image: np.ndarray) -> np.ndarray:
     """Block sums of the shares in being highest and lowest of 9, of one image."""
     from dnanalyze.analyzers import neighbour_kernels as kernels
 
-    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, RANK_SUMS))
-    kernels.rank_sums(image, plan.row_edges, plan.column_edges, out)
+    out = np.zeros((*grid_of(plan), RANK_SUMS))
+    kernels.rank_sums(image, *edges_of(plan), out)
     return out
 
 

@@ -152,3 +152,20 @@ def test_errors_are_those_of_independent_captures():
     assert len(ratios) == 12
     for name, ratio in ratios.items():  # 7 % sampling error each, honest to 30 %
         assert 0.55 < ratio < 1.5, (name, ratio)
+
+
+def test_known_line_noise_of_real_sensors(captures_root):
+    """Seen with independent code: row-mean sd .199, pixels explain .069; columns 2 to 3 times."""
+    tifffile = pytest.importorskip("tifffile")
+    fits = pytest.importorskip("astropy.io.fits")
+    real = captures_root / "real"
+    frame = tifffile.imread(real / "scmos_single" / "balanced_dark_1us-02.tif")
+    found = values(lines, [frame])
+    assert found["row_mean_sd"].value == pytest.approx(0.199, abs=0.002)
+    assert found["row_mean_explained"].value == pytest.approx(0.068, abs=0.002)
+    assert found["column_noise"].value == pytest.approx(1, abs=0.1)
+    names = sorted((real / "stl1001_2017").glob("bias-Neg10*"))
+    found = values(lines, [fits.getdata(n).astype(np.float32) for n in names])
+    assert 2 < found["column_noise"].value < 3
+    assert found["row_noise"].value < 1.3
+    assert found["temporal_column_noise"].value == pytest.approx(1, abs=0.1)

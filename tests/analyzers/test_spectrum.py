@@ -25,6 +25,7 @@ from dnanalyze.analyzers.spectral_modes import (
 from dnanalyze.analyzers.spectral_peaks import largest_peak
 from dnanalyze.analyzers.streaming import Accumulation, accumulate, make_plan
 
+NUMBERS = ("0016", "0072", "0073")  # -15 C; the last two below -60 C
 POWERS = ("psd", "columns", "rows", "u", "v")
 
 
@@ -274,3 +275,18 @@ def test_errors_are_those_of_independent_captures():
     for name, ratio in ratios.items():
         assert 0.6 < ratio < 1.5, (name, ratio)
     assert 0.85 < np.median(list(ratios.values())) < 1.15
+
+
+def test_known_spectra_of_a_cooling_sensor(captures_root):
+    """Seen with independent code: red when warm, white below -60 C, columns of period three."""
+    fits = pytest.importorskip("astropy.io.fits")
+    folder = captures_root / "real" / "fp30_cooling"
+    frames = {n: fits.getdata(folder / f"dark_{n}.fits").astype(np.float32) for n in NUMBERS}
+    warm = values(spectrum, [frames["0016"][:, :1024]])
+    cold = values(spectrum, [frames["0072"][:, :1024]])
+    low, mid = "frame_psd_0.01_0.02", "frame_psd_0.08_0.16"
+    assert warm[low].value > 20 * warm[mid].value
+    assert 0.3 < cold[low].value / cold[mid].value < 1.2
+    curves = spectrum.finish(accumulated([frames["0072"], frames["0073"]])).curves
+    strongest = np.argmax(curves["temporal_column_spectrum"])
+    assert curves["column_spectrum_f"][strongest] == pytest.approx(1 / 3, abs=1e-3)
