@@ -74,7 +74,7 @@ def inspection(console: Console, captures: Any, seen: Mapping[str, Any]) -> None
     grid = Table.grid(padding=(0, 2))
     grid.add_column(style="dim", min_width=18)
     grid.add_column()
-    for key, text in (capture.facts(captures) | _codes(seen["codes"])).items():
+    for key, text in (capture.facts(captures) | capture.codes(seen["codes"])).items():
         grid.add_row(key, Text(text))
     console.print(Padding(grid, (0, 0, 0, 2)))
     console.print()
@@ -91,15 +91,6 @@ def inspection(console: Console, captures: Any, seen: Mapping[str, Any]) -> None
         _points(console, "For a full analysis this is missing", seen["missing"])
     else:
         console.print("Nothing is missing for a full analysis.")
-
-
-def _codes(codes: Mapping[str, Any]) -> dict[str, str]:
-    """Range of the codes and the bits that they use."""
-    made = {"values": f"{codes['smallest']:g} to {codes['largest']:g} DN"}
-    if codes["step"]:
-        step = f", in steps of {codes['step']}" if codes["step"] > 1 else ""
-        made["bits in use"] = f"{codes['effective_bits']}{step}"
-    return made
 
 
 def _span(span: Sequence[float] | None) -> str:
@@ -150,8 +141,9 @@ def statistics(console: Console, captures: Any, measured: Any) -> None:
 
 def fit(console: Console, captures: Any, result: Any) -> None:
     """Parameters with uncertainties, and the pairs that cannot be told apart."""
-    names = words.listing(result.model.names)
-    _verdict(console, capture.one_line(captures), f"Fitted {names}.")
+    from dnanalyze.report.pages.fit import headline
+
+    _verdict(console, capture.one_line(captures), headline(result))
     _table(
         console,
         ("parameter", "value", "unit"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from dnanalyze.report.words import is_number, plural
@@ -60,3 +61,12 @@ def one_line(captures: Any) -> str:
         f"{plural(captures.frame_count, 'frame')} of {sensor.shape[0]} × {sensor.shape[1]}",
     ]
     return f"{title(captures)}: " + ", ".join(p for p in parts if p)
+
+
+def codes(seen: Mapping[str, Any]) -> dict[str, str]:
+    """Range of the codes and the bits that they use, from what `inspect` saw."""
+    made = {"values": f"{seen['smallest']:g} to {seen['largest']:g} DN"}
+    if seen["step"]:
+        step = f", in steps of {seen['step']}" if seen["step"] > 1 else ""
+        made["bits in use"] = f"{seen['effective_bits']}{step}"
+    return made

@@ -6,11 +6,17 @@ from html.parser import HTMLParser
 import pytest
 import report_fakes as fakes
 
+from dnanalyze.loaders import inspect
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages.analyze import analyze_page
 from dnanalyze.report.pages.compare import compare_page
 from dnanalyze.report.pages.detect import detect_page
 from dnanalyze.report.pages.diagnose import diagnose_page
+from dnanalyze.report.pages.fit import fit_page
+from dnanalyze.report.pages.inspect import inspect_page
+from dnanalyze.report.pages.model import law
 from dnanalyze.report.pages.refine import refine_page
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}
@@ -19,6 +25,8 @@ PAGES = {
     "compare": lambda: compare_page(fakes.captures(), fakes.comparison()),
     "diagnose": lambda: diagnose_page(fakes.captures(), fakes.diagnosis(), fakes.comparison()),
     "refine": lambda: refine_page(fakes.captures(), fakes.refinement(), fakes.comparison()),
+    "fit": lambda: fit_page(fakes.captures(), fakes.fit()),
+    "inspect": lambda: inspect_page(fakes.captures(), inspect(fakes.captures())),
     "detect": lambda: detect_page(fakes.captures(), fakes.detection(), fakes.statistics()),
 }
 
@@ -122,3 +130,12 @@ def test_empty_sections_are_left_out_and_the_date_is_the_callers():
     assert "Empty" not in text
     assert "&lt;1&gt;" in text
     assert "2030-01-02 03:04 UTC" in text
+
+
+def test_laws_are_said_in_a_few_words():
+    assert law(ArrheniusLaw(1.5, 25.0, 0.65)) == "1.5 at 25 °C, 0.65 eV"
+    points = tuple(OperatingPoint(float(t)) for t in range(8))
+    assert law(TableLaw(points[:2], (1.0, 2.5))) == "1, 2.5"
+    assert law(TableLaw(points, tuple(map(float, range(8))))) == "8 values from 0 to 7"
+    assert law("fixed") == "fixed"
+    assert law(0.25) == "0.25"

@@ -11,6 +11,7 @@ from dnanalyze.report.figures import (
     against_neighbours,
     candidates,
     codes,
+    correlations,
     distribution,
     heatmap,
     lines,
@@ -182,3 +183,11 @@ def test_drawing_leaves_no_trace_in_matplotlib():
     picture(lambda: None, "", "")
     distribution.histograms(layers(fakes.statistics()))
     assert dict(mpl.rcParams) == before
+
+
+def test_correlations_leave_out_what_is_not_determined():
+    matrix = np.array([[1, 0.5, np.nan], [0.5, 1, np.nan], [np.nan] * 3])
+    text = words_of(correlations.correlations(["mu", "delta", "phi"], matrix))
+    assert "mu" in text
+    assert "phi" not in text
+    assert correlations.correlations(["mu"], [[1.0]]) is None

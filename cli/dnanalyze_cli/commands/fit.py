@@ -11,6 +11,7 @@ from dnanalyze_cli.options import (
     Model,
     ModelOut,
     Quiet,
+    Report,
     Seed,
     Tolerance,
 )
@@ -22,6 +23,7 @@ def fit(
     model: Model = None,
     output: ModelOut = None,
     json: Json = None,
+    report: Report = None,
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
@@ -36,15 +38,22 @@ def fit(
     from dnanalyze_cli import show
 
     session = Session(
-        "fit", captures, json, None, csv, output, effects=tuple(effects or ()), quiet=quiet
+        "fit", captures, json, report, csv, output, effects=tuple(effects or ()), quiet=quiet
     )
     start = session.model(model, seed)
     found = session.load(config, tolerance_c)
     with session.progress("Fitting"):
         result = run(found, model=start)
     show.fit(session.console, found, result)
+
+    def page() -> str:
+        from dnanalyze.report.pages.fit import fit_page
+
+        return fit_page(found, result)
+
     session.write(
         documents.fit(captures, result, output),
-        table=lambda: tables.parameters(result),
-        model=lambda: dump_model(result.model),
+        page,
+        lambda: tables.parameters(result),
+        lambda: dump_model(result.model),
     )

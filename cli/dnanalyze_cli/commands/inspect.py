@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Tolerance
+from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
 
 def inspect(
     captures: Captures,
     json: Json = None,
+    report: Report = None,
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
@@ -19,10 +20,16 @@ def inspect(
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 
-    session = Session("inspect", captures, json=json, csv=csv, quiet=quiet)
+    session = Session("inspect", captures, json, report, csv, quiet=quiet)
     found = session.load(config, tolerance_c)
     seen = look(found)
     show.inspection(session.console, found, seen)
+
+    def page() -> str:
+        from dnanalyze.report.pages.inspect import inspect_page
+
+        return inspect_page(found, seen)
+
     session.write(
-        documents.inspection(captures, seen), table=lambda: tables.operating_points(found)
+        documents.inspection(captures, seen), page, lambda: tables.operating_points(found)
     )

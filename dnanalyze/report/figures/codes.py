@@ -41,7 +41,7 @@ def roughness(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
                     ax.step(*found, where="mid", color=layer.colour, linewidth=layer.width)
             ax.set_title(title)
             ax.set_xlabel("code [DN]")
-            ax.set_ylim(bottom=0)
+            ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
         axes[0, 0].set_ylabel("counts over neighbours'")
         name_layers(fig, layers)
         return fig

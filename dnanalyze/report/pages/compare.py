@@ -10,6 +10,7 @@ from dnanalyze.report.figures import heatmap
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.page import Page, Section, render, tone_of
 from dnanalyze.report.pages.analyze import missing_section
+from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.panels import family_panels
 from dnanalyze.report.words import compare_headline, number, sentence
 
@@ -33,13 +34,6 @@ def sections(result: Any) -> list[Section]:
         missing_section(result.measured),
         model_section(result.model),
     ]
-
-
-def model_section(model: Any) -> Section:
-    """The model file."""
-    from dnanalyze.model.noise_model import dump_model
-
-    return Section("model", "The model", code=dump_model(model).rstrip() if model else "")
 
 
 def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str]]:

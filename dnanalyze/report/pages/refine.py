@@ -8,6 +8,7 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
+from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.words import (
     is_number,
     number,
@@ -48,7 +49,7 @@ def refine_page(captures: Any, result: Any, comparison: Any = None) -> str:
             *(
                 compare.sections(comparison)
                 if comparison is not None
-                else [compare.model_section(result.model)]
+                else [model_section(result.model)]
             ),
         ],
         tone=diagnose.TONES.get(result.verdict, "fair"),
