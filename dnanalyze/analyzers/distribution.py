@@ -123,7 +123,10 @@ def _quantiles(acc: Accumulated, what: str, errors: QuantileErrors, out: FamilyR
     values = errors.values - errors.values[MEDIAN]
     combinations = np.eye(PROBABILITIES.size)
     combinations[MEDIAN] -= 1.0
-    se = np.maximum(errors.of(combinations), floor(acc))
+    se = errors.of(combinations)
+    if what == "frame":  # pooled frames, which drift
+        se = np.hypot(se, values * acc.drift_error(acc.values.robust_sigma() ** 2) / 2)
+    se = np.maximum(se, floor(acc))
     for level in LEVELS:
         p = float(level)
         k = int(np.argmin(np.abs(PROBABILITIES - p)))

@@ -64,6 +64,25 @@ class Ordered:
         return _interval(high - low, middle, self.step)
 
 
+class Tied(Ordered):
+    """A sample of few, unevenly spaced values, such as variances of a few codes.
+
+    The distribution function is interpolated between the middles of its steps, so that quantiles
+    do not jump from value to value.
+    """
+
+    def quantile(self, p: float | np.ndarray) -> np.ndarray:
+        """Quantiles of the probabilities ``p``, float64."""
+        starts, middles = self._steps
+        return np.interp(np.asarray(p, float) * self.sorted.size, middles, self.sorted[starts])
+
+    @cached_property
+    def _steps(self) -> tuple[np.ndarray, np.ndarray]:
+        starts = np.concatenate(([0], np.flatnonzero(np.diff(self.sorted)) + 1))
+        ends = np.append(starts[1:], self.sorted.size)
+        return starts, (starts + ends) / 2
+
+
 @dataclass(frozen=True)
 class Counted:
     """A histogram of equal bins.

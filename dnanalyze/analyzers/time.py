@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
-from dnanalyze.analyzers.quantiles import Ordered
+from dnanalyze.analyzers.quantiles import Ordered, Tied
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import (
     QuantileErrors,
@@ -21,7 +21,7 @@ VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
 GROUPS = {"50": (0.0, 0.5), "90": (0.9, 0.99), "99": (0.99, 0.999), "999": (0.999, 1.0)}
 CUTS = np.array([0.5, 0.9, 0.99, 0.999])
 FEWEST = 8.0  # pixels in a group for it to be stated
-BLINK_CUT = 64.0
+TIED_FRAMES = 8  # up to which variances of codes take few values
 
 INFOS = (
     StatisticInfo(
@@ -149,9 +149,11 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
         out.missing.update(dict.fromkeys(absent, reason))
         return
     p = np.array([float(level) for level in VARIANCE_LEVELS])
-    errors = QuantileErrors(acc.plan, (variance,), Ordered(variance), p)
+    tied = acc.plan.integer and acc.frames <= TIED_FRAMES
+    law = Tied(variance) if tied else Ordered(variance)
+    errors = QuantileErrors(acc.plan, (variance,), law, p)
     relative = errors.over_mean(variance)
-    drift = acc.drift_error(mean)
+    drift = acc.drift_error(mean) / 2  # half: it widens the law, too
     for k, name in enumerate(names):
         value = float(errors.values[k]) / mean
         if (1 - p[k]) * acc.plan.pixels < FEWEST:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dnanalyze.analyzers.quantiles import Counted, Ordered
+from dnanalyze.analyzers.quantiles import Counted, Ordered, Tied
 
 P = np.array([0.001, 0.05, 0.25, 0.5, 0.84, 0.99])
 
@@ -34,6 +34,13 @@ def test_continuous_quantiles_are_numpys():
     sample = np.random.default_rng(3).normal(size=1001)
     expected = np.quantile(sample, P, method="hazen")
     np.testing.assert_allclose(Ordered(sample).quantile(P), expected, rtol=1e-12)
+
+
+def test_tied_quantiles_lie_between_the_values():
+    law = Tied(np.repeat([1.0, 2.0, 6.0], [2, 6, 2]))
+    np.testing.assert_allclose(law.quantile([0.1, 0.5, 0.7, 0.9, 1.0]), [1.0, 2.0, 4.0, 6.0, 6.0])
+    sample = np.random.default_rng(6).normal(size=501)
+    np.testing.assert_allclose(Tied(sample).quantile(P), Ordered(sample).quantile(P), atol=1e-9)
 
 
 def test_a_constant_has_the_spread_of_its_resolution():
