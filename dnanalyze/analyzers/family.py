@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 
 from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
 from dnanalyze.analyzers.quantiles import Counted, Ordered
 from dnanalyze.analyzers.statistics import StatisticInfo, Value
+
+if TYPE_CHECKING:
+    from dnanalyze.analyzers.histograms import Histograms
+    from dnanalyze.analyzers.maps import PixelMaps
+    from dnanalyze.analyzers.neighbours_accumulator import Neighbours
+    from dnanalyze.analyzers.spectra_accumulator import Spectra
 
 
 class Accumulator(Protocol):
@@ -72,10 +78,10 @@ class Accumulated:
     plan: Plan
     frames: int
     frame_means: np.ndarray
-    maps: Any
-    histograms: Any
-    spectra: Any = None
-    neighbours: Any = None
+    maps: PixelMaps
+    histograms: Histograms
+    spectra: Spectra
+    neighbours: Neighbours
 
     def prepare(self) -> None:
         """Derive now what families share, before they run side by side."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 
@@ -71,7 +72,7 @@ class Accumulation:
     def __init__(self, plan: Plan, pool: ThreadPoolExecutor | None = None) -> None:
         self.plan = plan
         self.frames = 0
-        self.parts = {name: make(plan) for name, make in ACCUMULATORS.items()}
+        self.parts: dict[str, Any] = {name: make(plan) for name, make in ACCUMULATORS.items()}
         self._pool = pool
         self._running: dict[str, Future[None]] = {}
         self._first: FrameView | None = None
@@ -111,7 +112,7 @@ class Accumulation:
     def finish(self) -> Accumulated:
         """What the families work on."""
         self.wait()
-        scalars = self.parts["maps"].frame_scalars()  # type: ignore[attr-defined]
+        scalars = self.parts["maps"].frame_scalars()
         return Accumulated(self.plan, self.frames, scalars[:, 0] / self.plan.pixels, **self.parts)
 
 
