@@ -35,7 +35,7 @@ _HOME = {
     "diagnose": "dnanalyze.diagnosis.diagnose",
     "add": "dnanalyze.diagnosis.refine",
     "refine": "dnanalyze.diagnosis.refine",
-    "detect": "dnanalyze.detection",
+    "detect": "dnanalyze.detection.detect",
 }
 
 __all__ = sorted([*_HOME, "__version__"])

@@ -204,8 +204,8 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
             (
                 c.effect,
                 number(c.error_after),
-                f"{100 * c.explained:.0f} %",
-                f"{100 * c.confidence:.0f} %",
+                words.percent(c.explained),
+                words.percent(c.confidence),
                 ", ".join(c.confused_with) or "–",
             )
             for c in result.candidates[:MOST_ROWS]
@@ -250,7 +250,7 @@ def detection(console: Console, captures: Any, result: Any) -> None:
     from dnanalyze.report.pages.detect import headline
 
     _verdict(console, capture.one_line(captures), headline(result))
-    _points(console, "Evidence", words.texts(getattr(result, "evidence", None)))
+    _points(console, "Evidence", words.texts(list(result.evidence)))
     flagged = sorted(
         result.findings, key=lambda f: (not f.flagged, f.p_value if f.p_value is not None else 2)
     )
@@ -262,7 +262,7 @@ def detection(console: Console, captures: Any, result: Any) -> None:
                 f.test,
                 f.kind,
                 f"{f.temperature_c:g} °C" if words.is_number(f.temperature_c) else "all",
-                number(f.p_value, 2),
+                words.probability(f.p_value),
                 number(f.effect_size, 2),
                 "yes" if f.flagged else "no",
             )

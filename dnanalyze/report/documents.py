@@ -130,14 +130,7 @@ def addition(where: str, effect: str, result: Any, output: Path | None) -> Docum
 
 def detection(where: str, result: Any) -> Document:
     """The verdict and every test behind it."""
-    keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged")
-    return document(
-        "detect",
-        where,
-        filtered=result.filtered,
-        kind=result.kind,
-        findings=[_fields(f, *keys) for f in result.findings],
-    )
+    return document("detect", where, **result.to_plain())
 
 
 def simulation(

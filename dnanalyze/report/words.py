@@ -70,6 +70,18 @@ def varied(rows: Iterable[Mapping[str, Any]]) -> set[str]:
     return {key for key, values in seen.items() if len(values) > 1}
 
 
+def percent(share: Any) -> str:
+    """A probability or share as text; certainty is never claimed."""
+    if not is_number(share):
+        return "–"
+    return "over 99.9 %" if share > 0.999 else f"{100 * share:.3g} %"
+
+
+def probability(p: Any) -> str:
+    """A p-value; below what numbers can hold it is said to be so."""
+    return "< 1e-300" if p == 0 else number(p, 2)
+
+
 def point_label(row: Any, only: Iterable[str] | None = None) -> str:
     """Operating point of a row of a table (mapping or object): ``65 °C, 0.05 s``.
 
@@ -160,7 +172,7 @@ def diagnose_headline(verdict: str, candidates: list[Any], error: Any) -> str:
         best = candidates[0]
         others = list(best.confused_with)
         text = (
-            f"Missing: {best.effect}, with {100 * best.confidence:.0f} % confidence; "
+            f"Missing: {best.effect}, with {percent(best.confidence)} confidence; "
             f"with it the error falls from {number(error)} to {number(best.error_after)}"
         )
         if others:
@@ -206,6 +218,10 @@ def step_name(added: str | None, place: int) -> str:
     return f"without {added[1:]}" if added.startswith("-") else added
 
 
+def _plain(value: Any) -> str:
+    return number(value) if is_number(value) else str(value)
+
+
 def texts(items: Any) -> list[str]:
     """Sentences from a list, a mapping of names to sentences or numbers, or a single text."""
     if not items:
@@ -214,7 +230,7 @@ def texts(items: Any) -> list[str]:
         return [sentence(items)]
     if isinstance(items, Mapping):
         return [
-            sentence(value if isinstance(value, str) else f"{key}: {number(value)}")
+            f"{value}." if str(value).startswith(key) else sentence(f"{key}: {_plain(value)}")
             for key, value in items.items()
         ]
     return [sentence(str(item)) for item in items]

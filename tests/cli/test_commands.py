@@ -2,6 +2,7 @@
 
 import json
 import math
+from importlib import import_module
 
 import pytest
 import report_fakes as fakes
@@ -15,6 +16,7 @@ SLOW = {
     "fit": ("dnanalyze.fitting.fit.fit", fakes.fit),
     "compare": ("dnanalyze.comparator.compare.compare", fakes.comparison),
     "diagnose": ("dnanalyze.diagnosis.diagnose.diagnose", fakes.diagnosis),
+    "detect": ("dnanalyze.detection.detect.detect", fakes.detection),
     "add": ("dnanalyze.diagnosis.refine.add", fakes.refinement),
     "refine": ("dnanalyze.diagnosis.refine.refine", fakes.refinement),
 }
@@ -38,7 +40,8 @@ def calls(monkeypatch):
         return call
 
     for command, (path, result) in SLOW.items():
-        monkeypatch.setattr(path, stand_in(command, result))
+        module, name = path.rsplit(".", 1)
+        monkeypatch.setattr(import_module(module), name, stand_in(command, result))
     monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan: None)
     monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: None)
     return seen

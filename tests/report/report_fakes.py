@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
+from dnanalyze.detection.results import Detection, FilterEstimate, Finding, TailBound
+from dnanalyze.detection.series import SuppressionSeries
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.noise_model import NoiseModel
@@ -45,8 +47,6 @@ def statistics(noise: float = 3.0, plane: str = "") -> Statistics:
             "temporal_noise": Value(noise * (n + 1), 0.01),
             "pattern_noise": Value(noise / 2, 0.02),
             "hot_count_8": Value(float(n), 1.0),
-            "frame_hf_mf": Value(1.0 - 0.1 * n, 0.03),
-            "frame_psd_0.08_0.16": Value(noise**2 * (1 + n), 0.03),
             "pattern_psd_0.08_0.16": Value(noise**2, 0.05),
             "column_outliers": Value(0.0, 1.0),
             "pattern_corr_10": Value(0.01 * n, 0.01),
@@ -170,20 +170,30 @@ def refinement() -> SimpleNamespace:
     )
 
 
-def detection(filtered: bool = True) -> SimpleNamespace:
+def detection(filtered: bool = True) -> Detection:
     """One flagged finding, one not."""
-    findings = [
-        SimpleNamespace(
-            test="rank", kind="dpc", temperature_c=105.0, p_value=1e-9, effect_size=0.2,
-            flagged=filtered,
-        ),
-        SimpleNamespace(
-            test="memory", kind="temporal_denoise", temperature_c=None, p_value=float("nan"),
-            effect_size=0.0, flagged=False,
-        ),
-    ]  # fmt: skip
-    kind = "dpc" if filtered else "none"
-    return SimpleNamespace(filtered=filtered, kind=kind, findings=findings, evidence=["why"])
+    findings = (
+        Finding("rank", "dpc", 105.0, 1e-9, 0.2, filtered, "frame", "why"),
+        Finding("memory", "temporal_denoise", None, float("nan"), 0.0, False),
+    )
+    if not filtered:
+        return Detection(False, "none", 0.9, findings=findings)
+    celsius = np.array([25.0, 65.0, 105.0])
+    series = SuppressionSeries(
+        celsius,
+        np.log([1.0, 0.8, 0.4]),
+        np.full(3, 0.02),
+        0.9,
+        np.log([1.0, 0.9, 0.8]),
+        0.01,
+        99.0,
+        9.0,
+    )
+    return Detection(
+        True, "dpc", 0.99999, FilterEstimate("dynamic", threshold_dn=8.0), ("denoise",), findings,
+        ("The vertical arm is gone.",), ("denoise or crosstalk",),
+        (TailBound(105.0, 8.0, 10.0, 2000.0, 3000.0),), {}, series,
+    )  # fmt: skip
 
 
 def fit() -> SimpleNamespace:

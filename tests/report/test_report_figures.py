@@ -118,13 +118,13 @@ def test_a_missing_code_shows_as_zero_and_a_smooth_histogram_as_one():
     assert ratio[(code < 85) & (code > 75)] == pytest.approx(1, abs=0.02)
 
 
-def test_crosstalk_lowers_the_high_frequencies_as_the_kernel_says():
-    assert suppression.transfer(0.0, suppression.HIGH) == pytest.approx(1)
-    phi = 0.01
-    nyquist = suppression.transfer(phi, (0.70, 0.72))
-    assert nyquist == pytest.approx((1 - 8 * phi) ** 2, rel=0.01)  # K(1/2, 1/2)
-    assert suppression.transfer(phi, suppression.MIDDLE) > 0.97
-    assert suppression.suppression(layers(fakes.statistics())[0]) is not None
+def test_suppression_is_named_at_its_end():
+    text = words_of(suppression.suppression(fakes.detection().series))
+    for word in ("measured", "unfiltered", "crosstalk 1 %"):
+        assert word in text
+    assert suppression.suppression(None) is None
+    ends = suppression._apart(((1.0, "a", ""), (1.0, "b", ""), (0.2, "c", "")), 0.1)
+    assert [y for y, *_ in ends] == pytest.approx([0.2, 1.0, 1.1])
 
 
 def test_the_largest_neighbour_leaves_the_pixel_itself_out():

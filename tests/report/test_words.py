@@ -78,6 +78,14 @@ def test_what_was_taken_out_again_is_not_said_to_be_added():
 
 def test_sentences_come_from_lists_mappings_and_text():
     assert words.texts(["one", "two."]) == ["One.", "Two."]
-    assert words.texts({"rts": 0.25, "a": "said so"}) == ["Rts: 0.25.", "Said so."]
+    assert words.texts({"rts": 0.25, "dpc": "dpc below 1 DN"}) == ["Rts: 0.25.", "dpc below 1 DN."]
     assert words.texts(None) == []
     assert words.texts("one") == ["One."]
+
+
+def test_certainty_is_never_claimed():
+    assert words.percent(1.0) == "over 99.9 %"
+    assert words.percent(0.97) == "97 %"
+    assert words.percent(None) == "–"
+    assert words.probability(0.0) == "< 1e-300"
+    assert words.probability(1.23e-9) == "1.2e-9"

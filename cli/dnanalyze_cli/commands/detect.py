@@ -16,7 +16,7 @@ def detect(
     quiet: Quiet = False,
 ) -> None:
     """Whether defect correction or denoise was applied to these raw frames, and which."""
-    from dnanalyze.detection import detect as run
+    from dnanalyze.detection.detect import detect as run
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 
@@ -27,11 +27,9 @@ def detect(
     show.detection(session.console, found, detection)
 
     def page() -> str:
-        from dnanalyze.analyzers.analyze import analyze
         from dnanalyze.report.pages.detect import detect_page
 
-        with session.progress("Drawing") as tick:
-            return detect_page(found, detection, analyze(found, progress=tick))
+        return detect_page(found, detection)
 
     session.write(
         documents.detection(captures, detection), page, lambda: tables.findings(detection)

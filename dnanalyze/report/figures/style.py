@@ -92,11 +92,12 @@ def layers(
     measured: Statistics, simulated: Statistics | None = None, gaussian: Statistics | None = None
 ) -> tuple[Layer, ...]:
     """Measured, Gaussian and model, in the order in which they are drawn."""
-    made = [Layer("measured", measured, INK, "-", 1.4, band=True)]
+    beneath = 1.4 if simulated is None else 2.2  # so that it shows on both sides of the model
+    made = [Layer("measured", measured, INK, "-", beneath, band=True)]
     if gaussian is not None:
         made.append(Layer("Gaussian", gaussian, GAUSSIAN, (0, (4, 2)), 1.0))
     if simulated is not None:
-        made.append(Layer("model", simulated, MODEL, "-", 1.3))
+        made.append(Layer("model", simulated, MODEL, "-", 1.2))
     return tuple(made)
 
 
@@ -187,7 +188,7 @@ def name_layers(fig: Any, drawn: Sequence[Layer]) -> None:
     from matplotlib.lines import Line2D
 
     handles = [
-        Line2D([], [], color=k.colour, linestyle=k.dash, linewidth=k.width + 0.4, label=k.label)
+        Line2D([], [], color=k.colour, linestyle=k.dash, linewidth=k.width + 0.2, label=k.label)
         for k in drawn
     ]
     if len(handles) > 1:

@@ -59,8 +59,10 @@ def waterfall(names: Sequence[str], errors: Sequence[float]) -> Picture | None:
             ax.annotate(number(value), (place, high), (0, 3), textcoords="offset points",
                         ha="center", va="bottom", fontsize=8)  # fmt: skip
         ax.axhline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
-        ax.annotate("a second sensor", (end + 0.42, 1.0), (0, 3), textcoords="offset points",
-                    ha="right", fontsize=7.2)  # fmt: skip
+        ax.annotate(
+            "a second\nsensor", (1.0, 1.0), (5, 0), xycoords=("axes fraction", "data"),
+            textcoords="offset points", va="center", fontsize=7.2, annotation_clip=False,
+        )  # fmt: skip
         labels = [*(n.replace("_", "_\u200b") for n, _ in steps), "final"]
         many = len(labels) > 7
         ax.set_xticks(

@@ -14,6 +14,7 @@ from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.panels import family_panels
 from dnanalyze.report.words import compare_headline, number, sentence
 
+CLOSE = 1.3  # error from which a model is said to fail
 FIRST = 6  # failures that stand with the verdict; the rest follow
 
 
@@ -23,7 +24,9 @@ def sections(result: Any) -> list[Section]:
     return [
         Section(
             "error",
-            "Where the model fails",
+            "Where model and sensor differ most"
+            if result.error < CLOSE
+            else "Where the model fails",
             points=[sentence(f) for f in result.failures[FIRST:]],
             pictures=[
                 heatmap.families(result.families, result.baselines, result.error),

@@ -8,66 +8,100 @@ import numpy as np
 
 from dnanalyze.report import capture
 from dnanalyze.report.figures.against_neighbours import scatter
-from dnanalyze.report.figures.style import labels, layers
+from dnanalyze.report.figures.style import labels
 from dnanalyze.report.figures.suppression import suppression
 from dnanalyze.report.page import Page, Section, Table, render
-from dnanalyze.report.words import is_number, number, texts
+from dnanalyze.report.words import is_number, listing, number, percent, probability, sentence, texts
 
 KINDS = {
     "dpc": "defect-pixel correction",
     "denoise": "spatial denoise",
     "temporal_denoise": "temporal denoise",
 }
+ESTIMATE = {
+    "subkind": ("kind", ""),
+    "view": ("works on the", ""),
+    "threshold_dn": ("threshold", "DN"),
+    "threshold_sigma": ("threshold", "sigma"),
+    "ratio": ("ratio to the neighbours' maximum", ""),
+    "neighbours": ("neighbours looked at", ""),
+    "replacement": ("replaced by", ""),
+    "site_ppm": ("replaced sites", "ppm"),
+    "strength": ("strength", ""),
+    "from_temperature_c": ("shows from", "°C"),
+}
 
 
 def headline(result: Any) -> str:
     """The verdict in one or two sentences."""
-    said = getattr(result, "verdict", None)
-    if isinstance(said, str) and " " in said:
-        return said
     if not result.filtered:
         return "No sign of defect correction or denoise: these frames behave as raw ones do."
-    return f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}."
+    text = f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}"
+    if is_number(result.confidence):
+        text += f" ({percent(result.confidence)} confidence)"
+    if result.also:
+        text += f"; there are signs of {listing(KINDS.get(k, k) for k in result.also)} too"
+    return sentence(text)
 
 
-def detect_page(captures: Any, result: Any, measured: Any = None) -> str:
-    """HTML of the page.
-
-    Parameters
-    ----------
-    captures : CaptureSet
-    result : Detection
-    measured : Statistics, optional
-        For the figure over temperature.
-    """
+def detect_page(captures: Any, result: Any) -> str:
+    """HTML of the page."""
     flagged = [f for f in result.findings if f.flagged]
-    over = [suppression(layers(measured)[0])] if measured is not None else []
+    others = [f for f in result.findings if not f.flagged]
+    count = f"{len(flagged)} of {len(result.findings)} tests are flagged, after allowing for their"
     page = Page(
         "Hidden filters",
         capture.title(captures),
         headline(result),
         [
-            Section("temperature", "High-frequency suppression over temperature", pictures=over),
+            Section("estimate", "What the filter seems to be", tables=_estimate(result)),
+            Section(
+                "temperature",
+                "High-frequency suppression over temperature",
+                pictures=[suppression(result.series)],
+            ),
             Section(
                 "neighbours",
                 "A pixel against its neighbours",
                 pictures=[scatter(_frames(captures))],
             ),
+            Section("ambiguous", "What cannot be told apart here", points=texts(result.ambiguous)),
             Section(
                 "tests",
                 "The tests",
-                text=[f"{len(flagged)} of {len(result.findings)} tests are flagged, after allowing "
-                      "for their number."],
-                tables=[_table([f for f in result.findings if f.flagged], "Flagged", False),
-                        _table([f for f in result.findings if not f.flagged], "The others", True)],
+                text=[f"{count} number."],
+                tables=[t for t in (_tests(flagged, False), _tests(others, True)) if t.rows],
             ),
         ],
         tone="poor" if result.filtered else "good",
-        points=texts(getattr(result, "evidence", None)),
+        points=texts(list(result.evidence)),
         facts=capture.facts(captures),
         notes=captures.notes,
-    )  # fmt: skip
+    )
     return render(page)
+
+
+def _estimate(result: Any) -> list[Table]:
+    """The filter's parameters, and the hot pixels that there were before it."""
+    made = []
+    if result.estimate is not None:
+        known = [(k, v) for k, v in vars(result.estimate).items() if v is not None]
+        rows = [(*ESTIMATE.get(k, (k, "")), v) for k, v in known]
+        cells = [(name, number(v) if is_number(v) else str(v), unit) for name, unit, v in rows]
+        made.append(Table(("", "", ""), cells, words=3))
+    if result.tail:
+        tail = [
+            (
+                f"{t.temperature_c:.4g} °C" if is_number(t.temperature_c) else "–",
+                number(t.level_dn),
+                number(t.ppm_seen),
+                f"{number(t.ppm_lower)} to {number(t.ppm_upper)}",
+            )
+            for t in result.tail
+        ]
+        columns = ("at", "above [DN]", "left [ppm]", "before correction [ppm]")
+        made.append(Table(columns, tail, title="Hot pixels before correction"))
+    return made
 
 
 def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
@@ -80,18 +114,18 @@ def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
     ]
 
 
-def _table(findings: list[Any], title: str, folded: bool) -> Table:
+def _tests(findings: list[Any], folded: bool) -> Table:
     rows = [
         (
             f.test,
             KINDS.get(f.kind, f.kind),
-            f"{f.temperature_c:g} °C" if is_number(f.temperature_c) else "all",
-            number(f.p_value, 2),
+            f"{f.temperature_c:.4g} °C" if is_number(f.temperature_c) else "all",
+            f.view,
+            probability(f.p_value),
             number(f.effect_size),
         )
         for f in findings
     ]
-    title = f"{title} ({len(rows)})" if rows else f"{title}: none"
-    return Table(
-        ("test", "points to", "at", "p", "effect"), rows, words=3, title=title, folded=folded
-    )
+    columns = ("test", "points to", "at", "on", "p", "effect")
+    title = f"{'The others' if folded else 'Flagged'} ({len(rows)})"
+    return Table(columns, rows, words=4, title=title, folded=folded)

@@ -11,6 +11,8 @@ from dnanalyze.report.pages import compare
 from dnanalyze.report.words import (
     diagnose_headline,
     number,
+    percent,
+    plural,
     sentence,
     texts,
 )
@@ -26,8 +28,8 @@ def sections(result: Any) -> list[Section]:
             c.effect,
             ", ".join(c.confused_with) or "–",
             number(c.error_after),
-            f"{100 * c.explained:.0f} %",
-            f"{100 * c.confidence:.0f} %",
+            percent(c.explained),
+            percent(c.confidence),
         )
         for c in found
     ]
@@ -56,9 +58,15 @@ def sections(result: Any) -> list[Section]:
             text=["Below these strengths an effect may be in the sensor without showing here."]
             if result.detection_limits
             else [],
-            points=texts(result.detection_limits),
+            tables=_limits(result.detection_limits),
         ),
     ]
+
+
+def _limits(limits: Any) -> list[Table]:
+    """Detection limits, folded."""
+    rows = [(text,) for text in texts(limits)]
+    return [Table(("limit",), rows, title=plural(len(rows), "effect"), folded=True)] if rows else []
 
 
 def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:

@@ -10,8 +10,8 @@ from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.words import (
-    is_number,
     number,
+    percent,
     refine_headline,
     sentence,
     step_name,
@@ -23,7 +23,7 @@ def refine_page(captures: Any, result: Any, comparison: Any = None) -> str:
     steps = list(result.steps)
     names = [step_name(s.added, place) for place, s in enumerate(steps)]
     rows = [
-        (name, _percent(getattr(s, "confidence", None)), number(s.error))
+        (name, percent(getattr(s, "confidence", None)), number(s.error))
         for name, s in zip(names, steps, strict=True)
     ]
     why = [
@@ -62,7 +62,3 @@ def refine_page(captures: Any, result: Any, comparison: Any = None) -> str:
         notes=captures.notes,
     )
     return render(page)
-
-
-def _percent(value: Any) -> str:
-    return f"{100 * value:.0f} %" if is_number(value) else "–"
