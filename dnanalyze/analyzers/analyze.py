@@ -56,10 +56,12 @@ def analyze_windows(
     *,
     workers: int | None = None,
     progress: Progress | None = None,
+    errors: bool = True,
 ) -> list[Statistics]:
     """`analyze` for several windows of the same frames, each frame read once.
 
-    ``None`` among the windows stands for the whole frame.
+    ``None`` among the windows stands for the whole frame. Without ``errors`` only the values that
+    are compared are sure to be there, and their standard errors mean nothing.
     """
     placed = [_placed(window, captures.sensor) for window in windows]
     outer = _outer(placed)
@@ -68,7 +70,7 @@ def analyze_windows(
     with ExitStack() as stack:
         pool = _pool(workers, outer, stack)
         for setting in captures.settings:
-            parts = [_Part(w, plane) for w in placed for plane in _planes(w, captures.sensor)]
+            parts = [_Part(w, plane, errors) for w in placed for plane in _planes(w, captures.sensor)]
             for number, frame in enumerate(_frames(setting, outer)):
                 for part in parts:
                     part.add(part.cut(frame, outer), number, pool)
@@ -80,7 +82,7 @@ def analyze_windows(
                 settings[where].append(part.finish(setting.point, pool))
     out = []
     for each in settings:
-        laws, rated = trends(each, captures.sensor)
+        laws, rated = trends(each, captures.sensor) if errors else ({}, each)
         out.append(Statistics(captures.name, captures.sensor, tuple(rated), laws))
     return out
 
@@ -176,6 +178,7 @@ class _Part:
 
     window: Window
     plane: _Plane
+    errors: bool = True
     accumulation: Accumulation | None = None
     waiting: list[np.ndarray] = field(default_factory=list)
 
@@ -199,7 +202,7 @@ class _Part:
     def _begin(
         self, first: np.ndarray, second: np.ndarray | None, pool: ThreadPoolExecutor | None
     ) -> None:
-        self.accumulation = Accumulation(make_plan(first, second), pool)
+        self.accumulation = Accumulation(make_plan(first, second, self.errors), pool)
         self.accumulation.add(first, 0)
         self.waiting = []
 

@@ -31,6 +31,9 @@ class Plan:
         Smallest and largest value of the first frame, DN.
     integer : bool
         All pixels of the first frame are whole numbers: the data are codes of a converter.
+    errors : bool
+        Standard errors are wanted; without them (simulated frames in a fit) they are left at their
+        lower bounds, and what is given for information alone may be left out.
     """
 
     shape: tuple[int, int]
@@ -40,6 +43,7 @@ class Plan:
     low: float
     high: float
     integer: bool
+    errors: bool = True
 
     @property
     def pixels(self) -> int:

@@ -41,6 +41,9 @@ class Peak:
     amplitude: float
     real: bool
 
+_REAL_MODE_CHANCE = 8.0  # ratio that chance reaches once in 200
+_REAL_MODE_ERROR = 0.518  # standard deviation of ln(1 + chi-square of one degree)
+
 
 def largest_peak(
     power: np.ndarray, shape: tuple[int, int], repeats: float, temporal: bool = False
@@ -106,7 +109,7 @@ def _peak_error(
 
 
 def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
-    """Power at (1/2, 0), (0, 1/2), (1/2, 1/2) over its neighbours: value and error of its log.
+    """Power at (1/2, 0), (0, 1/2), (1/2, 1/2) over its neighbours: value and error of ln(1 + r).
 
     Parameters
     ----------
@@ -132,14 +135,16 @@ def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple
         floor = float(np.mean(around))
         if peak > 0 and floor > 0:
             ratio = float(peak) / floor
-            out[name] = ratio, math.sqrt(_real_mode_variance(ratio) + 1.0 / np.size(around))
+            out[name] = ratio, _real_mode_error(ratio, np.size(around))
     return out
 
 
-def _real_mode_variance(ratio: float) -> float:
-    """Variance of the log of a mode that is its own conjugate: chi-square with one degree.
+def _real_mode_error(ratio: float, around: int) -> float:
+    """Standard error of ln(1 + r) of a mode that is its own conjugate: chi-square with one degree.
 
-    Where the mode stands far above the floor it is a fixed offset a with noise e: (a + e)^2.
+    A fixed offset over a floor makes it non-central, with variance 2 + 4 (E r - 1); the floor itself
+    is a mean over ``around`` modes.
     """
-    chance = float(special.polygamma(1, 0.5))
-    return chance if ratio < 8 else min(chance, 4.0 / ratio)
+    chance = ratio < _REAL_MODE_CHANCE
+    own = _REAL_MODE_ERROR if chance else math.sqrt(4.0 * ratio - 2.0) / (1.0 + ratio)
+    return math.hypot(own, min(ratio, 1.0) / math.sqrt(around))

@@ -87,7 +87,7 @@ def _nyquist() -> Iterator[StatisticInfo]:
         ("11", "the two fields of a checkerboard", "a colour pattern or shared pixels"),
     ):
         yield StatisticInfo(
-            f"pattern_nyquist_{label}", "spectrum", "1", f"difference between {what}", Scale.LOG,
+            f"pattern_nyquist_{label}", "spectrum", "1", f"difference between {what}", Scale.RATIO,
             high=f"{what} differ more than in the model: {why}",
             low=f"{what} differ less than in the model",
         )  # fmt: skip

@@ -17,6 +17,7 @@ class Scale(StrEnum):
     LINEAR = "linear"
     LOG = "log"  # powers, variances
     ROOT = "root"  # counts: 2 sqrt(n + 3/8), spread 1 for Poisson counts
+    RATIO = "ratio"  # power of one mode over its floor: ln(1 + r), since r may come near 0 by chance
 
     def coordinate(self, value: float) -> float:
         """The value on this scale; NaN where it has none."""
@@ -24,7 +25,19 @@ class Scale(StrEnum):
             return value
         if self is Scale.LOG:
             return math.log(value) if value > 0 else math.nan
+        if self is Scale.RATIO:
+            return math.log1p(value) if value > -1 else math.nan
         return 2.0 * math.sqrt(value + 0.375) if value > -0.375 else math.nan
+
+    def plain(self, coordinate: float) -> float:
+        """The value at a place on this scale."""
+        if self is Scale.LINEAR:
+            return coordinate
+        if self is Scale.LOG:
+            return math.exp(min(coordinate, 700.0))
+        if self is Scale.RATIO:
+            return math.expm1(min(coordinate, 700.0))
+        return (max(coordinate, 0.0) / 2.0) ** 2 - 0.375
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,9 @@ ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
 HALF = np.float32(np.sqrt(0.5))
 
 
-def make_plan(first: np.ndarray, second: np.ndarray | None = None) -> Plan:
+def make_plan(
+    first: np.ndarray, second: np.ndarray | None = None, errors: bool = True
+) -> Plan:
     """The scales of a setting from its first frame, or two, (rows, columns) in DN."""
     frame = as_float(first)
     integer = first.dtype.kind in "ui" or bool(np.all(frame == np.rint(frame)))
@@ -36,7 +38,7 @@ def make_plan(first: np.ndarray, second: np.ndarray | None = None) -> Plan:
         difference = (as_float(second) - frame) * HALF
         between = Ordered(difference, float(HALF) if integer else 0.0).robust_sigma()
     low, high = float(ordered.sorted[0]), float(ordered.sorted[-1])
-    return Plan(frame.shape, float(ordered.quantile(0.5)), sigma, between, low, high, integer)
+    return Plan(frame.shape, float(ordered.quantile(0.5)), sigma, between, low, high, integer, errors)
 
 
 def as_float(frame: np.ndarray) -> np.ndarray:

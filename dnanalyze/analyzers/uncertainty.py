@@ -108,6 +108,8 @@ def mean_error(plan: Plan, *influences: np.ndarray, repeats: float = 1.0) -> flo
 
     With two maps (of two frames) and ``repeats``, that of the mean over so many frames.
     """
+    if not plan.errors:
+        return 0.0
     sides = [mean_residuals(plan, influence) for influence in influences]
     return float(np.sqrt(repeated_variance(sides, repeats)))
 
@@ -171,12 +173,16 @@ class QuantileErrors:
             (quantiles,) or (quantiles, combinations).
         """
         combinations = np.asarray(combinations, float)
+        if not self.plan.errors:
+            return np.zeros(combinations.shape[1:])
         columns = combinations.reshape(self.probabilities.size, -1)
         variance = self._variance(columns * self._slopes[:, None])
         return np.sqrt(variance).reshape(combinations.shape[1:])
 
     def over_mean(self, sample: np.ndarray) -> np.ndarray:
         """Relative standard errors of quantile / mean of a single map."""
+        if not self.plan.errors:
+            return np.zeros(self.probabilities.size)
         mean = float(sample.mean(dtype=np.float64))
         residual = mean_residuals(self.plan, sample)[..., None] / mean
         scale = self._slopes / np.maximum(np.abs(self.values), 1e-30)

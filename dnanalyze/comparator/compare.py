@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.catalogue import infos
-from dnanalyze.analyzers.statistics import Scale, Statistics
+from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
 from dnanalyze.fitting.design import design
@@ -116,7 +116,7 @@ def table(held: Bench, made: list[Statistics]) -> list[dict[str, Any]]:
     for i, key in enumerate(target.keys):
         point = held.plan.settings[key.setting][0]
         info = known[key.name]
-        value = _plain(info.scale, simulated[i])
+        value = info.scale.plain(float(simulated[i]))
         rows.append(
             {
                 "name": key.name,
@@ -136,14 +136,6 @@ def table(held: Bench, made: list[Statistics]) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def _plain(scale: Scale, coordinate: float) -> float:
-    if scale is Scale.LOG:
-        return float(np.exp(coordinate))
-    if scale is Scale.ROOT:
-        return float((coordinate / 2.0) ** 2 - 0.375)
-    return float(coordinate)
 
 
 def _relative(measured: float, simulated: float) -> float | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.catalogue import infos
+from dnanalyze.analyzers.catalogue import catalogue as infos
 
 NOTICEABLE = 4.0  # floors
 

@@ -2,25 +2,136 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.diagnosis.candidate import Candidate
+from dnanalyze.diagnosis.confidence import NOTHING
+from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
 from dnanalyze.model.effect import Effect
 
-if TYPE_CHECKING:
-    from dnanalyze.diagnosis.diagnose import Diagnosis
+NOISE = 5.0  # loss below which a trial strength is called unseen
+STRENGTHS = (
+    "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step", "strength",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Smallest strength of an effect that these captures would show.
+
+    Parameters
+    ----------
+    effect, parameter : str
+    value : float
+        NaN where even the largest strength tried would not be seen.
+    unit : str
+    """
+
+    effect: str
+    parameter: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Such as ``column_fpn below 0.02 DN would not be seen``."""
+        if not np.isfinite(self.value):
+            return f"{self.effect} would not be seen in these captures at any ordinary strength"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.effect} with {self.parameter} below {self.value:.2g}{unit} would not be seen"
 
 
 def detection_limits(
-    bench: Bench, state: State, known: dict[str, type[Effect]]
+    held: Bench, state: State, known: dict[str, type[Effect]]
 ) -> dict[str, str]:
-    """Smallest strength of each effect that these captures would show."""
-    return {}
+    """Detection limit of every effect that is not in the model, as sentences.
+
+    The strength at which the effect moves the statistics, beyond what the model's own parameters can
+    absorb, by what `significant` asks for. One simulation each, at the setting with the least noise,
+    followed along the power law by which such an effect shows.
+    """
+    noise = Readings(held.measured[0]).value("frame_noise_core")
+    quietest = int(np.nanargmin(noise))
+    small = held.only([quietest])
+    jacobian = state.jacobian[held.train.setting == quietest]
+    jacobian = jacobian[:, np.linalg.norm(jacobian, axis=0) > 1e-6]
+    free = np.linalg.qr(jacobian)[0] if jacobian.size else np.zeros((len(jacobian), 0))
+    base = small.coordinates(state.model)[0]
+    limits = {}
+    for name, effect in known.items():
+        strength = _strength(effect, float(noise[quietest]))
+        if state.model.get(name) is not None or strength is None:
+            continue
+        parameter, first = strength
+        info = effect.parameters()[parameter]
+        made = state.model.with_effect(replace(effect(), **{parameter: first}))  # type: ignore[arg-type]
+        shift = np.nan_to_num((small.coordinates(made)[0] - base) / small.train.floor)
+        gain = loss(shift - free @ (free.T @ shift))
+        power = 4.0 if info.unit.startswith("DN") else 2.0
+        wanted = 2.0 * NOTHING
+        value = first * (wanted / gain) ** (1.0 / power) if gain > NOISE else float("nan")
+        limits[name] = str(Limit(name, parameter, value, info.unit))
+    return limits
 
 
-def next_capture(bench: Bench, found: Diagnosis) -> list[str]:
-    """Captures that would settle what is open."""
-    return []
+def _strength(effect: type[Effect], noise: float) -> tuple[str, float] | None:
+    """The parameter that says how strong an effect is, and a strength that shows."""
+    for name, info in effect.parameters().items():
+        if info.scale == "log" and name in STRENGTHS:
+            default = getattr(effect(), name)
+            value = default if isinstance(default, (int, float)) else default.value
+            first = 0.3 * noise if info.unit.startswith("DN") else float(value)
+            return name, min(max(first, info.lower), info.upper)
+    return None
+
+
+def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list[str]:
+    """Captures that would settle what is open, most useful first."""
+    points = [p for p, _ in held.plan.settings]
+    frames = [n for _, n in held.plan.settings]
+    advice = []
+    if min(frames) < 2:
+        advice.append("a second frame at each setting tells fixed pattern from temporal noise")
+    elif min(frames) < 4:
+        advice.append(
+            "eight frames at each setting: with fewer than four, blinking pixels and temporal "
+            "filters cannot be told from noise"
+        )
+    if candidates and candidates[0].confused_with:
+        best = candidates[0]
+        advice.append(_to_separate(held, best.effect, best.confused_with[0]))
+    temperatures = {p.temperature_c for p in points if p.temperature_c is not None}
+    if len(temperatures) < 3:
+        advice.append(
+            "at least three temperatures, 20 C apart: what grows with temperature is dark "
+            "current, what does not is readout"
+        )
+    exposures = {p.exposure_s for p in points if p.exposure_s is not None}
+    if len(exposures) < 2 and verdict != "adequate":
+        advice.append(
+            "the warmest setting again at a quarter of the exposure: charge effects shrink "
+            "with it, readout effects do not"
+        )
+    return advice
+
+
+def _to_separate(held: Bench, one: str, other: str) -> str:
+    """The capture that tells two effects apart, from what they vary with."""
+    from dnanalyze.model.registry import built_in
+
+    known = built_in()
+    a, b = known.get(one), known.get(other)
+    reason = ""
+    if a is not None and other in a.confused_with:
+        reason = f": {a.confused_with[other]}"
+    if a is not None and b is not None and {a.varies, b.varies} == {"fixed", "temporal"}:
+        coldest = held.plan.settings[0][0].label()
+        return f"eight more frames at {coldest} tell {one} from {other}{reason}"
+    warmest = held.plan.settings[-1][0].label()
+    return (
+        f"eight more frames at {warmest}, and as many at twice the exposure, help to tell {one} "
+        f"from {other}{reason}"
+    )

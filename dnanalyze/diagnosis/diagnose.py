@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from dnanalyze.diagnosis.adequacy import adequacy
+from dnanalyze.diagnosis.advice import detection_limits, next_capture
+from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import confidences, rivals, significant
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
-from dnanalyze.diagnosis.trial import Trial, error_of, trial
+from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -18,31 +20,6 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, catalogue
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """An effect that may be missing.
-
-    Parameters
-    ----------
-    effect : str
-    error_after : float
-        Error on the unseen half once it is in and everything is refitted.
-    explained : float
-        Share of the error above 1 that it removes, 0 to 1.
-    confidence : float
-        Probability that this is the effect to add next.
-    confused_with : list of str
-    evidence : list of str
-    """
-
-    effect: str
-    error_after: float
-    explained: float
-    confidence: float
-    confused_with: list[str]
-    evidence: list[str]
 
 
 @dataclass(frozen=True)
@@ -109,35 +86,19 @@ def diagnose(
     model = model or paper_start(held)
     state = minimise(held, start(held, model, knobs_of(model)))
     known = catalogue() if known is None else known
-    tried = trials_of(held, state, known, exclude, tell)
+    tried = trials(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
     return judge(captures.name, held, state, tried, known)
 
 
-def trials_of(
+def judge(
+    name: str,
     held: Bench,
     state: State,
+    tried: list[Trial],
     known: dict[str, type[Effect]],
-    exclude: Sequence[str] = (),
-    tell: Callable[[str], None] = lambda _: None,
-) -> list[Trial]:
-    """Try every effect that is not in the model and shows any sign; best gain first."""
-    tried = []
-    for name, effect in known.items():
-        if name == BASE or name in exclude or state.model.get(name) is not None:
-            continue
-        tell(name)
-        made = trial(held, state, effect)
-        if made is not None:
-            tried.append(made)
-    return sorted(tried, key=lambda t: -t.gain)
-
-
-def judge(
-    name: str, held: Bench, state: State, tried: list[Trial], known: dict[str, type[Effect]]
+    limits: bool = True,
 ) -> Diagnosis:
     """The verdict, with candidates in the order of what they explain."""
-    from dnanalyze.diagnosis.advice import detection_limits, next_capture
-
     error = error_of(held, state)
     chances = confidences(tried)
     kept = [t for t in tried if t.gain > 0]
@@ -166,8 +127,8 @@ def judge(
     made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
     return replace(
         made,
-        detection_limits=detection_limits(held, state, known),
-        next_capture=next_capture(held, made),
+        detection_limits=detection_limits(held, state, known) if limits else {},
+        next_capture=next_capture(held, verdict, candidates),
     )
 
 

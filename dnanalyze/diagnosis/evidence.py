@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dnanalyze.analyzers.catalogue import infos
+from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
@@ -94,10 +94,8 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
     if info.scale is Scale.LOG:
         size = f"{np.exp(train.coordinates[i] - model):.3g} times the model"
     else:
-        value = (model / 2) ** 2 - 0.375 if info.scale is Scale.ROOT else model
-        size = f"{train.values[i]:.3g} {info.unit}".rstrip(" 1") + f" against {max(value, 0):.3g}" if (
-            info.scale is Scale.ROOT
-        ) else f"{train.values[i]:.3g} against {value:.3g} {info.unit}".rstrip()
+        unit = "" if info.unit == "1" else f" {info.unit}"
+        size = f"{train.values[i]:.3g} against {info.scale.plain(model):.3g}{unit}"
     settings = train.setting[here]
     if len(set(settings)) == 1:
         where = ""

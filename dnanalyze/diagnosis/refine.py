@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from dnanalyze.diagnosis.confidence import NOTHING, confidences, significant
-from dnanalyze.diagnosis.diagnose import Diagnosis, judge, trials_of
-from dnanalyze.diagnosis.trial import error_of, removal
+from dnanalyze.diagnosis.diagnose import Diagnosis, judge
+from dnanalyze.diagnosis.trial import candidates_of, error_of, judged, prospects, removal, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -18,7 +18,7 @@ from dnanalyze.fitting.start import moments, ordinary_model
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import EVERYDAY, catalogue
+from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, find
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,8 @@ def refine(
         if until_error is not None and steps[-1].error <= until_error:
             tried = []
             break
-        tried = trials_of(held, state, known, [*exclude, *dropped], trying)
+        open_to = candidates_of(state, known, [BASE, *exclude, *dropped])
+        tried = trials(held, state, open_to, trying)
         added = sum(1 for s in steps[1:] if s.added not in EVERYDAY)
         if not tried or not significant(tried[0]):
             break
@@ -120,13 +121,11 @@ def refine(
         best = tried[0]
         state = minimise(held, best.state, 5)
         note(Step(best.effect, error_of(held, state), float(confidences(tried)[0])))
-        for name in [n for n in state.model.names if n not in known or n in dropped]:
-            dropped.add(name)
         state, gone = _needless(held, state, keep=best.effect)
         for name in gone:
             dropped.add(name)
             note(Step(f"-{name}", error_of(held, state)))
-    found = judge(captures.name, held, state, tried, known)
+    found = judge(captures.name, held, state, tried, known, limits=False)
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
     )
@@ -160,7 +159,7 @@ def _needless(held: Bench, state: State, keep: str) -> tuple[State, list[str]]:
     """Drop effects whose removal, after a refit, costs nothing on the unseen half."""
     gone = []
     for name in list(state.model.names):
-        if name in (*EVERYDAY, keep, "convolved_lognormal"):
+        if name in (*EVERYDAY, keep, BASE):
             continue
         without = removal(held, state, name)
         if loss(without.test) - loss(state.test) < NOTHING / 2:
@@ -178,22 +177,17 @@ def add(
     held: Bench | None = None,
 ) -> Refinement:
     """Put one effect in, refit everything together, and report the error before and after."""
-    from dnanalyze.diagnosis.trial import trial
-    from dnanalyze.model.registry import find
-
     known = catalogue() if known is None else known
     effect = find(name, known)
     held = held or bench(design(captures))
     before = minimise(held, start(held, model, knobs_of(model)))
-    steps = [Step(None, error_of(held, before))]
-    made = trial(held, before, effect, iterations=8)
-    if made is None:
-        plain = replace(model, effects=(*model.effects, effect()))
-        state = minimise(held, start(held, plain, knobs_of(plain), like=before), 8)
-    else:
-        state = made.state
-    steps.append(Step(name, error_of(held, state)))
-    found = judge(captures.name, held, state, [], known)
+    seen = prospects(held, before, {name: effect})
+    larger = seen[0].model if seen else before.model.with_effect(effect())
+    begun = start(held, larger, knobs_of(larger), like=before)
+    after = judged(held, before, name, minimise(held, begun, 8))
+    steps = [Step(None, error_of(held, before)), Step(name, after.error)]
+    found = judge(captures.name, held, after.state, [], known, limits=False)
+    state = after.state
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
     )

@@ -8,8 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dnanalyze.analyzers.catalogue import infos
-from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
@@ -41,6 +40,11 @@ class Residual:
 
     @property
     def shape(self) -> tuple[int, int]:
+        """The part of the frame that the statistics cover."""
+        return self.bench.plan.train.shape
+
+    @property
+    def field(self) -> tuple[int, int]:
         """Full frame."""
         return self.bench.plan.shape
 
@@ -59,11 +63,7 @@ class Residual:
         coordinates = train.coordinates - self.state.train * train.floor
         found = self._over_settings(name, coordinates)
         info = infos().get(name)
-        if info is None:
-            return found
-        if info.scale is Scale.LOG:
-            return np.exp(found)
-        return (found / 2) ** 2 - 0.375 if info.scale is Scale.ROOT else found
+        return found if info is None else np.array([info.scale.plain(c) for c in found])
 
     def z(self, name: str) -> np.ndarray:
         """Difference in floors, one a setting."""

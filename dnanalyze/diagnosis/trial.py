@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, loss, minimise, start
+from dnanalyze.fitting.least_squares import State, loss, minimise, start, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel
+
+MOST_REFITS = 5
+WORTH = 0.15  # share of the best promise from which a candidate is refitted
+STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """An effect at its first guess, with what it promises before any refit.
+
+    Parameters
+    ----------
+    effect : str
+    model : NoiseModel
+        With the effect at its first guess.
+    promise : float
+        Fall of the fitted half's loss, at the two most telling settings, if the statistics moved
+        linearly along the guess, with the model's own parameters free to follow.
+    """
+
+    effect: str
+    model: NoiseModel
+    promise: float
 
 
 @dataclass(frozen=True)
@@ -44,53 +69,117 @@ def error_of(bench: Bench, state: State) -> float:
     return pooled(state.test, bench.test.families)
 
 
-def trial(
+def prospects(
     bench: Bench,
     state: State,
-    effect: type[Effect],
-    iterations: int = 3,
-    frozen: Sequence[str] = (),
-) -> Trial | None:
-    """Add an effect from each of its first guesses and refit; the best, or None without a guess.
+    known: dict[str, type[Effect]],
+    tell: Callable[[str], None] = lambda _: None,
+) -> list[Prospect]:
+    """Simulate every effect that shows a sign at its first guesses; most promising first.
 
     Parameters
     ----------
     bench : Bench
     state : State
-        Fitted model without the effect.
-    effect : type
-    iterations : int
-        Steps of the refit.
-    frozen : sequence of str
-        Parameters to hold.
+        Fitted model without the effects.
+    known : dict
+        Effects to consider, by name.
+    tell : callable
+        Called with each name.
     """
-    best: State | None = None
-    for guess in effect.guess(Residual(bench, state)):
-        try:
-            model = state.model.with_effect(guess)
-        except InputError:
-            continue
-        begun = start(bench, model, knobs_of(model, frozen), like=state)
-        ended = minimise(bench, begun, iterations)
-        if best is None or ended.loss < best.loss:
-            best = ended
-    if best is None:
-        return None
-    return Trial(
-        effect.name,
-        best,
-        loss(state.test) - loss(best.test),
-        state.loss - best.loss,
-        error_of(bench, best),
+    clues = Residual(bench, state)
+    few = _telling(bench, state)
+    small = bench.only(few)
+    part = _restricted(bench, state, few)
+    found = []
+    for name, effect in known.items():
+        tell(name)
+        made = [p for g in effect.guess(clues) if (p := _prospect(small, part, g)) is not None]
+        found += sorted(made, key=lambda p: -p.promise)[:2]
+    return sorted(found, key=lambda p: -p.promise)
+
+
+def _telling(bench: Bench, state: State) -> list[int]:
+    """The setting that the model misses most, and the one farthest from it in temperature."""
+    train = bench.train
+    losses = [loss(state.train[train.setting == s]) for s in range(len(bench.plan.settings))]
+    worst = int(np.argmax(losses))
+    ends = {0, len(losses) - 1}
+    return sorted({worst, max(ends, key=lambda e: abs(e - worst))})
+
+
+def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
+    """The state as seen at some of the settings."""
+    here = np.isin(bench.train.setting, settings)
+    there = np.isin(bench.test.setting, settings)
+    return State(
+        state.model, state.knobs, state.train[here], state.test[there], state.jacobian[here]
     )
 
 
-def removal(
-    bench: Bench, state: State, name: str, iterations: int = 3, frozen: Sequence[str] = ()
-) -> State:
+def _prospect(small: Bench, part: State, guess: Effect) -> Prospect | None:
+    try:
+        model = part.model.with_effect(guess)
+    except InputError:
+        return None
+    moved, _ = small.z(model)
+    return Prospect(guess.name, model, part.loss - _reachable(part, moved))
+
+
+def _reachable(state: State, moved: np.ndarray) -> float:
+    """Least loss along the line from the present statistics through the moved ones."""
+    w = weights(state.train)
+    usable = np.linalg.norm(state.jacobian, axis=0) > 1e-6
+    free = np.linalg.qr(state.jacobian[:, usable] * w[:, None])[0]
+
+    def absorbed(z: np.ndarray) -> np.ndarray:
+        return z - (free @ (free.T @ (z * w))) / w
+
+    return min(loss(absorbed(state.train + s * (moved - state.train))) for s in STRIDES)
+
+
+def trials(
+    bench: Bench,
+    state: State,
+    known: dict[str, type[Effect]],
+    tell: Callable[[str], None] = lambda _: None,
+    iterations: int = 3,
+) -> list[Trial]:
+    """Refit the most promising candidates; best gain on the unseen half first."""
+    seen = prospects(bench, state, known, tell)
+    if not seen:
+        return []
+    least = max(WORTH * seen[0].promise, 1.0)
+    best: dict[str, Trial] = {}
+    for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
+        begun = start(bench, p.model, knobs_of(p.model), like=state)
+        made = judged(bench, state, p.effect, minimise(bench, begun, iterations))
+        if p.effect not in best or made.state.loss < best[p.effect].state.loss:
+            best[p.effect] = made
+    return sorted(best.values(), key=lambda t: -t.gain)
+
+
+def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
+    """A refit, with what it gained on either half."""
+    return Trial(
+        effect,
+        after,
+        loss(before.test) - loss(after.test),
+        before.loss - after.loss,
+        error_of(bench, after),
+    )
+
+
+def removal(bench: Bench, state: State, name: str, iterations: int = 3) -> State:
     """The model without an effect, refitted."""
     model = state.model.without(name)
-    begun = start(bench, model, knobs_of(model, frozen), like=state)
-    return minimise(bench, begun, iterations)
+    return minimise(bench, start(bench, model, knobs_of(model), like=state), iterations)
 
 
+def candidates_of(
+    state: State, known: dict[str, type[Effect]], exclude: Sequence[str]
+) -> dict[str, type[Effect]]:
+    """Effects that are neither in the model nor excluded."""
+    return {
+        n: e for n, e in known.items() if n not in exclude and state.model.get(n) is None
+    }

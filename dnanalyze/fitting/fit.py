@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions
-from dnanalyze.fitting.least_squares import State, _weights, minimise, start
+from dnanalyze.fitting.least_squares import State, minimise, start, weights
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import moments, paper_model
@@ -103,7 +103,7 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
     covariance = np.full((len(knobs), len(knobs)), np.nan)
     seen = np.linalg.norm(state.jacobian, axis=0) > 1e-3 if len(knobs) else np.empty(0, bool)
     if replicates >= 2 and seen.any():
-        w = _weights(state.train)
+        w = weights(state.train)
         a = state.jacobian[:, seen] * w[:, None]
         gain = np.linalg.pinv(a, rcond=1e-6) * w
         drawn = [held.replicate(state.model, r)[0] for r in range(replicates)]

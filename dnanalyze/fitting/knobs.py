@@ -88,6 +88,8 @@ def knobs_of(model: NoiseModel, frozen: Sequence[str] = ()) -> list[Knob]:
         for name, info in effect.parameters().items():
             if info.scale == "choice" or f"{effect.name}.{name}" in frozen:
                 continue
+            if name in effect.idle():
+                continue
             law = getattr(effect, name)
             log = info.scale == "log"
             found += _of_law(effect.name, name, law, log, info.lower, info.upper, info.unit)

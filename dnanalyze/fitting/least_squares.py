@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
+from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.noise_model import NoiseModel
 
 HUBER = 6.0
-SMALLEST, LARGEST = 2.0, 60.0  # useful size of a derivative step, in floors (Euclidean)
+SMALLEST, LARGEST = 2.0, 400.0  # useful size of a derivative step, in floors (Euclidean)
 
 
 @dataclass(frozen=True)
@@ -108,6 +108,8 @@ def _first_step(knob: Knob, position: float) -> float:
         return 0.08
     if knob.part == "ea_ev":
         return 0.02
+    if knob.effect == PEDESTAL:
+        return 0.1
     return 0.05 * max(abs(position), 0.02)
 
 
@@ -162,14 +164,14 @@ def minimise(
     return state
 
 
-def _weights(z: np.ndarray) -> np.ndarray:
+def weights(z: np.ndarray) -> np.ndarray:
     """Square roots of the weights that make least squares the pseudo-Huber loss."""
     return (1 + (z / HUBER) ** 2) ** -0.25
 
 
 def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     """Damped step and the fall of the loss that it promises, within the bounds of the knobs."""
-    w = _weights(state.train)
+    w = weights(state.train)
     a = state.jacobian * w[:, None]
     b = state.train * w
     size = np.sqrt(np.sum(a * a, axis=0))

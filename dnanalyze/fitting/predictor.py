@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dnanalyze.analyzers import analyze_windows
+from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.vectors import Target, prediction, target
+from dnanalyze.loaders.captures import Setting
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import Memo, simulate
 
 MEMO_BYTES = 1 << 30
+THREADS = 2  # settings simulated at a time
 
 
 @dataclass(frozen=True)
@@ -35,12 +38,23 @@ class Bench:
     test: Target
     memo: Memo = field(default_factory=lambda: Memo(MEMO_BYTES))
 
-    def statistics(self, model: NoiseModel) -> list[Statistics]:
+    def statistics(self, model: NoiseModel, errors: bool = False) -> list[Statistics]:
         """Statistics of both halves of a simulated capture set."""
-        captures = simulate(
-            model, self.plan.shape, self.plan.settings, "simulation", self.plan.captures.sensor, self.memo
+        sensor = self.plan.captures.sensor
+        made = simulate(
+            model, self.plan.shape, self.plan.settings, "simulation", sensor, self.memo
         )
-        return analyze_windows(captures, self.plan.windows)
+
+        def one(setting: Setting) -> list[Statistics]:
+            alone = replace(made, settings=(setting,))
+            return analyze_windows(alone, self.plan.windows, workers=1, errors=errors)
+
+        with ThreadPoolExecutor(THREADS) as pool:
+            parts = list(pool.map(one, made.settings))
+        return [
+            Statistics(made.name, sensor, tuple(s for p in parts for s in p[half].settings))
+            for half in range(len(self.plan.windows))
+        ]
 
     def coordinates(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
         """Predicted coordinates of (train, test)."""
@@ -51,6 +65,14 @@ class Bench:
         """Differences in floors, of (train, test)."""
         train, test = self.coordinates(model)
         return self.train.z(train), self.test.z(test)
+
+    def only(self, settings: list[int]) -> Bench:
+        """The same bench with some of its settings."""
+        chosen = tuple(self.plan.captures.settings[i] for i in settings)
+        plan = replace(self.plan, captures=replace(self.plan.captures, settings=chosen))
+        return replace(
+            self, plan=plan, train=self.train.only(settings), test=self.test.only(settings)
+        )
 
     def replicate(self, model: NoiseModel, number: int) -> tuple[np.ndarray, np.ndarray]:
         """Predicted coordinates of another sensor of the same make."""

@@ -17,8 +17,13 @@ WIDE = 8
 
 
 @lru_cache(maxsize=32)
-def _basis(rows: int, cols: int, parity: int) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
-    """Cosine surfaces of order < WIDE at the blocks of one colour, low orders first."""
+def _basis(
+    rows: int, cols: int, parity: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[int, int]]]:
+    """Cosine surfaces of order < WIDE at the blocks of one colour, low orders first.
+
+    Returns the surfaces, their pseudo-inverse, the places of the blocks, and the orders.
+    """
     top = min(WIDE, rows // 2, cols // 2)
     orders = sorted(
         ((i, j) for i in range(top) for j in range(top)), key=lambda o: (max(o), o[0] + o[1], o)
@@ -28,7 +33,7 @@ def _basis(rows: int, cols: int, parity: int) -> tuple[np.ndarray, np.ndarray, l
     r, c = np.nonzero((np.add.outer(np.arange(rows), np.arange(cols)) % 2) == parity)
     scale = [(np.sqrt(2) if i else 1) * (np.sqrt(2) if j else 1) for i, j in orders]
     design = np.stack([y[r, i] * x[c, j] * s for (i, j), s in zip(orders, scale, strict=True)], 1)
-    return design, r * cols + c, orders
+    return design, np.linalg.pinv(design), r * cols + c, orders
 
 
 def shading_values(
@@ -54,10 +59,10 @@ def shading_values(
     blocks = np.concatenate([left.curves["block_means"], right.curves["block_means"]], axis=1)
     if min(blocks.shape) < 2 * ORDER or not np.isfinite(blocks).all():
         return {}
-    design, where, orders = _basis(*blocks.shape, parity)
+    design, inverse, where, orders = _basis(*blocks.shape, parity)
     low = [k for k, o in enumerate(orders) if max(o) < ORDER]
     next_up = [k for k, o in enumerate(orders) if max(o) >= ORDER]
-    coefficient, *_ = np.linalg.lstsq(design, blocks.ravel()[where], rcond=None)
+    coefficient = inverse @ blocks.ravel()[where]
     residue = blocks.ravel()[where] - design @ coefficient
     freedom = max(1, len(where) - len(orders))
     white = residue @ residue / freedom / len(where)

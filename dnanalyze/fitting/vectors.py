@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dnanalyze.analyzers.catalogue import infos
+from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import SettingStatistics, StatisticInfo, Statistics
 from dnanalyze.fitting.shading import shading_values
 
@@ -57,6 +57,21 @@ class Target:
     def setting(self) -> np.ndarray:
         """Setting of each number."""
         return np.array([k.setting for k in self.keys])
+
+    def only(self, settings: list[int]) -> Target:
+        """The numbers of some settings, renumbered."""
+        here = np.flatnonzero(np.isin(self.setting, settings))
+        keys = tuple(
+            Key(settings.index(self.keys[i].setting), self.keys[i].plane, self.keys[i].name)
+            for i in here
+        )
+        return Target(
+            keys,
+            self.values[here],
+            self.coordinates[here],
+            self.floor[here],
+            self.families[here],
+        )
 
     def z(self, predicted: np.ndarray) -> np.ndarray:
         """(measured - predicted) / floor; 0 where the prediction lacks the statistic."""

@@ -26,7 +26,11 @@ class Clues(Protocol):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Full frame."""
+        """Rows and columns that the statistics cover: counts are over these, lines this long."""
+
+    @property
+    def field(self) -> tuple[int, int]:
+        """Full frame, over which the curve "block_means" reaches."""
 
     def measured(self, name: str) -> np.ndarray:
         """One value a setting."""

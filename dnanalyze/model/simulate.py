@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -23,17 +24,21 @@ class Memo:
     limit_bytes: int = 256 << 20
     _held: OrderedDict[object, Any] = field(default_factory=OrderedDict)
     _bytes: int = 0
+    _lock: Any = field(default_factory=Lock)
 
     def get(self, key: object, make: Callable[[], Any]) -> Any:
-        """``make()``, or what it gave last time."""
-        if key in self._held:
-            self._held.move_to_end(key)
-            return self._held[key]
+        """``make()``, or what it gave last time; threads may at worst make a thing twice."""
+        with self._lock:
+            if key in self._held:
+                self._held.move_to_end(key)
+                return self._held[key]
         value = make()
-        self._held[key] = value
-        self._bytes += _size(value)
-        while self._bytes > self.limit_bytes and len(self._held) > 1:
-            self._bytes -= _size(self._held.popitem(last=False)[1])
+        with self._lock:
+            if key not in self._held:
+                self._held[key] = value
+                self._bytes += _size(value)
+            while self._bytes > self.limit_bytes and len(self._held) > 1:
+                self._bytes -= _size(self._held.popitem(last=False)[1])
         return value
 
 
@@ -78,11 +83,12 @@ class Simulator:
         effect = chain[count - 1]
         grown = window.grown(effect.reach, self.shape)
         if effect.memory:
-            past = [
-                self._after(count - 1, chain, point, max(0, n), grown)
-                for n in range(number - effect.memory, number + 1)
-            ]
-            signal = np.stack(past)
+            signal = np.stack(
+                [
+                    self._remembered(count - 1, chain, point, max(0, n), grown)
+                    for n in range(number - effect.memory, number + 1)
+                ]
+            )
         else:
             signal = self._after(count - 1, chain, point, number, grown)
 
@@ -97,6 +103,15 @@ class Simulator:
         if effect.stage < Stage.PEDESTAL and last_before:
             signal = signal + np.float32(self._pedestal(point))
         return signal
+
+    def _remembered(
+        self, count: int, chain: list[Effect], point: OperatingPoint, number: int, window: Window
+    ) -> np.ndarray:
+        """`_after`, kept for the frames that follow: they look back at it."""
+        return self._maps.get(
+            ("past", count, point, number, window),
+            lambda: self._after(count, chain, point, number, window),
+        )
 
     def _pedestal(self, point: OperatingPoint) -> float:
         return value_at(self.model.pedestal, point)

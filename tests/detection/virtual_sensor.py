@@ -58,7 +58,9 @@ def random_traits(rng: np.random.Generator) -> Traits:
     """An unfiltered sensor out of the range that the field makes, each nuisance in some of them."""
 
     def some(chance: float, low: float, high: float) -> float:
-        return float(np.exp(rng.uniform(np.log(low), np.log(high)))) if rng.random() < chance else 0.0
+        return (
+            float(np.exp(rng.uniform(np.log(low), np.log(high)))) if rng.random() < chance else 0.0
+        )
 
     read = float(np.exp(rng.uniform(np.log(1.2), np.log(8.0))))
     kind = rng.choice(["ordinary", "coarse", "eight_bit"], p=[0.7, 0.2, 0.1])
@@ -96,7 +98,9 @@ def random_traits(rng: np.random.Generator) -> Traits:
         drift=some(0.3, 1e-3, 2e-2),
         cosmic=some(0.3, 0.5, 20.0),
         comb=float(rng.uniform(1.05, 1.7)) if rng.random() < 0.1 else 1.0,
-        pedestal=float(rng.choice([2.0, 64.0, 240.0], p=[0.15, 0.6, 0.25])) if kind != "eight_bit" else 8.0,
+        pedestal=float(rng.choice([2.0, 64.0, 240.0], p=[0.15, 0.6, 0.25]))
+        if kind != "eight_bit"
+        else 8.0,
         white=255.0 if kind == "eight_bit" else float(2 ** rng.choice([10, 12, 14, 16]) - 1),
     )
 
@@ -132,7 +136,9 @@ class VirtualSensor:
         yy, xx = np.ogrid[0:h, 0:w]
         self._glow = t.glow * np.exp(-(yy / (0.2 * h) + xx / (0.2 * w))).astype(np.float32)
         blink = rng.random(self.shape) < t.rts
-        self._rts = np.where(blink, t.rts_e * rng.exponential(1.0, self.shape), 0).astype(np.float32)
+        self._rts = np.where(blink, t.rts_e * rng.exponential(1.0, self.shape), 0).astype(
+            np.float32
+        )
         self._switch = rng.uniform(0.05, 0.5, self.shape).astype(np.float32)
 
     def stack(self, temperature_c: float, frames: int) -> Stack:
@@ -140,7 +146,11 @@ class VirtualSensor:
         t = self.traits
         rng = np.random.default_rng([self.seed, 1, round(10 * temperature_c) + 5000])
         warm = _arrhenius(temperature_c, t.ea_ev)
-        charge = self._dark * warm + self._hot * _arrhenius(temperature_c, t.hot_ea_ev) + self._glow * warm
+        charge = (
+            self._dark * warm
+            + self._hot * _arrhenius(temperature_c, t.hot_ea_ev)
+            + self._glow * warm
+        )
         state = rng.random(self.shape) < 0.5
         out = np.empty((frames, *self.shape), np.uint16)
         for n in range(frames):
@@ -163,7 +173,13 @@ class VirtualSensor:
         read = self._read * normal()
         if t.heavy:
             read = np.where(rng.random(self.shape) < t.heavy, 3 * read, read)
-        e = arrived + read + self._fixed + t.row_noise * normal(h, 1) + t.column_noise * normal(1, w)
+        e = (
+            arrived
+            + read
+            + self._fixed
+            + t.row_noise * normal(h, 1)
+            + t.column_noise * normal(1, w)
+        )
         if t.flicker:
             e += t.flicker * _raster_flicker(self.shape, rng)
         if t.pink:
@@ -242,8 +258,12 @@ def _hot_pixels(t: Traits, shape: tuple[int, int], rng: np.random.Generator) -> 
     )
     parents = int(clustered / t.cluster_size)
     size = rng.poisson(t.cluster_size, parents)
-    y = np.repeat(rng.integers(0, shape[0], parents), size) + np.round(rng.normal(0, 1.0, size.sum()))
-    x = np.repeat(rng.integers(0, shape[1], parents), size) + np.round(rng.normal(0, 1.0, size.sum()))
+    y = np.repeat(rng.integers(0, shape[0], parents), size) + np.round(
+        rng.normal(0, 1.0, size.sum())
+    )
+    x = np.repeat(rng.integers(0, shape[1], parents), size) + np.round(
+        rng.normal(0, 1.0, size.sum())
+    )
     amplitude = np.repeat(rng.exponential(1.0, parents), size) * rng.exponential(1.0, size.sum())
     index = (y.astype(int) % shape[0], x.astype(int) % shape[1])
     np.add.at(field, index, amplitude.astype(np.float32))

@@ -99,7 +99,7 @@ class AmpGlow(Effect):
             return []
         found = []
         for place in SOURCES:
-            fits = [(*_fit(place, length, blocks, clues.shape), length) for length in LENGTHS]
+            fits = [(*_fit(place, length, blocks, clues.field), length) for length in LENGTHS]
             error, height, length = min(f for f in fits)
             if height > 0:
                 found.append((error, place, length))
@@ -110,7 +110,7 @@ class AmpGlow(Effect):
             for j in range(heights.size):
                 each = curve(clues, "block_means", j)
                 if each is not None:
-                    heights[j] = _fit(place, length, each, clues.shape)[1]
+                    heights[j] = _fit(place, length, each, clues.field)[1]
             fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
             if fitted is not None:
                 height, ea = fitted

@@ -65,6 +65,10 @@ class MadeUpClues:
     stands_out: tuple[str, ...] = ()
     curves: dict[str, list[np.ndarray]] = field(default_factory=dict)
 
+    @property
+    def field(self) -> tuple[int, int]:
+        return self.shape
+
     def _all(self, values: object) -> np.ndarray:
         return np.broadcast_to(np.asarray(values, float), (len(self.points),)).copy()
 
