@@ -64,6 +64,8 @@ def statistics(noise: float = 3.0, plane: str = "") -> Statistics:
             "block_means": rng.normal(0, 0.2, (8, 8)),
             "column_mean": rng.normal(0, 0.4, 64),
             "row_mean": rng.normal(0, 0.4, 64),
+            "column_spectrum_f": np.arange(1, 33) / 64,
+            "row_spectrum_f": np.arange(1, 33) / 64,
         }
         for part in ("pattern", "temporal"):
             curves |= {

@@ -25,7 +25,15 @@ from dnanalyze.report.figures import (
     trends,
     waterfall,
 )
-from dnanalyze.report.figures.style import chosen, labels, layers, picture, power_label
+from dnanalyze.report.figures.style import (
+    chosen,
+    labels,
+    layers,
+    picture,
+    plane_note,
+    power_label,
+    runs,
+)
 
 SVG = "{http://www.w3.org/2000/svg}"
 FAMILIES = {
@@ -70,8 +78,9 @@ def test_a_family_without_its_curves_draws_nothing(name):
 def test_a_single_setting_of_unknown_temperature_can_be_drawn():
     lone = replace(fakes.statistics().settings[0], point=OperatingPoint())
     drawn = layers(Statistics("x", Sensor((8, 8)), (lone,)))
-    for name in ("distribution", "tails", "spectrum", "lines", "panels"):
+    for name in ("distribution", "tails", "spectrum", "lines"):
         assert FAMILIES[name](drawn) is not None
+    assert FAMILIES["panels"](drawn) is None  # one dot over one tick says nothing
     assert trends.over_temperature(drawn) is None
 
 
@@ -81,6 +90,20 @@ def test_the_settings_shown_run_from_first_to_last_in_one_plane():
     shown = chosen(Statistics("x", Sensor((8, 8)), (*many, *other)), 2)
     assert [s.point.temperature_c for s in shown] == [25.0, 105.0]
     assert labels(shown) == ["25 °C", "105 °C"]
+
+
+def test_only_settings_that_differ_in_temperature_alone_are_joined():
+    dark = fakes.statistics().settings
+    bias = [replace(s, point=replace(s.point, exposure_s=0.0)) for s in dark[:2]]
+    both = Statistics("x", Sensor((8, 8)), (*bias, *dark))
+    assert runs(both.settings) == [[2, 3, 4], [0, 1]]
+    assert [s.point.exposure_s for s in chosen(both)] == [0.05] * 3
+    assert plane_note(both) == " Shown: 0.05 s. The rest is in the numbers."
+    assert plane_note(fakes.statistics()) == ""
+    other = Statistics("x", Sensor((8, 8)), tuple(reversed(dark)))
+    assert [other.settings[n].point.temperature_c for n in runs(other.settings)[0]] == [
+        25.0, 65.0, 105.0,
+    ]  # fmt: skip
 
 
 def test_white_noise_pools_to_its_variance_and_its_modes_to_the_plane():

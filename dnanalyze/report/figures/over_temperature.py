@@ -14,11 +14,13 @@ from dnanalyze.report.figures.style import (
     INK,
     Layer,
     Picture,
+    axis_of,
     figure,
     log_axis,
     name_layers,
+    one_plane,
     picture,
-    plane_note,
+    runs,
 )
 from dnanalyze.report.tables import info
 
@@ -29,12 +31,11 @@ def panels(drawn: Sequence[Layer], names: Sequence[str], caption: str) -> Pictur
     Statistics that no setting has are left out.
     """
     measured = drawn[0].statistics
-    plane = measured.settings[0].plane if measured.settings else ""
-    own = [s for s in measured.settings if s.plane == plane]
+    own = one_plane(measured)
     wanted = [n for n in dict.fromkeys(names) if any(_finite(s.values.get(n)) for s in own)]
-    if not wanted:
+    if not wanted or len(own) < 2:
         return None
-    axis, label = _axis(own)
+    _, axis, label = axis_of(own)
     columns = min(4, len(wanted))
     rows = math.ceil(len(wanted) / columns)
 
@@ -51,24 +52,22 @@ def panels(drawn: Sequence[Layer], names: Sequence[str], caption: str) -> Pictur
         return fig
 
     bars = " Bars: two standard errors of the measured value as one of this type of sensor."
+    if len(runs(own)) > 1:
+        bars += " Operating points that differ in more than this axis are not joined."
     return picture(
         draw,
-        caption + bars + plane_note(measured),
+        caption + bars + _plane(measured),
         "Over the operating points: " + ", ".join(wanted),
     )
 
 
+def _plane(statistics: Any) -> str:
+    plane = statistics.settings[0].plane
+    return f" Colour plane {plane}." if plane else ""
+
+
 def _finite(value: Value | None) -> bool:
     return value is not None and math.isfinite(value.value)
-
-
-def _axis(settings: Sequence[Any]) -> tuple[np.ndarray, str]:
-    """Where each setting stands along x, and what x is."""
-    for key, label in (("temperature_c", "°C"), ("exposure_s", "exposure [s]"), ("gain", "gain")):
-        values = [getattr(s.point, key) for s in settings]
-        if None not in values and len(set(values)) > 1:
-            return np.array(values, float), label
-    return np.arange(1.0, len(settings) + 1), "operating point"
 
 
 def _panel(
@@ -80,9 +79,10 @@ def _panel(
         values = [getattr(layer.like(s), "values", {}).get(name) for s in settings]
         y = np.array([v.value if v is not None else math.nan for v in values], float)
         plain += [float(v) for v in y if math.isfinite(v)]
-        order = np.argsort(x, kind="stable")
         marks = {"color": layer.colour, "linestyle": layer.dash, "linewidth": layer.width}
-        ax.plot(x[order], y[order], marker="o", markersize=3.2, **marks)
+        for run in runs(settings):
+            seen = [n for n in run if math.isfinite(y[n])]
+            ax.plot(x[seen], y[seen], marker="o", markersize=3.2, **marks)
         if layer.band:
             ends = np.array(
                 [ends_of(v, about.scale) if _finite(v) else (math.nan,) * 2 for v in values]

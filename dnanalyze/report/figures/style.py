@@ -32,6 +32,7 @@ STYLE: Any = {
     "axes.linewidth": 0.6,
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
     "axes.grid": True,
     "axes.axisbelow": True,
     "grid.color": "#eceff2",
@@ -101,12 +102,46 @@ def layers(
     return tuple(made)
 
 
-def chosen(statistics: Statistics, most: int = 5) -> list[SettingStatistics]:
-    """Settings to draw side by side: of one colour plane, evenly from first to last."""
+def one_plane(statistics: Statistics) -> list[SettingStatistics]:
+    """Settings of the first colour plane."""
+    return [s for s in statistics.settings if s.plane == statistics.settings[0].plane]
+
+
+def axis_of(settings: Sequence[SettingStatistics]) -> tuple[str, np.ndarray, str]:
+    """What the settings are drawn over: its key, the values, a label."""
+    for key, label in (("temperature_c", "°C"), ("exposure_s", "exposure [s]"), ("gain", "gain")):
+        values = [getattr(s.point, key) for s in settings]
+        if None not in values and len(set(values)) > 1:
+            return key, np.array(values, float), label
+    return "", np.arange(1.0, len(settings) + 1), "operating point"
+
+
+def runs(settings: Sequence[SettingStatistics]) -> list[list[int]]:
+    """Indices of the settings that differ in the axis alone, each run along it; longest first.
+
+    Among runs of one length the longest exposure comes first: it shows the most dark signal.
+    """
+    key, x, _ = axis_of(settings)
+    if not key:
+        return [list(range(len(settings)))]
+    found: dict[tuple[Any, ...], list[int]] = {}
+    for n, setting in enumerate(settings):
+        found.setdefault(tuple(v for k, v in vars(setting.point).items() if k != key), []).append(n)
+    made = [sorted(run, key=lambda n: x[n]) for run in found.values()]
+    return sorted(made, key=lambda run: (-len(run), -(settings[run[0]].point.exposure_s or 0)))
+
+
+def main_run(statistics: Statistics) -> list[SettingStatistics]:
+    """The longest run of settings over temperature (else exposure, gain) in one colour plane."""
     if not statistics.settings:
         return []
-    plane = statistics.settings[0].plane
-    own = [s for s in statistics.settings if s.plane == plane]
+    own = one_plane(statistics)
+    return [own[n] for n in runs(own)[0]]
+
+
+def chosen(statistics: Statistics, most: int = 5) -> list[SettingStatistics]:
+    """Settings to draw side by side: spread evenly over the main run."""
+    own = main_run(statistics)
     if len(own) <= most:
         return own
     return [own[round(i * (len(own) - 1) / (most - 1))] for i in range(most)]
@@ -119,11 +154,15 @@ def labels(settings: Sequence[SettingStatistics]) -> list[str]:
 
 
 def plane_note(statistics: Statistics) -> str:
-    """Says which colour plane a figure shows, where there are several."""
-    planes = {s.plane for s in statistics.settings}
-    if len(planes) < 2:
-        return ""
-    return f" Colour plane {statistics.settings[0].plane}; the other planes are in the numbers."
+    """Says what a figure shows where there is more: one colour plane, one exposure, ..."""
+    own, shown = one_plane(statistics), main_run(statistics)
+    note = ""
+    if len(own) < len(statistics.settings):
+        note += f" Colour plane {own[0].plane}."
+    if len(shown) < len(own):
+        apart = varied(vars(s.point) for s in own) - varied(vars(s.point) for s in shown)
+        note += f" Shown: {point_label(shown[0].point, apart)}."
+    return note + " The rest is in the numbers." if note else ""
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from dnanalyze.report.figures.style import (
     Picture,
     figure,
     log_axis,
+    main_run,
     name_layers,
     picture,
     plane_note,
@@ -28,8 +29,7 @@ NOISES = (("temporal_noise", "temporal noise"), ("pattern_noise", "fixed-pattern
 def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
     """Arrhenius plot of the dark signal above the pedestal, and the two noises."""
     measured = drawn[0].statistics
-    plane = measured.settings[0].plane if measured.settings else ""
-    warm = [s for s in measured.settings if s.plane == plane and s.point.temperature_c is not None]
+    warm = [s for s in main_run(measured) if s.point.temperature_c is not None]
     if len({s.point.temperature_c for s in warm}) < 2 or "mean" not in warm[0].values:
         return None
 
@@ -83,8 +83,8 @@ def _arrhenius(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any], pedestal: f
         functions=(lambda v: 1000 / np.maximum(v, 0.1) - KELVIN, lambda c: 1000 / (c + KELVIN)),
     )
     ticks = sorted({s.point.temperature_c for s in warm})
-    ticks = ticks if len(ticks) <= 6 else ticks[:: math.ceil(len(ticks) / 6)]
-    above.set_xticks(ticks, [f"{t:g} °C" for t in ticks])
+    ticks = ticks if len(ticks) <= 5 else ticks[:: math.ceil(len(ticks) / 4)]
+    above.set_xticks(ticks, [f"{t:.3g} °C" for t in ticks])
     above.tick_params(labelsize=7, length=2, color="#8a929b")
     above.spines["top"].set_visible(False)
     ax.set_title("dark signal", pad=18)
@@ -114,10 +114,11 @@ def _noise(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any], name: str, titl
     for layer in drawn:
         values = [getattr(layer.like(s), "values", {}).get(name) for s in warm]
         y = np.array([v.value if v is not None else math.nan for v in values], float)
-        if np.isfinite(y).any():
+        seen = np.isfinite(y)
+        if seen.any():
             ax.plot(
-                celsius, y, marker="o", markersize=3.2, color=layer.colour, linestyle=layer.dash,
-                linewidth=layer.width,
+                celsius[seen], y[seen], marker="o", markersize=3.2, color=layer.colour,
+                linestyle=layer.dash, linewidth=layer.width,
             )  # fmt: skip
     ax.set_title(title)
     ax.set_xlabel("°C")

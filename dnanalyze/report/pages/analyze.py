@@ -46,7 +46,7 @@ def trend_section(measured: Any) -> Section:
         (info(k).title, with_error(v.value, v.se), info(k).unit) for k, v in measured.trends.items()
     ]
     table = Table(("", "value", "unit"), rows)
-    return Section("trends", "Over temperature", tables=[table] if rows else [])
+    return Section("trends", "Laws over temperature", tables=[table] if rows else [])
 
 
 def missing_section(measured: Any) -> Section:

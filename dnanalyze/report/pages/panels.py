@@ -238,7 +238,7 @@ def measured(layer: Layer, family: str) -> Table | None:
             cells,
             words=2,
             title=f"All {len(names)} statistics",
-            folded=True,
+            folded=len(settings) > 1,
         )
     long = [
         (n, f"{s.point.label()} {s.plane}".strip(), _value(s, n), info(n).unit)
