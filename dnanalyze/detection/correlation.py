@@ -103,8 +103,8 @@ def shot_share(
 ) -> float:
     """Upper bound on the share of shot noise in the temporal variance at a temperature.
 
-    Between T and a warmer T' shot noise grows by at least g = exp(Ea/k (1/T - 1/T')) with the least
-    activation energy; so it is at most (V' - V)/(g - 1) at T.
+    Between T and a warmer T' shot noise grows by at least g = exp(Ea/k (1/T - 1/T')); so it is at most
+    (V' - V)/(g - 1) at T. Ea is taken low: from three temperatures where there are, else the least.
 
     Parameters
     ----------
@@ -123,10 +123,29 @@ def shot_share(
     if temperature_c is None or variance <= 0:
         return 1.0
     share = 1.0
-    here = temperature_c + 273.15
-    for other, warmer in others:
-        if warmer is None or warmer <= temperature_c + 3:
-            continue
-        growth = np.exp(LEAST_EA_EV / BOLTZMANN_EV_K * (1 / here - 1 / (warmer + 273.15)))
-        share = min(share, max(0.0, (other - variance) / variance) / (growth - 1))
-    return float(share)
+    warmer = sorted(
+        (t, v) for v, t in others if t is not None and t > temperature_c + 3 and v >= 0.98 * variance
+    )
+    ea = _activation(temperature_c, variance, warmer)
+    for there, other in warmer:
+        grown = growth(temperature_c, there, ea) - 1
+        share = min(share, (other - variance) / variance / grown)
+    return float(np.clip(share, 0.0, 1.0))
+
+
+def growth(cold_c: float, warm_c: float, ea_ev: float) -> float:
+    """Arrhenius growth of the dark current between two temperatures."""
+    return float(np.exp(ea_ev / BOLTZMANN_EV_K * (1 / (cold_c + 273.15) - 1 / (warm_c + 273.15))))
+
+
+def _activation(cold_c: float, variance: float, warmer: list[tuple[float, float]]) -> float:
+    """A safe, low activation energy: what three variances V = s^2 + A exp(-Ea/kT) give, less .1 eV."""
+    if len(warmer) < 2 or warmer[0][1] <= 1.05 * variance:
+        return LEAST_EA_EV
+    (near, at_near), (far, at_far) = warmer[:2]
+    ratio = (at_far - variance) / (at_near - variance)
+    energies = np.linspace(LEAST_EA_EV, 1.2, 81)
+    predicted = [
+        (growth(cold_c, far, ea) - 1) / (growth(cold_c, near, ea) - 1) for ea in energies
+    ]
+    return max(LEAST_EA_EV, float(np.interp(ratio, predicted, energies)) - 0.1)

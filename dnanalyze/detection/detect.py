@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,9 +12,9 @@ from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import Group, groups, read
-from dnanalyze.detection.series import suppression_series
+from dnanalyze.detection.series import SuppressionSeries, suppression_series
 from dnanalyze.detection.verdict import Answer, ask, decide
-from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 
 WORKERS = 2  # groups in memory at a time
 
@@ -52,7 +53,7 @@ def detect(
         estimate=found,
         also=_also(kind, answers),
         findings=tuple(_finding(a, a in flags) for a in answers),
-        evidence=_words(flags, found),
+        evidence=_words(flags),
         ambiguous=_ambiguous(kind, answers, evidence),
         tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
         effect=effect_of(kind, found, evidence) if found else {},
@@ -61,9 +62,7 @@ def detect(
     )
 
 
-def _gather(
-    found: list[Group], progress: Callable[[int, int], None] | None
-) -> list[ViewEvidence]:
+def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> list[ViewEvidence]:
     done = 0
 
     def one(group: Group) -> list[ViewEvidence]:
@@ -84,9 +83,16 @@ def _gather(
 def _finding(answer: Answer, speaks: bool) -> Finding:
     a = answer.asked
     return Finding(
-        a.test, a.kind, a.evidence.point.temperature_c, min(a.p, 1.0), a.effect, speaks,
-        a.evidence.view, a.words,
-    )  # fmt: skip
+        a.test,
+        a.kind,
+        a.evidence.point.temperature_c,
+        min(a.p, 1.0),
+        a.effect,
+        speaks,
+        a.evidence.view,
+        a.words,
+        a.limit if answer.judge else np.inf,
+    )
 
 
 def _confidence(flags: list[Answer], evidence: list[ViewEvidence]) -> float:
@@ -105,7 +111,7 @@ def _also(kind: str, answers: list[Answer]) -> tuple[str, ...]:
     return tuple(sorted({a.asked.kind for a in answers if a.flagged} - hidden))
 
 
-def _words(flags: list[Answer], found: object) -> tuple[str, ...]:
+def _words(flags: list[Answer]) -> tuple[str, ...]:
     """The strongest finding of each test, in words."""
     seen: dict[str, Answer] = {}
     for a in sorted(flags, key=lambda a: (-min(a.asked.effect / a.asked.limit, 1e3), a.holm)):
@@ -123,7 +129,7 @@ def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -
     tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
     soft = [
         a for a in answers
-        if a.asked.test in tests and a.judge and a.holm < 1e-6 and 0.01 < a.asked.effect <= a.asked.limit
+        if a.asked.test in tests and a.judge and a.holm < 1e-6 and 0.4 < a.asked.effect / a.asked.limit <= 1
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:
         said.append(
@@ -134,7 +140,9 @@ def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -
     if kind == "denoise":
         said.append("A correction of hot pixels on top of the denoise cannot be told from it.")
     if not any(e.temporal for e in evidence):
-        said.append("Single frames: temporal filters leave no trace, static replacement none either.")
+        said.append(
+            "Single frames: temporal filters leave no trace, static replacement none either."
+        )
     coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
     if coarse:
         said.append(
@@ -144,13 +152,15 @@ def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -
     return tuple(said)
 
 
-def _series(evidence: list[ViewEvidence]):
-    frames = [
-        e for e in evidence
-        if e.view == "frame" and e.usable and e.point.temperature_c is not None
-    ]  # fmt: skip
-    if not frames:
-        return None
-    like = [e for e in frames if (e.point.exposure_s, e.point.gain, e.point.channel)
-            == (frames[0].point.exposure_s, frames[0].point.gain, frames[0].point.channel)]  # fmt: skip
-    return suppression_series([e.point.temperature_c for e in like], [e.spectrum for e in like])
+def _series(evidence: list[ViewEvidence]) -> SuppressionSeries | None:
+    """Over the settings like the first, one for each temperature."""
+    like: dict[float, ViewEvidence] = {}
+    first: OperatingPoint | None = None
+    for e in evidence:
+        here = replace(e.point, temperature_c=None)
+        if e.view != "frame" or not e.usable or e.point.temperature_c is None:
+            continue
+        first = first or here
+        if here == first:
+            like[e.point.temperature_c] = e
+    return suppression_series(list(like), [e.spectrum for e in like.values()])

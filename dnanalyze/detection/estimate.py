@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -47,23 +48,38 @@ def _correction(
     if tests["static_replacement"]:
         rule = RULES[int(np.bincount([int(a.at) for a in tests["static_replacement"]]).argmax())]
         ppm = float(np.median([1e6 * r.own[RULES.index(rule)] / max(r.tried, 1) for r in found]))
-    common = {"view": view, "replacement": rule, "site_ppm": ppm, "from_temperature_c": coldest}
+    base = FilterEstimate(
+        "static", view, replacement=rule, site_ppm=ppm, from_temperature_c=coldest
+    )
     if capped:
         neighbours = int(min(a.at for a in capped))
-        return FilterEstimate("clamp", threshold_dn=0.0, neighbours=neighbours, **common)
+        return replace(base, subkind="clamp", threshold_dn=0.0, neighbours=neighbours)
     if dynamic and (not ratio or _steadier(dynamic, ratio)):
         units = [a.evidence.noise for a in dynamic]
         bounds = np.array([a.at for a in dynamic])
-        return FilterEstimate(
-            "dynamic", threshold_dn=float(np.median(bounds)),
-            threshold_sigma=float(np.median(bounds / units)), neighbours=8, **common,
+        return replace(
+            base, subkind="dynamic", threshold_dn=float(np.median(bounds)),
+            threshold_sigma=float(np.median(bounds / units)), neighbours=8,
         )  # fmt: skip
     if ratio:
-        bounds = [a.at for a in ratio]
-        return FilterEstimate("ratio", ratio=float(np.median(bounds)), neighbours=8, **common)
+        factor = float(np.median([a.at for a in ratio]))
+        return replace(base, subkind="ratio", ratio=factor, neighbours=8)
     if tests["static_replacement"] and _grows(found, rule):
-        return FilterEstimate("dynamic", neighbours=8, **common)
-    return FilterEstimate("static", **common)
+        level, noise = _highest(mine)
+        return replace(
+            base, subkind="dynamic", threshold_dn=level, threshold_sigma=level / noise, neighbours=8
+        )
+    return base
+
+
+def _highest(flags: list[Answer]) -> tuple[float, float]:
+    """Where pixels end to stand out of their neighbours (DN), in the least of the settings, and its noise."""
+    ends = []
+    for e in {id(a.asked.evidence): a.asked.evidence for a in flags}.values():
+        empty = np.flatnonzero(e.top8.own < 0.5 * e.top8.frames)
+        k = int(empty[0]) if empty.size else e.top8.bounds.size - 1
+        ends.append((max(float(e.top8.bounds[k]), e.step), e.noise))
+    return min(ends)
 
 
 def _steadier(dynamic: list[Any], ratio: list[Any]) -> bool:
@@ -113,7 +129,11 @@ def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) ->
         kinds = {"gaussian": "gaussian", "median": "median"}
         model_kind = kinds.get(found.subkind, "bilateral")
         strength = float(np.clip(found.strength or 0.5, 0.05, 1.0))
-        plain: dict[str, Any] = {"kind": model_kind, "strength": round(strength, 3), "spacing": spacing}
+        plain: dict[str, Any] = {
+            "kind": model_kind,
+            "strength": round(strength, 3),
+            "spacing": spacing,
+        }
         if model_kind == "bilateral":
             plain["range"] = round(3 * min(e.noise for e in evidence), 3)
         return {"denoise": plain}

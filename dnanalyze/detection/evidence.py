@@ -37,6 +37,8 @@ class ViewEvidence:
         Spacing of the recorded values, DN.
     temporal : bool
         Noise statistics are of differences of frames; False: of one flattened frame.
+    clipped : float
+        Share of pixels at the highest or lowest code.
     usable : bool
         Noise statistics mean something: few pixels are clipped.
     rank : dict
@@ -67,6 +69,7 @@ class ViewEvidence:
     noise: float
     step: float
     temporal: bool
+    clipped: float
     usable: bool
     rank: dict[int, Exceedance]
     recorded: Exceedance
@@ -96,6 +99,7 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     noise = max(float(np.median([robust_sd(n) for n in noise_images])), parts[0].step * 0.29, 1e-9)
     images = np.concatenate(noise_images)
     ceiling = _ceiling(stack)
+    clipped = _clipped_share(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
 
     top8, ratio8 = _excess(clean, 1, noise, ceiling)
@@ -108,7 +112,8 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
         noise,
         parts[0].step,
         temporal,
-        _clipped_share(stack) < SATURATED and noise > 0.3 * parts[0].step,
+        clipped,
+        clipped < SATURATED and noise > 0.3 * parts[0].step,
         {8: exceedance(images, 8), 12: exceedance(images[:1], 12), 24: exceedance(images[:1], 24)},
         _recorded(parts),
         octave_spectrum(images),
@@ -176,4 +181,3 @@ def _memory(parts: list[Plane]) -> Autocorrelation | None:
     se = float(np.sqrt(np.sum([m.se**2 for m in found])) / len(found))
     memory = float(np.mean([m.memory for m in found]))
     return Autocorrelation(excess_, se, memory, found[0].frames)
-

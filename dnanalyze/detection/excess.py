@@ -67,7 +67,9 @@ def _survival(
                     m = top[y - reach, x - reach]
                 else:
                     oy, ox = shifts[s]
-                    m = max(top[y + oy - reach, x + ox - reach], top[y - oy - reach, x - ox - reach])
+                    m = max(
+                        top[y + oy - reach, x + ox - reach], top[y - oy - reach, x - ox - reach]
+                    )
                 if ratio:
                     e = (v - base) / max(m - base, floor / 4)
                 else:
@@ -123,7 +125,15 @@ def excess(
         for is_ratio in (False, True):
             floor = 6 * unit if is_ratio else -np.inf
             counts[is_ratio] += _survival(
-                frame, top, reach, np.array(CONTROLS), bounds[is_ratio], base, is_ratio, floor, ceiling
+                frame,
+                top,
+                reach,
+                np.array(CONTROLS),
+                bounds[is_ratio],
+                base,
+                is_ratio,
+                floor,
+                ceiling,
             )
     above = [c[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:] for c in counts]
     difference, ratio = (

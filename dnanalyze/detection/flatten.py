@@ -42,8 +42,12 @@ def without_shading(image: np.ndarray, tile: int = 32) -> np.ndarray:
     medians = np.median(blocks[:, ::2, :, ::2], axis=(1, 3))
     y = np.clip((np.arange(h) + 0.5) * ny / h - 0.5, 0, ny - 1)
     x = np.clip((np.arange(w) + 0.5) * nx / w - 0.5, 0, nx - 1)
-    along = ndimage.map_coordinates(medians, [y[:, None] * np.ones(nx), np.ones((h, 1)) * np.arange(nx)], order=1)
-    surface = ndimage.map_coordinates(along, [np.arange(h)[:, None] * np.ones(w), np.ones((h, 1)) * x], order=1)
+    along = ndimage.map_coordinates(
+        medians, [y[:, None] * np.ones(nx), np.ones((h, 1)) * np.arange(nx)], order=1
+    )
+    surface = ndimage.map_coordinates(
+        along, [np.arange(h)[:, None] * np.ones(w), np.ones((h, 1)) * x], order=1
+    )
     return flat - surface.astype(np.float32)
 
 
@@ -53,9 +57,13 @@ def pair_differences(stack: np.ndarray) -> np.ndarray:
     The fixed pattern cancels; what is left of two independent frames has one frame's temporal noise.
     """
     pairs = stack.shape[0] // 2
-    return np.stack(
-        [
-            without_lines((stack[2 * n + 1] - stack[2 * n]) * np.float32(np.sqrt(0.5)))
-            for n in range(pairs)
-        ]
-    ) if pairs else np.empty((0, *stack.shape[1:]), np.float32)
+    return (
+        np.stack(
+            [
+                without_lines((stack[2 * n + 1] - stack[2 * n]) * np.float32(np.sqrt(0.5)))
+                for n in range(pairs)
+            ]
+        )
+        if pairs
+        else np.empty((0, *stack.shape[1:]), np.float32)
+    )

@@ -43,7 +43,8 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     pattern_here = np.where(ordinary, pattern, np.float32(0))
     power = float((pattern_here * pattern_here).mean())
     first = second = None
-    squares = products = np.float32(0)
+    squares = np.zeros_like(mean)
+    products = np.zeros_like(mean)
     for frame in stack:
         d = frame - mean
         d = d - np.median(d)
@@ -62,7 +63,9 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         return None
     r1 = products[keep] / squares[keep]
     value = float(r1.mean()) + 1 / frames
-    return Autocorrelation(value, float(r1.std() / np.sqrt(r1.size)), memory_of(value, frames), frames)
+    return Autocorrelation(
+        value, float(r1.std() / np.sqrt(r1.size)), memory_of(value, frames), frames
+    )
 
 
 def _at_an_end(stack: np.ndarray) -> np.ndarray:

@@ -17,7 +17,8 @@ from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess
 from dnanalyze.detection.replaced import RULES
 
-CLUSTERED = 0.3  # share of hot pixels that may fail to stand out because they come in clusters
+CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
+ABRUPT = 8.0  # a threshold empties the tail at once: this much from half the bound to the bound
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
 LEAST_REPLACED = 8
 
@@ -47,37 +48,44 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
         return []
     bound: CrosstalkBound = largest_crosstalk()
     share = shot_share(e.correlation.variance, e.point.temperature_c, others) if e.temporal else 1.0
-    room = 1.25 * share
-    rank, (bend, bend_se), lag = e.rank[8], e.spectrum.concavity(), e.correlation
-    rarer = 1 - rank.extremes
+    room = 1.1 * share
+    (bend, bend_se), lag = e.spectrum.concavity(), e.correlation
     extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
     asked = [
         Asked(
-            "rank_exceedance", "denoise", e, one_sided(rarer, rank.se), rarer,
-            0.02 + extra + room * bound.extremes,
-            f"local extremes of the noise are {rarer:.1%} rarer than in any unfiltered noise",
+            "spectral_corner",
+            "denoise",
+            e,
+            one_sided(bend, bend_se),
+            bend,
+            0.08 + 2 * extra + room * bound.concavity,
+            f"the noise spectrum is flat at low frequencies and falls at high ones, by {bend:.2f} in ln P "
+            "against a straight line: 1/f noise only ever bends the other way",
         ),
         Asked(
-            "spectral_corner", "denoise", e, one_sided(bend, bend_se), bend,
-            0.10 + 2 * extra + room * bound.concavity,
-            f"the noise spectrum is flat at low frequencies and falls by {np.expm1(bend):.0%} of itself "
-            "towards high ones, which 1/f noise never does",
-        ),
-        Asked(
-            "crosstalk_or_denoise", "denoise", e, one_sided(lag.short_range, lag.se * 3),
-            lag.short_range, 0.02 + extra + room * bound.short_range,
+            "crosstalk_or_denoise",
+            "denoise",
+            e,
+            one_sided(lag.short_range, lag.se * 3),
+            lag.short_range,
+            0.02 + extra + room * bound.short_range,
             f"neighbours' noise correlates by {max(lag.along_rows[0], 0):.3f} along rows and "
-            f"{max(lag.along_columns[0], 0):.3f} along columns; crosstalk could give at most "
-            f"{room * bound.short_range:.3f} here, since it cannot touch read noise",
+            f"{max(lag.along_columns[0], 0):.3f} along columns; crosstalk, which cannot touch read "
+            f"noise, could give at most {share * bound.short_range:.3f} here",
         ),
-    ]  # fmt: skip
-    asked += _texture(e, asked)
+    ]
+    asked += _backed(e, any(a.effect > a.limit for a in asked), 0.02 + extra + room * bound.extremes)
     own, far, pixels = e.equal
     repeat = (own - far) / max(1 - far, 1e-6)
     se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
     asked.append(
         Asked(
-            "median_equality", "denoise", e, one_sided(own - far, se), repeat, 0.10,
+            "median_equality",
+            "denoise",
+            e,
+            one_sided(own - far, se),
+            repeat,
+            0.14,
             f"{own:.1%} of pixels equal their right neighbour exactly, {far:.1%} one farther away; "
             "a 3x3 median gives 21 %",
         )  # fmt: skip
@@ -85,25 +93,44 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     return asked
 
 
-def _texture(e: ViewEvidence, smoothed: list[Asked]) -> list[Asked]:
-    """Texture tells the kind of a filter; hits and clusters mimic it, so it never speaks alone."""
-    t = e.texture
-    backed = any(a.effect > a.limit for a in smoothed)
-    uneven = t.dispersion - 1
+def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
+    """Tests that tell the kind of a filter but never speak alone.
+
+    Hum and strong 1/f noise make local extremes rarer, hits and clusters make noise uneven.
+    """
+    rank, t = e.rank[8], e.texture
+    rarer, uneven = 1 - rank.extremes, t.dispersion - 1
     return [
         Asked(
-            "local_variance", "denoise", e, one_sided(uneven, t.dispersion_se), uneven,
-            0.3 if backed else np.inf,
-            f"the noise is smooth here and rough there: 4x4 variances scatter {t.dispersion:.2f} times "
-            "as much as of independent pixels",
+            "rank_exceedance",
+            "denoise",
+            e,
+            one_sided(rarer, rank.se),
+            rarer,
+            rarer_limit if backed else np.inf,
+            f"local extremes of the noise are {rarer:.1%} rarer than among exchangeable pixels",
         ),
         Asked(
-            "wavelet_kurtosis", "denoise", e, one_sided(t.hh_excess, t.hh_se), t.hh_excess,
+            "local_variance",
+            "denoise",
+            e,
+            one_sided(uneven, t.dispersion_se),
+            uneven,
             0.3 if backed else np.inf,
-            f"the finest diagonal wavelet band has kurtosis {t.hh_kurtosis:.1f}, {t.hh_excess:.1f} above "
-            "that of independent pixels",
+            "the noise is smooth here and rough there: 4x4 variances scatter "
+            f"{t.dispersion:.2f} times as much as of independent pixels",
         ),
-    ]  # fmt: skip
+        Asked(
+            "wavelet_kurtosis",
+            "denoise",
+            e,
+            one_sided(t.hh_excess, t.hh_se),
+            t.hh_excess,
+            0.3 if backed else np.inf,
+            f"the finest diagonal wavelet band has kurtosis {t.hh_kurtosis:.1f}, "
+            f"{t.hh_excess:.1f} above that of independent pixels",
+        ),
+    ]
 
 
 def standing_out(e: ViewEvidence) -> list[Asked]:
@@ -122,7 +149,7 @@ def _cap(e: ViewEvidence, count: int, top: Excess) -> Asked | None:
     if control < 20:
         return None
     return Asked(
-        "cap_to_neighbours", "dpc", e, _fewer(own, control), 1 - own / control, 0.9,
+        "cap_to_neighbours", "dpc", e, float(_fewer(np.array(own), np.array(control))), 1 - own / control, 0.9,
         f"{own:.0f} pixels a frame stand above the largest of their {count} neighbours where "
         f"{control:.0f} stand above rings elsewhere: values are capped to the neighbours'",
         count,
@@ -134,16 +161,27 @@ def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
     enough = control >= LEAST_SITES
     if not enough.any():
         return None
-    p = np.where(enough, _fewer(own, control), 1.0)
+    p = np.where(enough & _abrupt(top), _fewer(own, control), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
     below = float(own[j] / control[j])
     unit = "DN above" if test == "dynamic_threshold" else "times"
     return Asked(
-        test, "dpc", e, float(p[j]) * 8, 1 - below, 0.9,
+        test, "dpc", e, min(1.0, float(p[j]) * 8), 1 - below, 0.95,
         f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of their "
         f"{count} neighbours, {control[j]:.0f} were expected from rings elsewhere",
         _edge(top, own, control, j),
     )  # fmt: skip
+
+
+def _abrupt(top: Excess) -> np.ndarray:
+    """Where the tail that is whole at half the bound (half the ratio above 1) is gone at the bound.
+
+    Clusters of hot pixels thin it out as well, but gradually.
+    """
+    zero = 1.0 if top.bounds[0] >= 1 else 0.0
+    half = np.searchsorted(top.bounds, zero + (top.bounds - zero) / 2)
+    left = top.own / np.maximum(top.control, 1e-9)
+    return left[half] > ABRUPT * left
 
 
 def _edge(top: Excess, own: np.ndarray, control: np.ndarray, j: int) -> float:
@@ -154,9 +192,9 @@ def _edge(top: Excess, own: np.ndarray, control: np.ndarray, j: int) -> float:
     return float(top.bounds[j])
 
 
-def _fewer(own: np.ndarray | float, control: np.ndarray | float) -> np.ndarray | float:
+def _fewer(own: np.ndarray, control: np.ndarray) -> np.ndarray:
     """Poisson P(n <= own) where clusters leave only a part of the control standing out."""
-    return stats.poisson.cdf(np.floor(own), CLUSTERED * np.asarray(control))
+    return np.asarray(stats.poisson.cdf(np.floor(own), CLUSTERED * control))
 
 
 def sites(e: ViewEvidence) -> list[Asked]:
@@ -171,8 +209,12 @@ def sites(e: ViewEvidence) -> list[Asked]:
     found = int(own[j])
     return [
         Asked(
-            "static_replacement", "dpc", e, min(1.0, float(p[j]) * len(RULES)),
-            beyond if found >= LEAST_REPLACED else 0.0, 5.0,
+            "static_replacement",
+            "dpc",
+            e,
+            min(1.0, float(p[j]) * len(RULES)),
+            beyond if found >= LEAST_REPLACED else 0.0,
+            5.0,
             f"{found} sites are in all {e.frames} frames the {RULES[j]} of their neighbours, "
             f"{control[j]:.0f} of a ring elsewhere",
             j,
@@ -187,7 +229,12 @@ def memory(e: ViewEvidence) -> list[Asked]:
     m = e.memory
     return [
         Asked(
-            "temporal_autocorrelation", "temporal_denoise", e, one_sided(m.excess, m.se), m.excess, 0.03,
+            "temporal_autocorrelation",
+            "temporal_denoise",
+            e,
+            one_sided(m.excess, m.se),
+            m.excess,
+            0.03,
             f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of independent "
             f"frames: a recursive memory of {m.memory:.0%}",
             m.memory,
@@ -203,7 +250,12 @@ def row_phases(e: ViewEvidence) -> list[Asked]:
     p = min(1.0, one_sided(r.z, 1.0) * max(r.tried, 1))
     return [
         Asked(
-            "row_phase", "dpc" if r.one_sided else "denoise", e, p, r.effect, 0.03,
+            "row_phase",
+            "dpc" if r.one_sided else "denoise",
+            e,
+            p,
+            r.effect,
+            0.03,
             f"rows {r.phase} of every {r.period} have {r.effect:.1%} fewer local extremes than the others",
             r.period,
         )  # fmt: skip

@@ -73,7 +73,9 @@ def _references(f: np.ndarray, y: int, x: int, out: np.ndarray, ring: np.ndarray
 
 
 @njit(cache=True, nogil=True)
-def _match(stack: np.ndarray, shifts: np.ndarray, step: float, slack: float, least: float, limit: int):
+def _match(
+    stack: np.ndarray, shifts: np.ndarray, step: float, slack: float, least: float, limit: int
+):
     """Matches of each rule; own ring first, then the displaced ones."""
     frames, h, w = stack.shape
     rules = 9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,6 +33,8 @@ class Finding:
         "frame", or "planes" of a 2x2 mosaic.
     words : str
         The evidence, in a sentence.
+    limit : float
+        Effect size that unfiltered sensors reach; infinite where the test does not speak alone.
     """
 
     test: str
@@ -42,6 +45,7 @@ class Finding:
     flagged: bool
     view: str = "frame"
     words: str = ""
+    limit: float = math.inf
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report."""

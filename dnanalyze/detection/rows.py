@@ -81,7 +81,8 @@ def row_phase(images: np.ndarray) -> RowPhase:
                 z = difference / (1.25 * scatter * np.sqrt(1 / n + 1 / m))
                 if z > best.z:
                     up, down = (
-                        float(np.median(s[~inside]) - np.median(s[inside])) for s in (maxima, minima)
+                        float(np.median(s[~inside]) - np.median(s[inside]))
+                        for s in (maxima, minima)
                     )
                     best = RowPhase(period, phase, difference / others, z, up > 3 * abs(down), 0)
     return replace(best, tried=tried)

@@ -80,7 +80,9 @@ def suppression_series(
     def misfit(phi: float) -> float:
         return float(np.sum(weights * (y - crosstalk_curve(power, phi)) ** 2))
 
-    best = optimize.minimize_scalar(misfit, bounds=(0.0, 0.06), method="bounded", options={"xatol": 1e-4})
+    best = optimize.minimize_scalar(
+        misfit, bounds=(0.0, 0.06), method="bounded", options={"xatol": 1e-4}
+    )
     return SuppressionSeries(
         np.asarray(temperature_c, float)[order][good], y, se, constant,
         crosstalk_curve(power, float(best.x)), float(best.x),

@@ -40,7 +40,9 @@ class OctaveSpectrum:
     def suppression(self) -> tuple[float, float]:
         """ln R = ln of the power above .45 over that of .03 to .12 cycles/pixel, and its error."""
         last = self.log_power.size - 1
-        middle = slice(int(np.searchsorted(EDGES, MIDDLE[0])), int(np.searchsorted(EDGES, MIDDLE[1])))
+        middle = slice(
+            int(np.searchsorted(EDGES, MIDDLE[0])), int(np.searchsorted(EDGES, MIDDLE[1]))
+        )
         weights = 1 / self.se[middle] ** 2
         level = float(np.sum(weights * self.log_power[middle]) / weights.sum())
         return self.log_power[last] - level, float(np.hypot(self.se[last], weights.sum() ** -0.5))
@@ -97,4 +99,9 @@ def kernel_log_power(taps: np.ndarray, shape: tuple[int, int] = (256, 256)) -> n
     padded[: taps.shape[0], : taps.shape[1]] = taps
     power = np.abs(fft.rfft2(padded)) ** 2
     _, where = _bins(*shape)
-    return np.array([np.log(np.median(power[where == b])) if (where == b).any() else np.nan for b in range(EDGES.size - 1)])
+    return np.array(
+        [
+            np.log(np.median(power[where == b])) if (where == b).any() else np.nan
+            for b in range(EDGES.size - 1)
+        ]
+    )

@@ -43,7 +43,7 @@ def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
         warmer = [
             (o.correlation.variance, o.point.temperature_c)
             for o in evidence
-            if o.view == e.view and o.usable and replace(o.point, temperature_c=None)
+            if o.view == e.view and o.clipped < 0.005 and replace(o.point, temperature_c=None)
             == replace(e.point, temperature_c=None)
         ]  # fmt: skip
         asked += [(a, id(e) in judges) for a in questions.smoothing(e, warmer)]

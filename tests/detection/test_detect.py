@@ -1,0 +1,159 @@
+"""The verdict: power on one filter of each kind, silence on unfiltered sensors, degenerate input."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import hidden_filters as hidden
+import numpy as np
+import pytest
+from virtual_sensor import BAYER, Traits, VirtualSensor, captures, from_stacks, random_traits
+
+from dnanalyze.detection import detect
+
+SHAPE = (256, 256)
+SERIES = (25.0, 55.0, 85.0)
+ORDINARY = Traits(gain=1.2, hot=2e-3)
+SAMPLES = Path(__file__).parents[3] / "shared" / "captures"
+
+
+@pytest.mark.parametrize("name", hidden.FILTERS)
+def test_each_filter_is_found_and_named(name):
+    kind, run = hidden.FILTERS[name]
+    found = detect(captures(VirtualSensor(ORDINARY, SHAPE, 1), SERIES, 8, run))
+    assert found.kind == kind
+    assert found.filtered
+    assert found.evidence
+    assert list(found.effect) == [kind]
+
+
+@pytest.mark.parametrize("name", ["clamp to neighbours", "Gaussian .5, half", "static DPC, 500 ppm"])
+def test_filters_within_a_colour_are_found_on_a_mosaic(name):
+    kind, run = hidden.FILTERS[name]
+    sensor = VirtualSensor(replace(ORDINARY, plane_offset=4.0), (320, 320), 2)
+    found = detect(captures(sensor, SERIES, 8, hidden.in_planes(run), BAYER))
+    assert found.kind == kind
+    assert found.estimate is not None
+    assert found.estimate.view == "planes"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_unfiltered_sensors_are_left_in_peace(seed):
+    sensor = VirtualSensor(random_traits(np.random.default_rng(500 + seed)), (192, 192), seed)
+    found = detect(captures(sensor, SERIES, 6))
+    assert found.kind == "none"
+    assert not any(f.flagged for f in found.findings)
+    assert found.estimate is None
+    assert found.effect == {}
+
+
+@pytest.mark.parametrize(
+    "traits",
+    [
+        Traits(crosstalk=0.02, dark=20.0),
+        Traits(hot=4e-3, clusters=1.0, cluster_size=5.0),
+        Traits(flicker=5.0, pink=3.0, row_noise=3.0, column_fpn=4.0),
+        Traits(hum=4.0, rts=0.03),
+        Traits(gain=0.09, pedestal=2.0, white=255.0),
+        Traits(plane_offset=6.0, plane_gain=0.2),
+        Traits(glow=300.0, drift=0.02, cosmic=20.0),
+    ],
+    ids=["crosstalk", "clusters", "1/f", "hum", "coarse", "mosaic", "glow"],
+)
+def test_nuisances_at_their_worst_are_not_filters(traits):
+    found = detect(captures(VirtualSensor(traits, SHAPE, 3), SERIES, 8))
+    assert found.kind == "none", found.evidence
+
+
+def test_the_threshold_of_a_dynamic_correction_comes_back():
+    traits = Traits(gain=2.0, hot=5e-3, hot_scale=60.0, dsnu=0.2)
+    sigma = hidden.noise_of(VirtualSensor(traits, SHAPE, 4).stack(85.0, 1)[0])
+    series = captures(VirtualSensor(traits, SHAPE, 4), (85.0,), 8, hidden.dynamic_dpc(6.0))
+    found = detect(series).estimate
+    assert found is not None
+    assert found.subkind == "dynamic"
+    assert found.threshold_dn == pytest.approx(6.0 * sigma, rel=0.25)
+
+
+def test_the_share_of_replaced_sites_comes_back():
+    sensor = VirtualSensor(ORDINARY, SHAPE, 5)
+    found = detect(captures(sensor, SERIES, 8, hidden.static_dpc(500))).estimate
+    assert found is not None
+    assert found.subkind == "static"
+    count = 500e-6 * SHAPE[0] * SHAPE[1]
+    assert found.site_ppm == pytest.approx(500, rel=5 / np.sqrt(count))
+
+
+def test_rows_that_alone_are_filtered_are_named():
+    def some_rows(stack):
+        out = stack.copy()
+        out[:, 3::8] = np.round(stack[:, 3::8] * 0.5 + 0.25 * np.roll(stack, 1, 2)[:, 3::8]
+                                + 0.25 * np.roll(stack, -1, 2)[:, 3::8])  # fmt: skip
+        return out
+
+    found = detect(captures(VirtualSensor(Traits(gain=2.0), SHAPE, 6), SERIES, 8, some_rows))
+    assert found.kind == "denoise"
+    rows = [f for f in found.findings if f.test == "row_phase" and f.flagged]
+    assert rows
+    assert "rows 3 of every 8" in rows[0].words
+
+
+def test_one_setting_and_one_frame_are_enough_for_strong_filters():
+    sensor = VirtualSensor(ORDINARY, SHAPE, 7)
+    assert detect(captures(sensor, (25.0,), 8, hidden.median(1.0))).kind == "denoise"
+    assert detect(captures(sensor, (25.0,), 1, hidden.clamp())).kind == "dpc"
+    single = detect(captures(sensor, (25.0,), 1))
+    assert single.kind == "none"
+    assert any("Single frames" in a for a in single.ambiguous)
+
+
+@pytest.mark.parametrize(
+    "stack",
+    [
+        np.zeros((3, 64, 64), np.uint16),
+        np.full((1, 40, 40), 7, np.uint8),
+        np.random.default_rng(0).integers(0, 3, (2, 8, 8)).astype(np.uint16),
+        np.random.default_rng(0).normal(100, 3, (4, 64, 64)).astype(np.float32),
+        np.random.default_rng(0).integers(0, 2, (5, 48, 64)).astype(np.uint8),
+        np.random.default_rng(0).normal(100, 3, (4, 30, 200)).round().astype(np.uint16),
+    ],
+    ids=["constant", "one constant frame", "tiny", "float", "binary", "narrow"],
+)
+def test_degenerate_frames_give_an_answer(stack):
+    found = detect(from_stacks({None: lambda: stack}, stack.shape[1:], len(stack)))
+    assert found.kind == "none"
+    assert 0.0 <= found.confidence <= 1.0
+    json.dumps(found.to_plain(), allow_nan=False)
+
+
+def test_progress_is_told_and_the_answer_repeats():
+    sensor = VirtualSensor(ORDINARY, (96, 96), 8)
+    told: list[tuple[int, int]] = []
+    first = detect(captures(sensor, SERIES, 4), progress=lambda n, total: told.append((n, total)))
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    assert first.to_plain() == detect(captures(sensor, SERIES, 4)).to_plain()
+
+
+def _sample(name: str):
+    folder = SAMPLES / name
+    if not folder.is_dir():
+        pytest.skip(f"sample captures {name} are not here")
+    return pytest.importorskip("dnanalyze.loaders").load(folder)
+
+
+@pytest.mark.parametrize(
+    "name", ["qsi583_2x2", "scmos_single", "exposures_cc0"]
+    + [pytest.param(n, marks=pytest.mark.slow) for n in ("fp30_cooling", "stl1001_2017")],
+)  # fmt: skip
+def test_real_unfiltered_frames_are_left_in_peace(name):
+    assert detect(_sample(f"real/{name}")).kind == "none"
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("corrected", "dpc"), ("smoothed", "denoise"), ("two", "none"), ("hot", "none")],
+)
+def test_sensors_of_an_independent_generator(name, kind):
+    assert detect(_sample(f"hidden/{name}")).kind == kind

@@ -1,0 +1,150 @@
+"""Each test's null distribution, on exchangeable pixels, against theory."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from dnanalyze.detection.correlation import (
+    growth,
+    lag_correlation,
+    largest_crosstalk,
+    shot_share,
+)
+from dnanalyze.detection.excess import excess
+from dnanalyze.detection.memory import autocorrelation, expected_excess, memory_of
+from dnanalyze.detection.rank import exceedance
+from dnanalyze.detection.replaced import replaced
+from dnanalyze.detection.rows import row_phase
+from dnanalyze.detection.spectrum import octave_spectrum
+from dnanalyze.detection.texture import equal_neighbours, texture
+from dnanalyze.detection.verdict import holm
+
+MARGINALS = {
+    "normal": lambda rng, shape: rng.standard_normal(shape),
+    "lognormal": lambda rng, shape: np.exp(1.5 * rng.standard_normal(shape)),
+    "student": lambda rng, shape: rng.standard_t(2, shape),
+}
+
+
+def _images(marginal: str, seed: int, shape: tuple[int, int, int] = (4, 200, 200)) -> np.ndarray:
+    return MARGINALS[marginal](np.random.default_rng(seed), shape).astype(np.float32)
+
+
+@pytest.mark.parametrize("marginal", MARGINALS)
+@pytest.mark.parametrize("neighbours", [8, 12, 24])
+def test_local_extremes_are_as_rare_as_theory_says(marginal, neighbours):
+    found = exceedance(_images(marginal, neighbours), neighbours)
+    assert abs(found.extremes - 1) < 5 * found.se
+    assert abs(found.asymmetry) < 5 * found.asymmetry_se
+
+
+@pytest.mark.parametrize("neighbours", [8, 12, 24])
+def test_standard_errors_of_extremes_are_those_of_repetition(neighbours):
+    found = [exceedance(_images("normal", s, (1, 96, 96)), neighbours) for s in range(200)]
+    spread = np.std([f.extremes for f in found])
+    assert spread == pytest.approx(found[0].se, rel=5 / np.sqrt(400))
+    assert np.std([f.asymmetry for f in found]) == pytest.approx(
+        found[0].asymmetry_se, rel=5 / np.sqrt(400) + 0.05
+    )
+
+
+def test_octave_powers_of_white_noise_are_equal_and_their_errors_hold():
+    z = []
+    for seed in range(30):
+        s = octave_spectrum(_images("normal", seed, (2, 128, 128)))
+        ok = np.isfinite(s.log_power)
+        z += list((s.log_power[ok] - s.log_power[-1])[:-1] / np.hypot(s.se[ok], s.se[-1])[:-1])
+    assert np.std(z) == pytest.approx(1.0, abs=0.25)
+    assert abs(np.mean(z)) < 5 / np.sqrt(30)
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.0, 2.0])
+def test_white_with_pink_noise_never_bends_like_a_filter(slope):
+    rng = np.random.default_rng(3)
+    rho = np.hypot(np.fft.fftfreq(256)[:, None], np.fft.rfftfreq(256)[None])
+    rho[0, 0] = np.inf
+    white = rng.standard_normal((4, 256, 256))
+    pink = np.fft.irfft2(np.fft.rfft2(rng.standard_normal((4, 256, 256))) * rho ** (-slope / 2))
+    bend, se = octave_spectrum((white + pink / pink.std()).astype(np.float32)).concavity()
+    assert bend < 5 * se
+
+
+def test_lag_correlations_of_white_noise_are_zero_within_their_error():
+    c = lag_correlation(_images("student", 1))
+    values = np.array([*c.along_rows, *c.along_columns, c.diagonal])
+    assert np.all(np.abs(values) < 5 * c.se)
+
+
+def test_the_crosstalk_bound_is_the_kernels_autocorrelation():
+    phi = 0.02  # rho(1,0) = (2 phi - 12 phi^2) / K_2, rho(2,0) = 3 phi^2 / K_2
+    k2 = 1 - 16 * phi + 72 * phi**2
+    expected = (2 * phi - 12 * phi**2 - 2.5 * 3 * phi**2) / k2
+    assert largest_crosstalk().short_range == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("ea", [0.55, 0.65, 0.9])
+def test_the_bound_on_shot_noise_is_never_below_the_truth(ea):
+    temperatures = [25.0, 45.0, 65.0]
+    shot = np.array([0.4 * growth(25.0, t, ea) for t in temperatures])
+    variance = 0.6 + shot
+    others = [(float(v), t) for v, t in zip(variance, temperatures, strict=True)]
+    share = shot_share(float(variance[0]), 25.0, others)
+    assert 0.4 <= share <= 1.0
+    assert shot_share(1.0, None, []) == 1.0
+
+
+@pytest.mark.parametrize("marginal", MARGINALS)
+def test_texture_of_independent_pixels_is_even_whatever_their_tails(marginal):
+    t = texture(_images(marginal, 5))
+    assert abs(t.dispersion - 1) < 5 * t.dispersion_se
+    assert abs(t.hh_excess) < 5 * t.hh_se
+
+
+def test_equal_neighbours_are_as_frequent_as_equal_strangers():
+    frames = np.round(_images("normal", 6) * 2)
+    own, far, pixels = equal_neighbours(frames)
+    assert abs(own - far) < 5 * np.sqrt(2 * far / pixels)
+
+
+def test_order_in_time_is_exchangeable_even_for_coarse_codes():
+    rng = np.random.default_rng(7)
+    offsets = rng.uniform(-1, 1, (160, 160))
+    frames = np.round(offsets + 0.4 * rng.standard_normal((8, 160, 160))).astype(np.float32)
+    found = autocorrelation(frames)
+    assert found is not None
+    assert abs(found.excess) < 5 * found.se
+
+
+def test_the_memory_of_a_recursive_filter_comes_back():
+    assert expected_excess(0.0, 8) == pytest.approx(0.0, abs=1e-12)
+    assert memory_of(expected_excess(0.35, 8), 8) == pytest.approx(0.35, abs=1e-6)
+
+
+@pytest.mark.parametrize("marginal", MARGINALS)
+def test_pixels_stand_out_of_their_neighbours_as_often_as_of_others(marginal):
+    frames = _images(marginal, 8)
+    top, ratio = excess(frames, 1, 1.0)
+    for found in (top, ratio):
+        enough = found.control > 50
+        low = stats.poisson.ppf(1e-6, found.control[enough])  # two rings: the control is rarer
+        assert np.all(found.own[enough] >= low * 0.9)
+
+
+def test_chance_matches_of_neighbours_are_those_of_a_ring_elsewhere():
+    frames = np.round(_images("normal", 9, (4, 200, 200)) * 1.5)
+    found = replaced(frames, 1.0, 1.5)
+    spread = np.sqrt(found.own + found.control + 1)
+    assert np.all(found.own - found.control < 5 * spread)
+
+
+def test_no_row_phase_departs_in_exchangeable_rows_of_unequal_noise():
+    images = _images("normal", 10) * (1 + (np.arange(200) % 4 == 1))[None, :, None]
+    found = row_phase(images.astype(np.float32))
+    assert found.z < 5.5
+
+
+def test_holm_against_its_definition():
+    p = np.array([0.01, 0.04, 0.03, 0.005])
+    assert holm(p) == pytest.approx([0.03, 0.06, 0.06, 0.02])
