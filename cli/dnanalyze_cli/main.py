@@ -12,6 +12,7 @@ from dnanalyze.errors import InputError
 from dnanalyze_cli.commands import (
     add,
     analyze,
+    benchmark,
     check,
     compare,
     demo,
@@ -35,7 +36,7 @@ for panel, commands in {
     "Look": (inspect.inspect, analyze.analyze),
     "Model": (fit.fit, simulate.simulate, compare.compare),
     "Find what is missing": (diagnose.diagnose, add.add, refine.refine, detect.detect),
-    "Hold and share": (check.check,),
+    "Hold and share": (benchmark.benchmark, check.check),
     "Learn": (effects.effects, demo.demo),
 }.items():
     for command in commands:

@@ -24,6 +24,8 @@ class Table:
         What stands on the fold, where ``folded``.
     folded : bool
         Closed until the reader opens it; printed in full.
+    sortable : bool
+        By a click on a column's name; the page then carries the few lines of script for it.
     """
 
     columns: Sequence[str]
@@ -31,6 +33,7 @@ class Table:
     words: int = 1
     title: str = ""
     folded: bool = False
+    sortable: bool = False
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class Page:
 
 
 def render(page: Page, made: datetime | None = None) -> str:
-    """The HTML file: no script, nothing fetched from elsewhere, everything escaped.
+    """The HTML file: nothing fetched, everything escaped, no script but for sorting tables.
 
     Parameters
     ----------
@@ -115,8 +118,9 @@ def render(page: Page, made: datetime | None = None) -> str:
     environment.filters["data_uri"] = data_uri
     when = (made or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M UTC")
     shown = [s for s in page.sections if not s.empty]
+    sortable = any(t.sortable for s in shown for t in s.tables)
     return environment.get_template("page.html.j2").render(
-        page=page, sections=shown, when=when, version=dnanalyze.__version__
+        page=page, sections=shown, sortable=sortable, when=when, version=dnanalyze.__version__
     )
 
 

@@ -1,0 +1,67 @@
+"""``dnanalyze benchmark``: several sensors side by side."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from dnanalyze.errors import InputError
+from dnanalyze_cli.options import Config, Csv, Json, Quiet, Report, Tolerance
+from dnanalyze_cli.session import Session
+
+
+def benchmark(
+    folders: Annotated[
+        list[str], typer.Argument(metavar="A B ...", help="Capture folders, one a sensor.")
+    ],
+    at: Annotated[
+        str | None,
+        typer.Option(
+            "--at",
+            metavar="C,C,...",
+            help="Temperatures at which to compare; default: inside what all have measured.",
+        ),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out which effects each sensor has.")
+    ] = False,
+    json: Json = None,
+    report: Report = None,
+    csv: Csv = None,
+    config: Config = None,
+    tolerance_c: Tolerance = None,
+    quiet: Quiet = False,
+) -> None:
+    """Several sensors side by side: EMVA dark figures, tails, spectra, effects, filters."""
+    from dnanalyze.benchmark.run import benchmark as run
+    from dnanalyze.report import benchmark as results
+    from dnanalyze_cli import show_benchmark
+
+    if len(folders) < 2:
+        raise InputError("benchmark: name two capture folders or more")
+    temperatures = _temperatures(at)
+    sessions = [Session("benchmark", f, json, report, csv, quiet=quiet) for f in folders]
+    session = sessions[0]
+    found = [s.load(config, tolerance_c) for s in sessions]
+    with session.progress("Comparing sensors") as progress:
+        result = run(found, temperatures=temperatures, quick=quick, tell=progress.now)
+    show_benchmark.result(session.console, result)
+
+    def page() -> str:
+        from dnanalyze.report.pages.benchmark import benchmark_page
+
+        return benchmark_page(result)
+
+    session.write(results.document(folders, result), page, lambda: results.table(result))
+
+
+def _temperatures(text: str | None) -> list[float]:
+    if text is None:
+        return []
+    try:
+        return sorted({float(part) for part in text.split(",")})
+    except ValueError:
+        raise InputError(
+            f"--at {text}: not temperatures in C with commas between, such as 25,45"
+        ) from None

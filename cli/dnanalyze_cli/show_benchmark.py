@@ -1,0 +1,44 @@
+"""Sensors side by side in the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from dnanalyze.report.benchmark import headline
+from dnanalyze.report.words import number, sentence, with_error
+
+
+def result(console: Console, held: Any) -> None:
+    """The verdict, the figures at one common temperature, what each is made of, the caveats."""
+    console.print(Padding(Text(headline(held), style="bold"), (0, 0, 1, 2)))
+    names = [s.name for s in held.sensors]
+    middle = held.temperatures[len(held.temperatures) // 2] if held.temperatures else None
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="dim")
+    table.add_column("figure")
+    for name in names:
+        table.add_column(name, justify="right", overflow="fold")
+    for ranking in held.rankings:
+        if ranking.temperature_c not in (middle, None):
+            continue
+        at = f", {ranking.temperature_c:g} °C" if ranking.temperature_c is not None else ""
+        unit = f" [{ranking.unit}]" if ranking.unit not in ("", "1") else ""
+        cells = (_cell(ranking.of(name)) for name in names)
+        table.add_row(Text(f"{ranking.title}{unit}{at}"), *cells)
+    console.print(Padding(table, (0, 0, 1, 2)))
+    for sensor in held.sensors:
+        made = ", ".join(e.effect for e in sensor.effects)
+        if made:
+            error = number(sensor.errors.get("refined"))
+            console.print(Padding(Text(f"{sensor.name}: {made} (error {error})"), (0, 0, 0, 2)))
+    for note in held.notes:
+        console.print(Padding(Text(sentence(note), style="dim"), (0, 0, 0, 2)))
+
+
+def _cell(figure: Any) -> Text:
+    return Text(with_error(figure.value, figure.se) if figure.known else "–")

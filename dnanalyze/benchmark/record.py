@@ -1,0 +1,321 @@
+"""One sensor's figures: what its own captures tell, before it is held beside others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import Scale, SettingStatistics, Statistics
+from dnanalyze.benchmark.criteria import CRITERIA, SINGLE, Criterion
+from dnanalyze.benchmark.laws import Reading
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
+
+ELECTRON = 1.602176634e-19  # C
+CLEAR = 5.0  # standard errors from which the slope of variance over mean counts as the gain
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number with its error; ``note`` says where it comes from, or why it is absent."""
+
+    value: float
+    se: float
+    note: str = ""
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a value."""
+        return math.isfinite(self.value)
+
+
+ABSENT = Figure(math.nan, math.nan, "these captures do not tell it")
+
+
+@dataclass(frozen=True)
+class Strength:
+    """An effect of the refined model and how strong it is.
+
+    Parameters
+    ----------
+    effect : str
+    rms_dn : float or None
+        Where its variance has a closed form: its share of a pixel's noise at the model's reference.
+    parameters : dict
+        Value (at the reference) and unit of each number.
+    """
+
+    effect: str
+    rms_dn: float | None
+    parameters: dict[str, tuple[float, str]]
+
+
+@dataclass(frozen=True)
+class SensorRecord:
+    """What is known of one sensor.
+
+    Parameters
+    ----------
+    name, folder : str
+    captures : CaptureSet
+    statistics : Statistics
+    readings : dict
+        Criterion to its readings over temperature, of the longest exposure.
+    single : dict
+        Criterion to its one figure.
+    dn_per_e : Figure
+        Conversion gain.
+    errors : dict
+        "gaussian", "paper", "refined".
+    effects : list of Strength
+        Of the refined model; empty with --quick.
+    verdict : str
+        Of the refinement.
+    filtered : bool or None
+    filter_kind : str
+    notes : list of str
+    """
+
+    name: str
+    folder: str
+    captures: CaptureSet
+    statistics: Statistics
+    readings: dict[str, list[Reading]]
+    single: dict[str, Figure]
+    dn_per_e: Figure
+    errors: dict[str, float]
+    effects: list[Strength] = field(default_factory=list)
+    verdict: str = ""
+    filtered: bool | None = None
+    filter_kind: str = ""
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def sensor(self) -> Sensor:
+        """What its files tell."""
+        return self.captures.sensor
+
+    @property
+    def temperatures(self) -> list[float]:
+        """Measured, C."""
+        known = {s.point.temperature_c for s in self.captures.settings}
+        return sorted(t for t in known if t is not None)
+
+    @property
+    def pixel_area_cm2(self) -> float | None:
+        """cm^2, where the pitch is known."""
+        pitch = self.sensor.pixel_pitch_um
+        return (pitch * 1e-4) ** 2 if pitch else None
+
+
+def record(
+    name: str,
+    folder: str,
+    captures: CaptureSet,
+    *,
+    quick: bool = False,
+    tell: Callable[[str], None] = lambda _: None,
+) -> SensorRecord:
+    """Analyze, compare, refine and detect one sensor.
+
+    Parameters
+    ----------
+    name : str
+        For tables.
+    folder : str
+        Where its frames are.
+    captures : CaptureSet
+    quick : bool
+        Leave the refinement out.
+    tell : callable
+        Called with a line of progress.
+    """
+    from dnanalyze.analyzers.analyze import analyze
+
+    tell(f"{name}: statistics")
+    statistics = analyze(captures)
+    notes: list[str] = list(captures.notes)
+    errors, effects, verdict, own_gain = _modelled(name, captures, quick, tell, notes)
+    filtered, kind = _filtered(name, captures, tell, notes)
+    return SensorRecord(
+        name, folder, captures, statistics, readings_of(statistics), single_of(statistics),
+        own_gain if own_gain.known else gain_of(statistics), errors, effects, verdict,
+        filtered, kind, notes,
+    )  # fmt: skip
+
+
+def _modelled(
+    name: str, captures: CaptureSet, quick: bool, tell: Callable[[str], None], notes: list[str]
+) -> tuple[dict[str, float], list[Strength], str, Figure]:
+    from dnanalyze.comparator.compare import compare
+    from dnanalyze.diagnosis.refine import refine
+    from dnanalyze.fitting.design import design
+    from dnanalyze.fitting.predictor import bench
+
+    tell(f"{name}: the paper's model")
+    try:
+        held = bench(design(captures))
+        comparison = compare(captures, held=held)
+    except InputError as error:
+        notes.append(f"no model could be held against it: {error}")
+        return {}, [], "", ABSENT
+    errors = {k: comparison.baselines[k] for k in ("gaussian", "paper")}
+    if quick:
+        return errors, [], "", ABSENT
+    result = refine(captures, held=held, trying=lambda effect: tell(f"{name}: trying {effect}"))
+    errors["refined"] = result.steps[-1].error
+    return errors, strengths(result.model), result.verdict, _gain_of_model(result)
+
+
+def strengths(model: Any) -> list[Strength]:
+    """Each effect of a model with its numbers at the model's reference."""
+    made = []
+    for effect in model.effects:
+        variance = effect.variance(model.reference)
+        numbers = {
+            key: (effect.value(key, model.reference), info.unit)
+            for key, info in effect.parameters().items()
+            if info.scale != "choice"
+        }
+        rms = math.sqrt(variance) if variance is not None and variance >= 0 else None
+        made.append(Strength(effect.name, rms, numbers))
+    return made
+
+
+def _gain_of_model(result: Any) -> Figure:
+    shot = result.model.get("dark_shot_noise")
+    if shot is None:
+        return ABSENT
+    value = shot.value("dn_per_e", result.model.reference)
+    from dnanalyze.fitting.fit import with_uncertainties
+
+    fitted = with_uncertainties(result.bench, result.state, 8)
+    errors = {p.name: p.se for p in fitted.parameters}
+    se = errors.get("dark_shot_noise.dn_per_e", math.nan)
+    if not (math.isfinite(se) and se < 0.5 * value):
+        return ABSENT
+    return Figure(value, se, "from the shot noise of the refined model")
+
+
+def _filtered(
+    name: str, captures: CaptureSet, tell: Callable[[str], None], notes: list[str]
+) -> tuple[bool | None, str]:
+    from dnanalyze.detection import detect
+
+    tell(f"{name}: hidden filters")
+    try:
+        found = detect(captures)
+    except InputError as error:
+        notes.append(f"it could not be tested for hidden filters: {error}")
+        return None, ""
+    return found.filtered, found.kind
+
+
+def _longest(statistics: Statistics) -> list[SettingStatistics]:
+    """Of each temperature, the settings of the longest exposure; one channel, one gain."""
+    points = list(dict.fromkeys(s.point for s in statistics.settings))
+    if not points:
+        return []
+    groups: dict[tuple[float | None, str | None], list[OperatingPoint]] = {}
+    for p in points:
+        groups.setdefault((p.gain, p.channel), []).append(p)
+    main = max(groups.values(), key=len)
+    best: dict[float | None, OperatingPoint] = {}
+    for p in main:
+        have = best.get(p.temperature_c)
+        if have is None or (p.exposure_s or 0) > (have.exposure_s or 0):
+            best[p.temperature_c] = p
+    longest = max((p.exposure_s or 0) for p in best.values())
+    kept = {p for p in best.values() if (p.exposure_s or 0) >= 0.5 * longest}
+    return [s for s in statistics.settings if s.point in kept]
+
+
+def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> Figure:
+    """Mean over colour planes of the first statistic that they tell; error in plain units."""
+    for name in names:
+        found = [s.values[name] for s in settings if name in s.values]
+        if not found:
+            continue
+        scale = infos()[name].scale
+        plain = [v.se * abs(v.value) if scale is Scale.LOG else v.se for v in found]
+        mean = float(np.mean([v.value for v in found]))
+        return Figure(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(found), name)
+    return ABSENT
+
+
+def readings_of(statistics: Statistics) -> dict[str, list[Reading]]:
+    """Every thermal criterion over the temperatures, at the longest exposure."""
+    longest = [s for s in _longest(statistics) if s.point.temperature_c is not None]
+    made: dict[str, list[Reading]] = {}
+    for criterion in CRITERIA:
+        rows = []
+        known = {s.point.temperature_c for s in longest} - {None}
+        for celsius in sorted(float(t) for t in known if t is not None):
+            here = [s for s in longest if s.point.temperature_c == celsius]
+            figure = _value(here, criterion.statistics)
+            if figure.known:
+                rows.append(Reading(celsius, figure.value, figure.se))
+        made[criterion.name] = rows
+    return made
+
+
+def single_of(statistics: Statistics) -> dict[str, Figure]:
+    """The criteria of which a sensor has one."""
+    made = {}
+    for criterion in SINGLE:
+        made[criterion.name] = _single(statistics, criterion)
+    return made
+
+
+def _single(statistics: Statistics, criterion: Criterion) -> Figure:
+    for name in criterion.statistics:
+        if name in statistics.trends:
+            value = statistics.trends[name]
+            return Figure(value.value, value.se, name)
+    points = list(dict.fromkeys(s.point for s in statistics.settings))
+    if not points or all(n in _TRENDS for n in criterion.statistics):
+        return ABSENT
+
+    def heat(p: OperatingPoint) -> tuple[float, float]:
+        return (p.temperature_c if p.temperature_c is not None else 0.0, p.exposure_s or 0.0)
+
+    chosen = min(points, key=heat) if criterion.name == "read_noise" else max(points, key=heat)
+    figure = _value([s for s in statistics.settings if s.point == chosen], criterion.statistics)
+    return Figure(figure.value, figure.se, f"at {chosen.label()}") if figure.known else ABSENT
+
+
+_TRENDS = {"pedestal", "activation_energy_ev", "doubling_step_c"}
+
+
+def gain_of(statistics: Statistics) -> Figure:
+    """Conversion gain, DN/e-, from the slope of temporal variance over mean (photon transfer).
+
+    Only where the dark series tells it clearly: the slope stands 5 standard errors above 0.
+    Janesick, Photon Transfer (SPIE, 2007).
+    """
+    points: dict[OperatingPoint, list[SettingStatistics]] = {}
+    for s in statistics.settings:
+        if "temporal_noise_core" in s.values:
+            points.setdefault(s.point, []).append(s)
+    rows = []
+    for here in points.values():
+        noise, level = _value(here, ("temporal_noise_core",)), _value(here, ("median",))
+        variance = noise.value**2
+        rows.append((level.value, variance, max(2 * noise.value * noise.se, 0.01 * variance)))
+    if len(rows) < 3:
+        return Figure(math.nan, math.nan, "fewer than three settings with several frames")
+    x, y, sigma = np.array(rows).T
+    a = np.stack([np.ones_like(x), x - x.mean()], axis=1) / sigma[:, None]
+    covariance = np.linalg.pinv(a.T @ a)
+    solution = covariance @ (a.T @ (y / sigma))
+    pulls = y / sigma - a @ solution
+    scale = max(1.0, math.sqrt(float(pulls @ pulls) / (x.size - 2)))
+    slope, se = float(solution[1]), math.sqrt(float(covariance[1, 1])) * scale
+    if slope < CLEAR * se:
+        return Figure(math.nan, math.nan, "the dark series does not tell the gain")
+    return Figure(slope, se, "slope of temporal variance over mean")

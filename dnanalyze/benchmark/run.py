@@ -1,0 +1,257 @@
+"""Sensors side by side: figures at common temperatures, and a ranking per criterion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from dnanalyze.benchmark.criteria import CRITERIA, ERRORS, SINGLE, Criterion
+from dnanalyze.benchmark.laws import common_temperatures, estimate
+from dnanalyze.benchmark.record import ABSENT, ELECTRON, Figure, SensorRecord, record
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet
+
+TELLING = 2.0  # standard errors of a difference, from which two sensors are told apart
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A sensor's place under a criterion; equal ranks are not told apart."""
+
+    sensor: str
+    figure: Figure
+    rank: int | None
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """All sensors under one criterion.
+
+    Parameters
+    ----------
+    criterion : str
+    title, unit : str
+    temperature_c : float or None
+        Where they are compared; None where the figure does not run with temperature.
+    better : str
+        "low", "high" or "".
+    places : list of Placed
+        Best first; without a figure last.
+    """
+
+    criterion: str
+    title: str
+    unit: str
+    temperature_c: float | None
+    better: str
+    places: list[Placed]
+
+    def of(self, sensor: str) -> Figure:
+        """A sensor's figure."""
+        return next((p.figure for p in self.places if p.sensor == sensor), ABSENT)
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """Sensors side by side.
+
+    Parameters
+    ----------
+    sensors : list of SensorRecord
+        In the order given.
+    temperatures : list of float
+        Where they are compared, C.
+    rankings : list of Ranking
+    notes : list of str
+        What to know before believing it.
+    """
+
+    sensors: list[SensorRecord]
+    temperatures: list[float]
+    rankings: list[Ranking]
+    notes: list[str]
+
+
+def benchmark(
+    captures: Sequence[CaptureSet],
+    *,
+    temperatures: Sequence[float] = (),
+    quick: bool = False,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Benchmark:
+    """Hold sensors side by side.
+
+    Parameters
+    ----------
+    captures : sequence of CaptureSet
+        Two or more.
+    temperatures : sequence of float
+        Where to compare, C; by default inside what all have measured.
+    quick : bool
+        Leave the refinement out.
+    tell : callable
+        Called with a line of progress.
+
+    Raises
+    ------
+    InputError
+        Fewer than two capture sets.
+    """
+    if len(captures) < 2:
+        raise InputError("benchmark: name two capture folders or more")
+    names = unique_names([c.name for c in captures])
+    made = [
+        record(name, c.name, c, quick=quick, tell=tell)
+        for name, c in zip(names, captures, strict=True)
+    ]
+    return side_by_side(made, temperatures)
+
+
+def unique_names(folders: Sequence[str]) -> list[str]:
+    """The last part of each folder's path; as many parts as it takes to tell them apart."""
+    parts = [Path(f.rstrip("/")).parts or (f,) for f in folders]
+    for count in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(p[-count:]) for p in parts]
+        if len(set(names)) == len(names):
+            return names
+    return [f"{name} ({i})" for i, name in enumerate(names, 1)]
+
+
+def side_by_side(sensors: Sequence[SensorRecord], temperatures: Sequence[float] = ()) -> Benchmark:
+    """Compare what was recorded of each sensor; see `benchmark`."""
+    ranges = [(s.temperatures[0], s.temperatures[-1]) for s in sensors if s.temperatures]
+    common = list(temperatures) or common_temperatures(ranges)
+    rankings = []
+    for criterion in CRITERIA:
+        for form, unit, of in _forms(criterion, sensors):
+            for celsius in common:
+                figures = [of(s, _at(s, criterion, celsius)) for s in sensors]
+                rankings.append(
+                    _rank(replace(criterion, name=form, unit=unit), celsius, sensors, figures)
+                )
+    for criterion in SINGLE:
+        for form, unit, of in _forms(criterion, sensors):
+            figures = [of(s, s.single[criterion.name]) for s in sensors]
+            rankings.append(_rank(replace(criterion, name=form, unit=unit), None, sensors, figures))
+    for criterion in ERRORS:
+        kind = criterion.name.removeprefix("error_")
+        figures = [Figure(s.errors[kind], 0.0) if kind in s.errors else ABSENT for s in sensors]
+        rankings.append(_rank(criterion, None, sensors, figures))
+    told = [r for r in rankings if any(p.figure.known for p in r.places)]
+    return Benchmark(list(sensors), common, told, _notes(sensors, common, ranges))
+
+
+def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
+    readings = sensor.readings[criterion.name]
+    found = estimate(readings, celsius)
+    if found is None:
+        why = "one temperature tells no law" if readings else "these captures do not tell it"
+        return Figure(math.nan, math.nan, why)
+    measured = any(abs(r.temperature_c - celsius) < 0.5 for r in readings)
+    note = "measured there" if measured else "by its law"
+    if found.outside_c > 0.5:
+        note = f"extrapolated by {found.outside_c:.0f} C"
+    if found.cost > 1.5:
+        note += f"; the error is {found.cost:.1f} times that of its own nearest measurement"
+    return Figure(found.value, found.se, note)
+
+
+def _forms(
+    criterion: Criterion, sensors: Sequence[SensorRecord]
+) -> Iterator[tuple[str, str, Callable[[SensorRecord, Figure], Figure]]]:
+    """The figure in DN, in electrons, and per area: (name, unit, conversion)."""
+    yield criterion.name, criterion.unit, lambda s, f: f
+    if criterion.electrons and any(s.dn_per_e.known for s in sensors):
+        yield f"{criterion.name}_e", criterion.unit.replace("DN", "e-"), _electrons
+    if criterion.per_area and any(s.dn_per_e.known and s.pixel_area_cm2 for s in sensors):
+        yield f"{criterion.name}_area", "pA/cm^2", _per_area
+
+
+def _electrons(sensor: SensorRecord, figure: Figure) -> Figure:
+    """DN over the conversion gain, its error included."""
+    k = sensor.dn_per_e
+    if not k.known or not figure.known:
+        why = figure.note if k.known else "its conversion gain is not known"
+        return Figure(math.nan, math.nan, why)
+    value = figure.value / k.value
+    return Figure(value, math.hypot(figure.se / k.value, value * k.se / k.value), figure.note)
+
+
+def _per_area(sensor: SensorRecord, figure: Figure) -> Figure:
+    """Current density, pA/cm^2."""
+    electrons, area = _electrons(sensor, figure), sensor.pixel_area_cm2
+    if area is None:
+        return Figure(math.nan, math.nan, "its pixel pitch is not known")
+    factor = ELECTRON / area * 1e12
+    return Figure(electrons.value * factor, electrons.se * factor, electrons.note)
+
+
+def _rank(
+    criterion: Criterion,
+    celsius: float | None,
+    sensors: Sequence[SensorRecord],
+    figures: Sequence[Figure],
+) -> Ranking:
+    """Best first; a sensor that is not told apart from the one before it shares its rank."""
+    pairs = list(zip([s.name for s in sensors], figures, strict=True))
+    sign = -1.0 if criterion.better == "high" else 1.0
+    known = sorted((p for p in pairs if p[1].known), key=lambda p: sign * p[1].value)
+    places: list[Placed] = []
+    for i, (name, figure) in enumerate(known):
+        rank: int | None = i + 1
+        if places:
+            last = places[-1]
+            if not _told_apart(last.figure, figure):
+                rank = last.rank
+        places.append(Placed(name, figure, rank if criterion.better else None))
+    places += [Placed(n, f, None) for n, f in pairs if not f.known]
+    return Ranking(
+        criterion.name, criterion.title, criterion.unit, celsius, criterion.better, places
+    )
+
+
+def _told_apart(a: Figure, b: Figure) -> bool:
+    """By more than two standard errors; of positive figures, those of their logarithms."""
+    if a.value > 0 and b.value > 0:
+        relative = math.hypot(a.se / a.value, b.se / b.value)
+        return abs(math.log(a.value / b.value)) > TELLING * relative
+    return abs(a.value - b.value) > TELLING * math.hypot(a.se, b.se)
+
+
+def _notes(
+    sensors: Sequence[SensorRecord], common: Sequence[float], ranges: Sequence[tuple[float, float]]
+) -> list[str]:
+    made = []
+    for s in sensors:
+        if s.filtered:
+            kind = s.filter_kind.replace("_", " ")
+            made.append(
+                f"{s.name}: its frames were filtered ({kind}), so that its "
+                "noise, hot pixels and spectrum flatter it; do not believe its place"
+            )
+        if not s.temperatures:
+            made.append(
+                f"{s.name}: its temperatures are not known, so that it has no place in what "
+                "runs with them"
+            )
+    if ranges and max(a for a, _ in ranges) > min(b for _, b in ranges):
+        made.append(
+            "the sensors share no temperature: their laws are extrapolated, and the errors say "
+            "what that costs"
+        )
+    points = [t.point for s in sensors for t in s.captures.settings]
+    exposures = {p.exposure_s for p in points if p.exposure_s}
+    if len(exposures) > 1:
+        made.append(
+            "exposures differ: dark current is per second; noises, DSNU and hot pixels are those "
+            "of each sensor's longest exposure"
+        )
+    gains = [s.name for s in sensors if not s.dn_per_e.known]
+    if gains:
+        made.append(
+            f"the conversion gain of {', '.join(gains)} is not known: compare DN with care, they "
+            "are not electrons"
+        )
+    return made

@@ -1,0 +1,196 @@
+"""Sensors side by side: laws over temperature, ranks, and the command."""
+
+from __future__ import annotations
+
+import json
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dnanalyze.benchmark import record as records
+from dnanalyze.benchmark.criteria import CRITERIA, SINGLE
+from dnanalyze.benchmark.laws import Reading, common_temperatures, estimate
+from dnanalyze.benchmark.record import ABSENT, Figure, SensorRecord, gain_of
+from dnanalyze.benchmark.run import benchmark, side_by_side, unique_names
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
+from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.laws import TableLaw, arrhenius
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+P = OperatingPoint
+
+
+def activated(celsius, ea=0.65, level=3.0):
+    return level * arrhenius(celsius, 45.0, ea)
+
+
+def test_a_law_finds_an_activated_rate_between_and_beyond_the_measured():
+    rng = np.random.default_rng(1)
+    pulls, inside, outside = [], [], []
+    for _ in range(60):
+        readings = [
+            Reading(t, activated(t) * (1 + 0.02 * rng.standard_normal()), 0.02 * activated(t))
+            for t in (25.0, 35.0, 45.0, 55.0, 65.0)
+        ]
+        for celsius, kept in ((50.0, inside), (85.0, outside)):
+            found = estimate(readings, celsius)
+            pulls.append(math.log(found.value / activated(celsius)) / (found.se / found.value))
+            kept.append(found.se / found.value)
+    # the error must cover the truth: 4.5 sigma over 120 draws, and not overstate it threefold
+    assert np.max(np.abs(pulls)) < 4.5
+    assert np.std(pulls) > 0.3
+    assert np.mean(outside) > 2 * np.mean(inside)
+
+
+def test_a_noise_with_a_floor_is_not_taken_for_an_activated_one():
+    truth = lambda t: math.sqrt(4.0 + 0.5 * activated(t))  # noqa: E731
+    readings = [Reading(t, truth(t), 0.01 * truth(t)) for t in (25.0, 45.0, 65.0, 85.0)]
+    found = estimate(readings, 5.0)
+    assert abs(found.value - truth(5.0)) < 4 * found.se
+    assert found.se < 0.4 * truth(5.0)
+
+
+def test_one_temperature_tells_no_law():
+    assert estimate([Reading(25.0, 2.0, 0.1)], 60.0) is None
+    assert estimate([Reading(25.0, 2.0, 0.1)], 25.0).value == 2.0
+    assert estimate([], 25.0) is None
+
+
+def test_common_temperatures_lie_inside_or_between():
+    assert common_temperatures([(25, 105), (45, 85)]) == [45.0, 65.0, 85.0]
+    assert common_temperatures([(-90, -10), (20, 60)]) == [5.0]
+    assert common_temperatures([]) == []
+
+
+def test_names_are_told_apart():
+    assert unique_names(["a/x", "b/y/"]) == ["x", "y"]
+    assert unique_names(["a/x", "b/x"]) == ["a/x", "b/x"]
+
+
+def made_record(name, level, se=0.01, **more):
+    """A record with one law of dark current, everything else absent."""
+    points = [P(t, 0.1) for t in (25.0, 45.0, 65.0)]
+    captures = CaptureSet(name, Sensor((8, 8)), tuple(Setting(p, ()) for p in points))
+    readings = {c.name: [] for c in CRITERIA}
+    readings["dark_current"] = [
+        Reading(t, activated(t, level=level), se * activated(t, level=level))
+        for t in (25.0, 45.0, 65.0)
+    ]
+    single = {c.name: ABSENT for c in SINGLE}
+    kept = {"dn_per_e": ABSENT, "errors": {}} | more
+    return SensorRecord(name, name, captures, None, readings, single, **kept)
+
+
+def test_sensors_are_ranked_and_those_not_told_apart_share_a_rank():
+    result = side_by_side(
+        [made_record("worst", 9.0), made_record("good", 3.0), made_record("same", 3.03)], [45.0]
+    )
+    (ranking,) = [r for r in result.rankings if r.criterion == "dark_current"]
+    assert [(p.sensor, p.rank) for p in ranking.places] == [("good", 1), ("same", 1), ("worst", 3)]
+
+
+def test_gain_and_area_normalise():
+    gains = Figure(0.5, 0.005, "")
+    a, b = made_record("a", 3.0, dn_per_e=gains), made_record("b", 3.0)
+    object.__setattr__(a.captures.sensor, "pixel_pitch_um", 5.0)
+    result = side_by_side([a, b], [45.0])
+    electrons = next(r for r in result.rankings if r.criterion == "dark_current_e").of("a")
+    assert electrons.value == pytest.approx(6.0, rel=0.02)
+    area = next(r for r in result.rankings if r.criterion == "dark_current_area").of("a")
+    assert area.value == pytest.approx(electrons.value * 1.602e-19 / 25e-8 * 1e12, rel=0.01)
+    assert not next(r for r in result.rankings if r.criterion == "dark_current_e").of("b").known
+    assert any("conversion gain of b" in n for n in result.notes)
+
+
+def test_a_filtered_sensor_is_not_to_be_believed():
+    made = [made_record("a", 3.0, filtered=True, filter_kind="dpc"), made_record("b", 3.0)]
+    assert any("a: its frames were filtered (dpc)" in n for n in side_by_side(made, [45.0]).notes)
+
+
+def virtual(name, mu, seed, temperatures=(25.0, 45.0, 65.0), k=0.5):
+    """A sensor of doubling step about 9.5 C whose gain is k."""
+    base = TableLaw(
+        tuple(P(t) for t in temperatures),
+        tuple(mu + math.log(activated(t, level=1.0)) for t in temperatures),
+    )
+    model = NoiseModel(
+        (
+            ConvolvedLognormal(mu=base, delta=0.3, phi=1e-3, sigma=1e-5),
+            DarkShotNoise(dn_per_e=k),
+            ReadNoise(sigma=1.5),
+        ),
+        64.0,
+        P(45.0, 0.1, 1.0),
+        seed,
+    )
+    settings = [(P(t, 0.1, 1.0), 4) for t in temperatures]
+    return simulate(model, (96, 96), settings, name, Sensor((96, 96), black_level=64.0))
+
+
+def test_the_gain_is_read_off_the_dark_series():
+    from dnanalyze.analyzers.analyze import analyze
+
+    found = gain_of(analyze(virtual("a", 4.0, 1)))
+    assert abs(found.value - 0.5) < 5 * found.se
+    assert found.se < 0.05
+
+
+@pytest.fixture
+def no_filters(monkeypatch):
+    import dnanalyze.detection as detection
+
+    none = SimpleNamespace(filtered=False, kind="none")
+    monkeypatch.setattr(detection, "detect", lambda captures, **_: none, raising=False)
+
+
+def test_the_command_gives_page_table_and_json(no_filters, tmp_path, monkeypatch):
+    from dnanalyze_cli.main import main
+
+    from dnanalyze.loaders import write_captures
+
+    write_captures(virtual("cool", 3.0, 1), tmp_path / "cool", "npy")
+    write_captures(virtual("warm", 5.0, 2, (35.0, 55.0, 75.0)), tmp_path / "warm", "npy")
+    folders = [str(tmp_path / "cool"), str(tmp_path / "warm")]
+    paths = {k: tmp_path / f"B.{k}" for k in ("json", "html", "csv")}
+    named = {"--json": "json", "--report": "html", "--csv": "csv"}
+    options = [part for flag, key in named.items() for part in (flag, str(paths[key]))]
+    assert main(["benchmark", *folders, *options, "--quick", "-q"]) == 0
+    written = json.loads(paths["json"].read_text())
+    assert written["schema"] == "dnanalyze/benchmark/1"
+    assert written["temperatures_c"] == [35.0, 50.0, 65.0]
+    ranks = {
+        p["sensor"]: p["rank"]
+        for r in written["rankings"]
+        if r["criterion"] == "dark_current" and r["temperature_c"] == 50.0
+        for p in r["places"]
+    }
+    assert ranks == {"cool": 1, "warm": 2}
+    values = {
+        p["sensor"]: (p["value"], p["se"])
+        for r in written["rankings"]
+        if r["criterion"] == "dark_current" and r["temperature_c"] == 50.0
+        for p in r["places"]
+    }
+    for name, mu in (("cool", 3.0), ("warm", 5.0)):  # the median pixel's rate, DN/s, at 0.1 s
+        value, se = values[name]
+        assert abs(value - 10 * math.exp(mu) * activated(50.0, level=1.0)) < 5 * se + 0.05 * value
+    assert "sortable" in paths["html"].read_text()
+    assert "dark_current" in paths["csv"].read_text()
+
+
+def test_bad_input_is_one_line(capsys, tmp_path):
+    from dnanalyze_cli.main import main
+
+    assert main(["benchmark", str(tmp_path)]) == 2
+    assert "two capture folders" in capsys.readouterr().err
+    assert main(["benchmark", "a", "b", "--at", "warm"]) == 2
+    assert "--at warm" in capsys.readouterr().err
+    with pytest.raises(InputError):
+        benchmark([virtual("a", 3.0, 1)])
+    assert records.ABSENT.known is False
