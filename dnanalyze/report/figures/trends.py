@@ -30,14 +30,14 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
     """Arrhenius plot of the dark signal above the pedestal, and the two noises."""
     measured = drawn[0].statistics
     warm = [s for s in main_run(measured) if s.point.temperature_c is not None]
-    if len({s.point.temperature_c for s in warm}) < 2 or "mean" not in warm[0].values:
+    if len({s.point.temperature_c for s in warm}) < 2 or "median" not in warm[0].values:
         return None
 
     def draw() -> Any:
         fig, axes = figure(1, 3, 2.9, gridspec_kw={"width_ratios": (1.25, 1, 1)})
         pedestal = pedestal_of(drawn[0])
         if pedestal is None:
-            _noise(axes[0, 0], drawn, warm, "mean", "mean dark value, its pedestal unknown")
+            _noise(axes[0, 0], drawn, warm, "median", "median dark value, its pedestal unknown")
         else:
             _arrhenius(axes[0, 0], drawn, warm, pedestal)
         for ax, (name, title) in zip(axes[0, 1:], NOISES, strict=True):
@@ -47,8 +47,8 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
 
     return picture(
         draw,
-        "Left: mean dark signal above the pedestal over inverse temperature, where a thermally "
-        "activated current is a straight line. Right: the two noises." + plane_note(measured),
+        "Left: median dark signal above the pedestal over inverse temperature; a thermally "
+        "activated current makes a straight line. Right: the two noises." + plane_note(measured),
         "Arrhenius plot of the dark signal, and temporal and fixed-pattern noise over temperature.",
     )
 
@@ -67,7 +67,7 @@ def _arrhenius(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any], pedestal: f
     inverse = np.array([1000 / (s.point.temperature_c + KELVIN) for s in warm])
     for layer in drawn:
         own = [layer.like(s) for s in warm]
-        y = np.array([s.values["mean"].value - pedestal if s else math.nan for s in own], float)
+        y = np.array([s.values["median"].value - pedestal if s else math.nan for s in own], float)
         y[y <= 0] = math.nan
         ax.plot(
             inverse, y, marker="o", markersize=3.4, linestyle="-" if layer is not drawn[0] else "",
@@ -77,7 +77,7 @@ def _arrhenius(ax: Any, drawn: Sequence[Layer], warm: Sequence[Any], pedestal: f
     ax.set_yscale("log")
     log_axis(ax.yaxis)
     ax.set_xlabel("1000 / T [1/K]")
-    ax.set_ylabel("mean above pedestal [DN]")
+    ax.set_ylabel("median above pedestal [DN]")
     above = ax.secondary_xaxis(
         "top",
         functions=(lambda v: 1000 / np.maximum(v, 0.1) - KELVIN, lambda c: 1000 / (c + KELVIN)),
@@ -95,7 +95,7 @@ def _law(ax: Any, layer: Layer, warm: Sequence[Any], pedestal: float) -> None:
     trend = layer.statistics.trends.get("activation_energy_ev")
     if trend is None or not is_number(trend.value):
         return
-    seen = [(s.point.temperature_c + KELVIN, s.values["mean"].value - pedestal) for s in warm]
+    seen = [(s.point.temperature_c + KELVIN, s.values["median"].value - pedestal) for s in warm]
     seen = [(t, y) for t, y in seen if y > 0]
     if not seen:
         return
