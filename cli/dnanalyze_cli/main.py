@@ -19,6 +19,7 @@ from dnanalyze_cli.commands import (
     detect,
     diagnose,
     effects,
+    export,
     fit,
     inspect,
     refine,
@@ -36,7 +37,7 @@ for panel, commands in {
     "Look": (inspect.inspect, analyze.analyze),
     "Model": (fit.fit, simulate.simulate, compare.compare),
     "Find what is missing": (diagnose.diagnose, add.add, refine.refine, detect.detect),
-    "Hold and share": (benchmark.benchmark, check.check),
+    "Hold and share": (benchmark.benchmark, check.check, export.export),
     "Learn": (effects.effects, demo.demo),
 }.items():
     for command in commands:

@@ -1,0 +1,80 @@
+"""``dnanalyze export``: a model for those who do not run dnanalyze."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dnanalyze.errors import InputError
+from dnanalyze_cli.options import EffectFiles, Quiet
+from dnanalyze_cli.session import Session
+
+FORMATS = ("csv", "json", "numpy", "torch", "yaml")
+
+
+def export(
+    model: Annotated[
+        Path,
+        typer.Argument(
+            metavar="M.yaml",
+            help="Model file; a table (.csv, .json) is read back.",
+            show_default=False,
+        ),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="OUT", help="File to write.", show_default=False),
+    ],
+    format: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            help="csv, json: parameters over temperature; numpy: one file with dark_frames(); "
+            "torch: the same with a transform; yaml: the model file of a table.",
+        ),
+    ] = "json",
+    temperatures: Annotated[
+        str | None,
+        typer.Option(
+            "--temperatures",
+            metavar="C,C,...",
+            help="Where tables state the parameters; default: the model's own.",
+        ),
+    ] = None,
+    effects: EffectFiles = None,
+    quiet: Quiet = False,
+) -> None:
+    """A model as a table, as a NumPy function, as a torch transform; for frames see simulate."""
+    from dnanalyze.model.export.numpy_code import numpy_source, torch_source
+    from dnanalyze.model.export.table import read_table, to_csv, to_json
+    from dnanalyze.model.noise_model import dump_model, load_model
+
+    if format not in FORMATS:
+        raise InputError(
+            f"--format {format}: valid: {', '.join(FORMATS)}; frames come from simulate"
+        )
+    session = Session("export", output=output, effects=tuple(effects or ()), quiet=quiet)
+    table = model.suffix.lower() in (".csv", ".json")
+    own = (read_table if table else load_model)(model, session.known())
+    celsius = _numbers(temperatures)
+    text = {
+        "csv": lambda: to_csv(own, celsius),
+        "json": lambda: to_json(own, celsius),
+        "numpy": lambda: numpy_source(own),
+        "torch": lambda: torch_source(own),
+        "yaml": lambda: dump_model(own),
+    }[format]
+    session.write({}, model=text)
+
+
+def _numbers(text: str | None) -> list[float]:
+    if text is None:
+        return []
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(
+            f"--temperatures {text}: not numbers with commas between, such as 25,45"
+        ) from None

@@ -1,0 +1,1 @@
+"""A model for those who do not run dnanalyze: tables, a NumPy function, a torch transform."""
