@@ -93,13 +93,27 @@ class Session:
         return catalogue(self.effects)
 
     def model(self, path: Path | None, seed: int | None = None) -> NoiseModel | None:
-        """The model file, drawn with this seed where one is given; None where no file is named."""
+        """The model file, with this seed where one is given; None where no file is named."""
         from dnanalyze.model.noise_model import load_model
 
         if path is None:
             return None
         found = load_model(path, self.known())
         return found if seed is None else replace(found, seed=seed)
+
+    def seeded(
+        self, captures: CaptureSet, model: NoiseModel | None, seed: int | None
+    ) -> NoiseModel | None:
+        """The model with this seed; without a model the paper's, as a fit begins."""
+        if seed is None:
+            return model
+        if model is None:
+            from dnanalyze.fitting.design import design
+            from dnanalyze.fitting.fit import paper_start
+            from dnanalyze.fitting.predictor import bench
+
+            model = paper_start(bench(design(captures)))
+        return replace(model, seed=seed)
 
     def say(self, text: str) -> None:
         """A line on stderr, unless --quiet."""

@@ -274,14 +274,18 @@ def detection(console: Console, captures: Any, result: Any) -> None:
 
 def catalogue(console: Console, known: Mapping[str, Any]) -> None:
     """All effects along the signal chain."""
-    table = Table(
-        box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False, header_style="dim"
-    )
-    for name in ("effect", "where", "varies", "what it is"):
-        table.add_column(name, no_wrap=name != "what it is")
+    table = Table(box=None, pad_edge=False, padding=(0, 1), show_header=False)
+    table.add_column(no_wrap=True)
+    table.add_column(no_wrap=True, style="dim")
+    table.add_column()
+    stage = None
     for kind in sorted(known.values(), key=lambda e: (e.stage, e.name)):
-        stage = kind.stage.name.lower().replace("_", " ")
-        table.add_row(Text(kind.name, style="bold"), stage, kind.varies, Text(kind.summary))
+        if kind.stage is not stage:
+            if stage is not None:
+                table.add_row()
+            stage = kind.stage
+            table.add_row(Text(stage.name.lower().replace("_", " "), style="dim"))
+        table.add_row(Text(kind.name, style="bold"), kind.varies, Text(kind.summary))
     console.print(table)
     console.print()
     console.print("`dnanalyze effects NAME` tells the physics of one.", style="dim")

@@ -135,11 +135,12 @@ def closeness(error: Any) -> str:
 
 
 def sentence(text: str) -> str:
-    """With a capital and a full stop."""
+    """With a capital and a full stop; a name such as ``column_fpn`` keeps its letters."""
     text = text.strip()
     if not text:
         return text
-    return text[0].upper() + text[1:] + ("" if text[-1] in ".!?" else ".")
+    first = text[0] if "_" in text.split()[0] else text[0].upper()
+    return first + text[1:] + ("" if text[-1] in ".!?" else ".")
 
 
 def listing(names: Iterable[str]) -> str:

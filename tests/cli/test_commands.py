@@ -184,3 +184,16 @@ def test_the_same_seed_gives_the_same_frames_and_another_others(tmp_path):
         frames.append(load(tmp_path / name).settings[0].frames[0].read())
     assert (frames[0] == frames[1]).all()
     assert (frames[0] != frames[2]).any()
+
+
+def test_a_seed_without_a_model_seeds_the_papers(folder, calls, monkeypatch):
+    monkeypatch.setattr(
+        import_module("dnanalyze.fitting.fit"), "paper_start", lambda _: fakes.model()
+    )
+    for command in ("fit", "refine", "diagnose"):
+        assert main([command, str(folder), "--seed", "9", "-q"]) == 0
+        assert calls[command][1]["model"].seed == 9
+    assert main(["compare", str(folder), "--seed", "9", "-q"]) == 0
+    assert calls["fit"][0][1].seed == 9
+    assert main(["refine", str(folder), "-q"]) == 0
+    assert calls["refine"][1]["model"] is None

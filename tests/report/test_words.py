@@ -89,3 +89,9 @@ def test_certainty_is_never_claimed():
     assert words.percent(None) == "–"
     assert words.probability(0.0) == "< 1e-300"
     assert words.probability(1.23e-9) == "1.2e-9"
+
+
+def test_sentences_keep_the_names_of_effects():
+    assert words.sentence("column_fpn: stripes") == "column_fpn: stripes."
+    assert words.sentence("stripes!") == "Stripes!"
+    assert words.sentence("") == ""

@@ -54,8 +54,9 @@ def add(
     )
     known = session.known()
     find(effect, known)
-    own = session.model(model, seed)
+    own = session.model(model)
     found = session.load(config, tolerance_c)
+    own = session.seeded(found, own, seed)
     with session.progress(f"Adding {effect}"):
         own = own or fit(found, replicates=0).model
         result = run(found, effect, own, known=known)

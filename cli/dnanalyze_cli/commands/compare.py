@@ -31,15 +31,19 @@ def compare(
 ) -> None:
     """The model against the measurement; without --model the paper's model is fitted first."""
     from dnanalyze.comparator.compare import compare as run
+    from dnanalyze.fitting.fit import fit
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 
     session = Session(
         "compare", captures, json, report, csv, effects=tuple(effects or ()), quiet=quiet
     )
-    own = session.model(model, seed)
+    own = session.model(model)
     found = session.load(config, tolerance_c)
+    own = session.seeded(found, own, seed)
     with session.progress("Comparing"):
+        if own is not None and model is None:  # the paper's, of that seed: fitted like any
+            own = fit(found, own, replicates=0).model
         comparison = run(found, model=own)
     show.comparison(session.console, found, comparison)
 

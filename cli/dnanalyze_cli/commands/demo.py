@@ -36,10 +36,10 @@ def demo(
 ) -> None:
     """A virtual sensor with a hidden effect: its frames, the comparison, what is missing."""
     if folder is not None:
-        _tell(folder, hide, level, seed, json, report, quiet)
+        _tell(folder, hide, level, seed, json, report, quiet, True)
         return
     with tempfile.TemporaryDirectory(prefix="dnanalyze-") as temporary:
-        _tell(Path(temporary) / "demo", hide, level, seed, json, report, quiet)
+        _tell(Path(temporary) / "demo", hide, level, seed, json, report, quiet, False)
 
 
 def _tell(
@@ -50,6 +50,7 @@ def _tell(
     json: Path | None,
     report: Path | None,
     quiet: bool,
+    keep: bool,
 ) -> None:
     """Make the frames, compare the paper's model with them, let `refine` find what is hidden."""
     import numpy as np
@@ -61,6 +62,7 @@ def _tell(
     from dnanalyze.report.words import number
     from dnanalyze_cli import show
 
+    where = f"Frames: {folder}" if keep else "Name a folder to keep the frames."
     session = Session("demo", str(folder), json, report, quiet=quiet)
     print = session.console.print
     sensor = draw_sensor(np.random.default_rng(seed))
@@ -70,7 +72,7 @@ def _tell(
         write_folder(made, folder, truth(sensor, hidden, seed))
     print(
         f"1. A virtual sensor, electron by electron: {made.frame_count} dark frames at "
-        f"{len(made.settings)} temperatures in {folder}. Something is hidden in it.\n"
+        f"{len(made.settings)} temperatures. Something is hidden in it.\n   {where}\n"
     )
     found = session.load()
     with session.progress("Comparing"):

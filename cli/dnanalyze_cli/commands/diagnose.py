@@ -39,8 +39,9 @@ def diagnose(
     session = Session(
         "diagnose", captures, json, report, csv, effects=tuple(effects or ()), quiet=quiet
     )
-    own = session.model(model, seed)
+    own = session.model(model)
     found = session.load(config, tolerance_c)
+    own = session.seeded(found, own, seed)
     with session.progress("Reading") as progress:
         held = bench(design(found))
         diagnosis = run(

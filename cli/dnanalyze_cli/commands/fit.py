@@ -40,8 +40,9 @@ def fit(
     session = Session(
         "fit", captures, json, report, csv, output, effects=tuple(effects or ()), quiet=quiet
     )
-    start = session.model(model, seed)
+    start = session.model(model)
     found = session.load(config, tolerance_c)
+    start = session.seeded(found, start, seed)
     with session.progress("Fitting"):
         result = run(found, model=start)
     show.fit(session.console, found, result)

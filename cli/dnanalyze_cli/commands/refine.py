@@ -75,8 +75,9 @@ def refine(
     known = session.known()
     for name in exclude or ():
         find(name, known)
-    own = session.model(model, seed)
+    own = session.model(model)
     found = session.load(config, tolerance_c)
+    own = session.seeded(found, own, seed)
     with session.progress("Reading") as progress:
         result = run(
             found,
