@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dnanalyze.report import capture, words
-from dnanalyze.report.tables import info, worst
+from dnanalyze.report.tables import info, named, worst
 from dnanalyze.report.words import number, point_label, with_error
 
 BAR = 24
@@ -214,7 +214,11 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
     if result.candidates:
         best = result.candidates[0]
         _points(console, f"Evidence for {best.effect}", list(best.evidence))
-    _points(console, "What no candidate explains", list(result.unexplained)[:MOST_FAILURES])
+    _points(
+        console,
+        "What no candidate explains",
+        [named(n) for n in result.unexplained[:MOST_FAILURES]],
+    )
     _points(
         console, "What would not have been seen", words.texts(result.detection_limits)[:MOST_ROWS]
     )

@@ -26,6 +26,12 @@ def info(name: str) -> StatisticInfo:
     return _infos().get(name) or StatisticInfo(name, "", "", name.replace("_", " "))
 
 
+def named(name: str) -> str:
+    """A statistic in words, its name behind them; other text as it is."""
+    title = info(name).title
+    return f"{title} ({name})" if name in _infos() and title else name
+
+
 def operating_points(captures: Any) -> pd.DataFrame:
     """One row an operating point with its number of frames."""
     return _frame([_point(s.point) | {"frames": len(s.frames)} for s in captures.settings])

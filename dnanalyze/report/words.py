@@ -74,6 +74,8 @@ def percent(share: Any) -> str:
     """A probability or share as text; certainty is never claimed."""
     if not is_number(share):
         return "–"
+    if 0 < share < 0.001:
+        return "under 0.1 %"
     return "over 99.9 %" if share > 0.999 else f"{100 * share:.3g} %"
 
 

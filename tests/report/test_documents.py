@@ -89,6 +89,11 @@ def test_tables_have_a_row_a_number():
     assert list(tables.operating_points(fakes.captures())["frames"]) == [4, 4, 4]
 
 
+def test_statistics_are_said_in_words():
+    assert tables.named("temporal_noise").endswith("(temporal_noise)")
+    assert tables.named("a sentence") == "a sentence"
+
+
 def test_the_worst_rows_name_each_statistic_once():
     rows = fakes.comparison().statistics
     shown = tables.worst(rows, most=5)

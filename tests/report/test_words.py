@@ -86,6 +86,7 @@ def test_sentences_come_from_lists_mappings_and_text():
 def test_certainty_is_never_claimed():
     assert words.percent(1.0) == "over 99.9 %"
     assert words.percent(0.97) == "97 %"
+    assert words.percent(1e-9) == "under 0.1 %"
     assert words.percent(None) == "–"
     assert words.probability(0.0) == "< 1e-300"
     assert words.probability(1.23e-9) == "1.2e-9"

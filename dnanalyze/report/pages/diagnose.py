@@ -8,6 +8,7 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.candidates import candidates
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare
+from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
     diagnose_headline,
     number,
@@ -50,7 +51,11 @@ def sections(result: Any) -> list[Section]:
             tables=[Table(columns, rows, words=2)] if rows else [],
         ),
         *evidence,
-        Section("unexplained", "What no candidate explains", points=texts(result.unexplained)),
+        Section(
+            "unexplained",
+            "What no candidate explains",
+            points=[sentence(named(n)) for n in result.unexplained],
+        ),
         Section("next", "The next capture", points=texts(result.next_capture)),
         Section(
             "limits",
