@@ -41,7 +41,7 @@ def sections(result: Any) -> list[Section]:
             f"Evidence for {c.effect}",
             points=[sentence(e) for e in c.evidence],
         )
-        for c in found[:3]
+        for c in found[result.verdict == "missing" : 3]  # the best one's stands with the verdict
     ]
     return [
         Section(
