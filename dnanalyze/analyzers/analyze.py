@@ -70,7 +70,9 @@ def analyze_windows(
     with ExitStack() as stack:
         pool = _pool(workers, outer, stack)
         for setting in captures.settings:
-            parts = [_Part(w, plane, errors) for w in placed for plane in _planes(w, captures.sensor)]
+            parts = [
+                _Part(w, plane, errors) for w in placed for plane in _planes(w, captures.sensor)
+            ]
             for number, frame in enumerate(_frames(setting, outer)):
                 for part in parts:
                     part.add(part.cut(frame, outer), number, pool)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -159,7 +160,13 @@ def _comb(rough: np.ndarray, noise: np.ndarray, out: FamilyResult) -> None:
 
 def smoothed(counts: np.ndarray, width: int) -> np.ndarray:
     """Cubic Savitzky-Golay smooth of a histogram over ``width`` codes; > 0."""
+    padded = np.pad(counts, width // 2)
+    return np.maximum(np.convolve(padded, _savitzky_golay(width), "valid"), 0.5)
+
+
+@cache
+def _savitzky_golay(width: int) -> np.ndarray:
+    """Cubic smoothing kernel: the first row of the pseudo-inverse of the powers 0 to 3."""
     from scipy.signal import savgol_coeffs
 
-    padded = np.pad(counts, width // 2)
-    return np.maximum(np.convolve(padded, savgol_coeffs(width, 3), "valid"), 0.5)
+    return np.asarray(savgol_coeffs(width, 3))

@@ -86,7 +86,9 @@ def finish(acc: Accumulated) -> FamilyResult:
     law = acc.pattern_ordered if acc.frames == 1 else acc.values
     frames = QuantileErrors(acc.plan, acc.end_frames, law, PROBABILITIES, acc.frames)
     _quantiles(acc, "frame", frames, out)
-    _shape("frame", frames, power_means(acc.values), out)
+    told = acc.plan.errors  # what is given for information alone is wanted
+    if told:
+        _shape("frame", frames, power_means(acc.values), out)
     out.curves["histogram_codes"] = acc.values.centres
     out.curves["histogram_counts"] = acc.values.counts
     if acc.frames == 1:
@@ -94,15 +96,14 @@ def finish(acc: Accumulated) -> FamilyResult:
         return out
     pattern = QuantileErrors(acc.plan, (acc.pattern,), acc.pattern_ordered, PROBABILITIES)
     _quantiles(acc, "pattern", pattern, out)
-    _shape("pattern", pattern, power_means(acc.pattern), out)
-    _lognormal(pattern, out)
     _temporal(acc, out)
-    x, counts = histogram(acc.pattern_ordered, acc.pattern_sigma)
-    out.curves["pattern_hist_x"], out.curves["pattern_hist_n"] = x, counts
-    out.values["peak_count"] = Value(float(peaks(counts)), 1.0)
-    temporal = acc.temporal_variance
-    assert temporal is not None
-    residue = math.sqrt(float(temporal.mean(dtype=np.float64)) / acc.frames)
+    if told:
+        _shape("pattern", pattern, power_means(acc.pattern), out)
+        _lognormal(pattern, out)
+        x, counts = histogram(acc.pattern_ordered, acc.pattern_sigma)
+        out.curves["pattern_hist_x"], out.curves["pattern_hist_n"] = x, counts
+        out.values["peak_count"] = Value(float(peaks(counts)), 1.0)
+    residue = math.sqrt(acc.temporal_mean / acc.frames)
     steps = pattern_steps(acc.pattern_ordered, residue)
     if steps is None:
         out.missing["pattern_steps"] = "the fixed pattern is not wider than its temporal residue"
@@ -161,7 +162,7 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
         return
     ratio = m4 / m2**2
     influences = []
-    for each in differences:
+    for each in differences if acc.plan.errors else ():
         z2 = np.clip(each, -reach, reach)
         z2 *= z2
         z2 /= np.float32(m2)

@@ -87,7 +87,7 @@ class Accumulated:
         """Derive now what families share, before they run side by side."""
         _ = (
             self.clipped_pattern,
-            self.temporal_variance,
+            self.temporal_mean,
             self.end_differences,
             self.difference_sigma,
         )
@@ -164,6 +164,12 @@ class Accumulated:
     def temporal_variance(self) -> np.ndarray | None:
         """Unbiased variance of each pixel over the frames, DN^2, float32; None for one frame."""
         return self.maps.variance() if self.frames > 1 else None
+
+    @cached_property
+    def temporal_mean(self) -> float:
+        """Mean of `temporal_variance`, DN^2; 0 for one frame."""
+        variance = self.temporal_variance
+        return 0.0 if variance is None else float(variance.mean(dtype=np.float64))
 
     @cached_property
     def values(self) -> Counted:

@@ -71,7 +71,8 @@ def finish(acc: Accumulated) -> FamilyResult:
         return out
     _temporal(acc, out.values)
     _pattern(acc, out.values)
-    out.values.update(emva_split(acc))
+    if acc.plan.errors:
+        out.values.update(emva_split(acc))
     return out
 
 
@@ -104,13 +105,14 @@ def _log_core(width: float, error: float, acc: Accumulated, drift: bool) -> Valu
 def _temporal(acc: Accumulated, values: dict[str, Value]) -> None:
     variance = acc.temporal_variance
     assert variance is not None
-    mean = float(variance.mean(dtype=np.float64))
+    mean = acc.temporal_mean
     least = floor(acc) ** 2
     if mean > 0:
         relative = mean_error(acc.plan, variance) / mean
         se = max(math.hypot(relative, acc.drift_error(mean)) / 2, least / mean)
         values["temporal_noise"] = Value(math.sqrt(mean), se)
-    values["s2_temporal"] = Value(mean, max(mean_error(acc.plan, variance), least))
+    if acc.plan.errors:
+        values["s2_temporal"] = Value(mean, max(mean_error(acc.plan, variance), least))
     quartiles = np.array([0.25, 0.75])
     errors = QuantileErrors(
         acc.plan, acc.end_differences, acc.differences, quartiles, acc.difference_repeats
@@ -133,8 +135,10 @@ def _pattern(acc: Accumulated, values: dict[str, Value]) -> None:
     if variance > 0:
         # the cut moves with the robust sigma
         cut = CLIP * acc.pattern_sigma
-        ends = np.mean(np.abs(clipped) >= np.float32(0.999 * cut)) * cut**2 / variance
-        relative = mean_error(acc.plan, squares) / variance / 2 + float(ends) * quartiles
+        relative = 0.0
+        if acc.plan.errors:
+            ends = np.mean(np.abs(clipped) >= np.float32(0.999 * cut)) * cut**2 / variance
+            relative = mean_error(acc.plan, squares) / variance / 2 + float(ends) * quartiles
         values["pattern_noise"] = Value(math.sqrt(variance), max(relative, 1e-6))
 
 
@@ -145,9 +149,7 @@ def emva_split(acc: Accumulated) -> dict[str, Value]:
     stated as 0; its error is then that of a variance as large as its error.
     """
     pattern, (rows, columns) = acc.pattern, acc.plan.shape
-    temporal = acc.temporal_variance
-    assert temporal is not None
-    stack = float(temporal.mean(dtype=np.float64)) / acc.frames
+    stack = acc.temporal_mean / acc.frames
     column_means = pattern.mean(axis=0, dtype=np.float64)
     row_means = pattern.mean(axis=1, dtype=np.float64)
     squares = (pattern - np.float32(row_means.mean())) ** 2

@@ -37,8 +37,9 @@ def finish(acc: Accumulated) -> FamilyResult:
     means = {"column": lines.columns, "row": lines.rows}
     for kind, mean in means.items():
         mean = mean - mean.mean()
-        result.curves[f"{kind}_mean"] = mean
-        result.curves[f"acf_{kind}s"] = autocorrelation(mean)
+        if acc.plan.errors:
+            result.curves[f"{kind}_mean"] = mean
+            result.curves[f"acf_{kind}s"] = autocorrelation(mean)
         if mean.size < FEWEST:
             result.missing[kind] = f"statistics of lines need {FEWEST} {kind}s"
             continue
@@ -215,8 +216,7 @@ def _image_axis_powers(image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     middle = by_row.mean()
     on_columns = np.abs(np.fft.rfft(by_column - middle))[1:] ** 2 * (rows / columns)
     on_rows = np.abs(np.fft.rfft(by_row - middle))[1:] ** 2 * (columns / rows)
-    flat = image.ravel()
-    total = float(np.vdot(flat, flat)) / image.size - middle**2
+    total = float(np.einsum("ij,ij->", image, image)) / image.size - middle**2
     rest = total - by_column.var() - by_row.var()
     return on_columns, on_rows, rest * image.size / ((rows - 1) * (columns - 1))
 

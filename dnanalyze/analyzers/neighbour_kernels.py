@@ -1,7 +1,7 @@
 """Compiled loops over pixels and their neighbours: single precision in, double precision sums out.
 
-Each works row by row on buffers that stay in the first-level cache, then adds up the segments of
-the block grid. ``out`` is (row bands, column bands, sums), float64, and is added to.
+Each works row by row and sums down the rows of a band, so that whole vectors are filled, then adds
+up the columns of each block. ``out`` is (row bands, column bands, sums), float64, and is added to.
 """
 
 from __future__ import annotations
@@ -11,11 +11,13 @@ from numba import njit
 
 from dnanalyze.analyzers.neighbours_accumulator import (
     PEAK_EXCESS,
+    PEAK_SUMS,
     PEAK_TIES,
     PEAK_TOP,
     RANK_HIGH,
     RANK_LOW,
     RANK_PIXELS,
+    RANK_SUMS,
     TILE,
 )
 
@@ -23,45 +25,67 @@ _FAST = {"contract", "nsz", "reassoc", "arcp"}
 
 
 @njit(nogil=True, fastmath=_FAST, inline="always")
-def _rank_row(above, here, below, high, low, gap):
+def _rank_row(above, here, below, most, least, high, low, gap):
     """For one row: the pixel's share in being highest, and lowest, of 9; and its lead over the 8.
 
     Pixels that tie for the place share it evenly, which is what a dither would give on average.
+    ``most`` and ``least`` are room for the extremes of three; the result has no border pixels.
     """
     one = np.float32(1.0)
     zero = np.float32(0.0)
-    for j in range(1, here.size - 1):
-        y = here[j]
-        a, b, c = above[j - 1], above[j], above[j + 1]
-        d, e = here[j - 1], here[j + 1]
-        f, g, h = below[j - 1], below[j], below[j + 1]
-        top = max(max(max(a, b), max(c, d)), max(max(e, f), max(g, h)))
-        bottom = min(min(min(a, b), min(c, d)), min(min(e, f), min(g, h)))
-        alike = np.int32(a == y) + np.int32(b == y) + np.int32(c == y) + np.int32(d == y)
-        alike += np.int32(e == y) + np.int32(f == y) + np.int32(g == y) + np.int32(h == y)
-        share = one / np.float32(1 + alike)
-        high[j] = share if y >= top else zero
-        low[j] = share if y <= bottom else zero
-        gap[j] = y - top
+    n = here.size - 2
+    for j in range(here.size):
+        most[j] = max(max(above[j], below[j]), here[j])
+        least[j] = min(min(above[j], below[j]), here[j])
+    a, b, c = above[:n], above[1:-1], above[2:]
+    d, y, e = here[:n], here[1:-1], here[2:]
+    f, g, h = below[:n], below[1:-1], below[2:]
+    most_left, most_right = most[:n], most[2:]
+    least_left, least_right = least[:n], least[2:]
+    for j in range(n):
+        v = y[j]
+        top = max(max(most_left[j], most_right[j]), max(b[j], g[j]))
+        bottom = min(min(least_left[j], least_right[j]), min(b[j], g[j]))
+        alike = np.int32(a[j] == v) + np.int32(b[j] == v) + np.int32(c[j] == v)
+        alike += np.int32(d[j] == v) + np.int32(e[j] == v)
+        alike += np.int32(f[j] == v) + np.int32(g[j] == v) + np.int32(h[j] == v)
+        share = one / np.float32(np.int32(1) + alike)
+        high[j] = share if v >= top else zero
+        low[j] = share if v <= bottom else zero
+        gap[j] = v - top
+
+
+@njit(nogil=True)
+def _into_bands(columns, column_edges, first, out):
+    """Add sums by column, (sums, columns) from column ``first`` on, to their bands."""
+    for c in range(column_edges.size - 1):
+        left = max(0, column_edges[c] - first)
+        right = min(columns.shape[1], column_edges[c + 1] - first)
+        for k in range(columns.shape[0]):
+            total = 0.0
+            for j in range(left, right):
+                total += columns[k, j]
+            out[c, k] += total
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
 def rank_sums(x, row_edges, column_edges, out):
     """Pixels, shares in being above, and below, all 8 neighbours; border pixels are left out."""
     rows, columns = x.shape
-    high, low, gap = np.empty((3, columns), np.float32)
+    most, least = np.empty((2, columns), np.float32)
+    high, low, gap = np.empty((3, columns - 2), np.float32)
+    sums = np.empty((RANK_SUMS, columns - 2), np.float32)
     for r in range(row_edges.size - 1):
-        for i in range(max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])):
-            _rank_row(x[i - 1], x[i], x[i + 1], high, low, gap)
-            for c in range(column_edges.size - 1):
-                first, last = max(1, column_edges[c]), min(columns - 1, column_edges[c + 1])
-                s_high, s_low = np.float32(0.0), np.float32(0.0)
-                for j in range(first, last):
-                    s_high += high[j]
-                    s_low += low[j]
-                out[r, c, RANK_PIXELS] += max(0, last - first)
-                out[r, c, RANK_HIGH] += s_high
-                out[r, c, RANK_LOW] += s_low
+        first, last = max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])
+        sums[:] = 0
+        sums[RANK_PIXELS] = last - first
+        sum_high, sum_low = sums[RANK_HIGH], sums[RANK_LOW]
+        for i in range(first, last):
+            _rank_row(x[i - 1], x[i], x[i + 1], most, least, high, low, gap)
+            for j in range(high.size):
+                sum_high[j] += high[j]
+                sum_low[j] += low[j]
+        _into_bands(sums, column_edges, 1, out[r])
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
@@ -72,37 +96,34 @@ def peak_sums(x, top, share, leads, row_edges, column_edges, out):
     highest neighbour; pixels that lead all neighbours by more than each of the three ``leads``, DN.
     """
     rows, columns = x.shape
-    high, low, gap = np.empty((3, columns), np.float32)
+    most, least = np.empty((2, columns), np.float32)
+    high, low, gap = np.empty((3, columns - 2), np.float32)
+    sums = np.empty((PEAK_SUMS, columns - 2), np.float32)
     zero, one = np.float32(0.0), np.float32(1.0)
     limit, part = np.float32(top), np.float32(share)
     k0, k1, k2 = np.float32(leads[0]), np.float32(leads[1]), np.float32(leads[2])
     for r in range(row_edges.size - 1):
-        for i in range(max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])):
-            here = x[i]
-            _rank_row(x[i - 1], here, x[i + 1], high, low, gap)
-            for c in range(column_edges.size - 1):
-                first, last = max(1, column_edges[c]), min(columns - 1, column_edges[c + 1])
-                s_high, s_low = zero, zero
-                n_top, n_ties = zero, zero
-                n0, n1, n2 = 0, 0, 0
-                for j in range(first, last):
-                    s_high += high[j]
-                    s_low += low[j]
-                    weight = part if here[j] == limit else zero
-                    weight = one if here[j] > limit else weight
-                    n_top += weight
-                    n_ties += weight if gap[j] == zero else zero
-                    n0 += gap[j] > k0
-                    n1 += gap[j] > k1
-                    n2 += gap[j] > k2
-                out[r, c, RANK_PIXELS] += max(0, last - first)
-                out[r, c, RANK_HIGH] += s_high
-                out[r, c, RANK_LOW] += s_low
-                out[r, c, PEAK_TOP] += n_top
-                out[r, c, PEAK_TIES] += n_ties
-                out[r, c, PEAK_EXCESS] += n0
-                out[r, c, PEAK_EXCESS + 1] += n1
-                out[r, c, PEAK_EXCESS + 2] += n2
+        first, last = max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])
+        sums[:] = 0
+        sums[RANK_PIXELS] = last - first
+        sum_high, sum_low, tops = sums[RANK_HIGH], sums[RANK_LOW], sums[PEAK_TOP]
+        ties, lead0 = sums[PEAK_TIES], sums[PEAK_EXCESS]
+        lead1, lead2 = sums[PEAK_EXCESS + 1], sums[PEAK_EXCESS + 2]
+        for i in range(first, last):
+            here = x[i, 1:-1]
+            _rank_row(x[i - 1], x[i], x[i + 1], most, least, high, low, gap)
+            for j in range(high.size):
+                sum_high[j] += high[j]
+                sum_low[j] += low[j]
+                weight = part if here[j] == limit else zero
+                weight = one if here[j] > limit else weight
+                tops[j] += weight
+                ties[j] += weight if gap[j] == zero else zero
+            for j in range(high.size):
+                lead0[j] += one if gap[j] > k0 else zero
+                lead1[j] += one if gap[j] > k1 else zero
+                lead2[j] += one if gap[j] > k2 else zero
+        _into_bands(sums, column_edges, 1, out[r])
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
@@ -143,30 +164,28 @@ def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
         _residual_row(x[i], by_row[i] - middle, by_column, cut, buffer[i])
     zero = np.float32(0.0)
     half = np.float32(0.5)
+    sums = np.empty((6, columns), np.float32)
+    s00, s10, s01, s11, s20, s02 = sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
     for r in range(row_edges.size - 1):
+        sums[:] = zero
         for i in range(row_edges[r], row_edges[r + 1]):
             if i + 2 < rows:
                 _residual_row(x[i + 2], by_row[i + 2] - middle, by_column, cut, buffer[(i + 2) % 3])
             else:
                 buffer[(i + 2) % 3, :] = zero
-            a, b, c = buffer[i % 3], buffer[(i + 1) % 3], buffer[(i + 2) % 3]
-            for k in range(column_edges.size - 1):
-                first, last = column_edges[k], column_edges[k + 1]
-                s00, s10, s01, s11, s20, s02 = zero, zero, zero, zero, zero, zero
-                for j in range(first, last):
-                    y = a[j]
-                    s00 += y * y
-                    s10 += y * a[j + 1]
-                    s20 += y * a[j + 2]
-                    s01 += y * b[j]
-                    s02 += y * c[j]
-                    s11 += half * (y * b[j + 1] + a[j + 1] * b[j])
-                out[r, k, 0] += s00
-                out[r, k, 1] += s10
-                out[r, k, 2] += s01
-                out[r, k, 3] += s11
-                out[r, k, 4] += s20
-                out[r, k, 5] += s02
+            here, next_row = buffer[i % 3], buffer[(i + 1) % 3]
+            a, a1, a2 = here[:columns], here[1 : columns + 1], here[2:]
+            b, b1 = next_row[:columns], next_row[1 : columns + 1]
+            c = buffer[(i + 2) % 3, :columns]
+            for j in range(columns):
+                y = a[j]
+                s00[j] += y * y
+                s10[j] += y * a1[j]
+                s20[j] += y * a2[j]
+                s01[j] += y * b[j]
+                s02[j] += y * c[j]
+                s11[j] += half * (y * b1[j] + a1[j] * b[j])
+        _into_bands(sums, column_edges, 0, out[r])
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
@@ -179,26 +198,37 @@ def tile_sums(x, reach, row_band, column_band, out):
     rows, columns = x.shape
     cut = np.float32(reach)
     half = np.float32(0.5)
+    total, square = np.empty((2, columns), np.float32)
+    across = np.zeros(columns + 1, np.float32)
+    second, fourth = np.empty((2, columns), np.float32)
+    next_to = across[1:]
     for i in range(0, rows - TILE + 1, TILE):
+        total[:] = 0
+        square[:] = 0
+        second[:] = 0
+        fourth[:] = 0
+        for m in range(0, TILE, 2):
+            upper, lower = x[i + m], x[i + m + 1]
+            for j in range(columns):
+                a = min(max(upper[j], -cut), cut)
+                b = min(max(lower[j], -cut), cut)
+                total[j] += a + b
+                square[j] += a * a + b * b
+                across[j] = half * (a - b)
+            for j in range(columns):  # those of odd columns are not used
+                h = across[j] - next_to[j]
+                h *= h
+                second[j] += h
+                fourth[j] += h * h
+        sums = out[row_band[i]]
         for j in range(0, columns - TILE + 1, TILE):
-            s, q, h2, h4 = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(0.0)
-            for m in range(0, TILE, 2):
-                for n in range(0, TILE, 2):
-                    a = min(max(x[i + m, j + n], -cut), cut)
-                    b = min(max(x[i + m, j + n + 1], -cut), cut)
-                    c = min(max(x[i + m + 1, j + n], -cut), cut)
-                    d = min(max(x[i + m + 1, j + n + 1], -cut), cut)
-                    s += a + b + c + d
-                    q += a * a + b * b + c * c + d * d
-                    h = half * (a - b - c + d)
-                    h *= h
-                    h2 += h
-                    h4 += h * h
+            s = total[j] + total[j + 1] + total[j + 2] + total[j + 3]
+            q = square[j] + square[j + 1] + square[j + 2] + square[j + 3]
             variance = max(np.float64(q) - np.float64(s) * s / 16.0, 0.0) / 15.0
-            r, k = row_band[i], column_band[j]
-            out[r, k, 0] += 1.0
-            out[r, k, 1] += variance
-            out[r, k, 2] += variance * variance
-            out[r, k, 3] += 4.0
-            out[r, k, 4] += h2
-            out[r, k, 5] += h4
+            k = column_band[j]
+            sums[k, 0] += 1.0
+            sums[k, 1] += variance
+            sums[k, 2] += variance * variance
+            sums[k, 3] += 4.0
+            sums[k, 4] += second[j] + second[j + 2]
+            sums[k, 5] += fourth[j] + fourth[j + 2]

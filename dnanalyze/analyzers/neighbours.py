@@ -68,6 +68,8 @@ class _Sums:
         From the scatter of the blocks; or from that of the frames, where something that whole
         frames share makes it larger beyond doubt.
         """
+        if not self.plan.errors:
+            return 0.0
         combine = np.zeros(self.total.size)
         combine[list(weights)] = list(weights.values())
         variance = max(0.0, float(clustered_variance(self.blocks @ combine)))

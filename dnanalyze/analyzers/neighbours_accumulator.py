@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Self
 
 import numpy as np
@@ -91,12 +92,15 @@ def edges_of(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
 
     The bands are wider than the plan's on small frames: neighbouring ranks depend on one another.
     """
-    bands = (max(1, min(BANDS, size // _BLOCK)) for size in plan.shape)
-    rows, columns = (
-        np.arange(n + 1, dtype=np.int64) * size // n
-        for n, size in zip(bands, plan.shape, strict=True)
-    )
-    return rows, columns
+    return _edges(plan.shape[0]), _edges(plan.shape[1])
+
+
+@lru_cache(maxsize=64)
+def _edges(size: int) -> np.ndarray:
+    bands = max(1, min(BANDS, size // _BLOCK))
+    edges = np.arange(bands + 1, dtype=np.int64) * size // bands
+    edges.setflags(write=False)
+    return edges
 
 
 def grid_of(plan: Plan) -> tuple[int, int]:

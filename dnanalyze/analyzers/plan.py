@@ -81,18 +81,12 @@ class FrameView:
         Of the frame in its setting, from 0.
     frame : ndarray of float32
         (rows, columns), DN.
-    codes : ndarray of integers or None
-        The frame as read, where it was read as integers.
     difference : ndarray of float32 or None
         (this frame - the one before) / sqrt 2, DN; None for the first.
-    clipped : ndarray of float32
-        ``frame`` minus the plan's centre, clipped to +-6 of the plan's sigma, DN.
     plan : Plan
     """
 
     number: int
     frame: np.ndarray
-    codes: np.ndarray | None
     difference: np.ndarray | None
-    clipped: np.ndarray
     plan: Plan

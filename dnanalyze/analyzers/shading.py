@@ -59,7 +59,9 @@ def finish(acc: Accumulated) -> FamilyResult:
     square = coefficients**2
     order = np.maximum(*np.indices(square.shape))
     resolution = acc.pattern_step or 1e-6 * max(1.0, abs(acc.pattern_centre))
-    noise = _noise(image, square, order, resolution / math.sqrt(12))
+    noise = [0.0, 0.0, 0.0]
+    if acc.plan.errors:
+        noise = _noise(image, square, order, resolution / math.sqrt(12))
     for i in range(ORDERS):
         for j in range(ORDERS):
             name = f"shading_{i}_{j}"

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 import scipy.fft
 
-from dnanalyze.analyzers.plan import FrameView, Plan
+from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
 from dnanalyze.analyzers.spectral_modes import SMALLEST_SIDE, good_size, power_of
 
 
@@ -25,6 +25,7 @@ class Spectra:
         rows, columns = self.shape if self.useful else (0, 0)
         self.power_sum = np.zeros((rows, columns // 2 + 1))  # DN^2
         self.sum = np.zeros((rows, columns))  # DN, of the winsorised frames
+        self._clipped = np.empty((rows, columns), np.float32)
 
     def add(self, view: FrameView) -> None:
         """Take in the next frame."""
@@ -34,9 +35,11 @@ class Spectra:
         from dnanalyze.analyzers import spectral_kernels as kernels
 
         rows, columns = self.shape
-        transform = scipy.fft.rfft2(view.clipped[:rows, :columns])
+        plan = view.plan
+        reach = np.float32(CLIP * plan.sigma)
+        kernels.add_clipped(self.sum, view.frame, np.float32(plan.centre), reach, self._clipped)
+        transform = scipy.fft.rfft2(self._clipped)
         kernels.add_power(self.power_sum, transform, 1.0 / (rows * columns))
-        kernels.add_image(self.sum, view.clipped)
 
     def merge(self, later: Self, seam: FrameView) -> None:
         """Take in the frames that follow mine."""
@@ -53,6 +56,6 @@ class Spectra:
         if self.frames < 2:
             return None
         power = self.frame_power()
-        power -= power_of(self.sum / self.frames)
+        power -= power_of(self.sum / self.frames, self.shape)
         power *= self.frames / (self.frames - 1)
         return np.maximum(power, 0.0, out=power)

@@ -19,11 +19,14 @@ def add_power(total, transform, scale):
 
 
 @njit(cache=True, nogil=True)
-def add_image(total, image):
-    """total += image, which may be larger at the far edges."""
+def add_clipped(total, image, centre, reach, out):
+    """out = image - centre, cut to +-reach; total += out. The image may be larger."""
     for i in range(total.shape[0]):
-        for j in range(total.shape[1]):
-            total[i, j] += image[i, j]
+        source, target, sums = image[i, : total.shape[1]], out[i], total[i]
+        for j in range(target.size):
+            y = min(max(source[j] - centre, -reach), reach)
+            target[j] = y
+            sums[j] += y
 
 
 @njit(cache=True, nogil=True)

@@ -7,8 +7,9 @@ u is the horizontal, v the vertical frequency, cycles/pixel; the half plane u >=
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.fft
@@ -69,20 +70,25 @@ class Modes:
         """Pixels of the cropped frame."""
         return self.shape[0] * self.shape[1]
 
-    @property
+    @cached_property
     def u(self) -> np.ndarray:
         """Horizontal frequencies above 0, cycles/pixel."""
         return np.arange(1, self.shape[1] // 2 + 1) / self.shape[1]
 
-    @property
+    @cached_property
     def v(self) -> np.ndarray:
         """Vertical frequencies above 0, cycles/pixel."""
         return np.arange(1, self.shape[0] // 2 + 1) / self.shape[0]
 
     def bins(self, low: float, high: float) -> slice:
         """The fine bins from ``low`` to ``high``, both among the edges."""
-        first, last = np.searchsorted(self.edges, (low - 1e-9, high - 1e-9))
-        return slice(int(first), int(last))
+        first, last = (bisect_left(self.edge_list, f - 1e-9) for f in (low, high))
+        return slice(first, last)
+
+    @cached_property
+    def edge_list(self) -> list[float]:
+        """``edges`` as a list, which is faster to search for one number."""
+        return [float(e) for e in self.edges]
 
 
 @lru_cache(maxsize=16)
@@ -121,13 +127,15 @@ def _fine_edges(side: int) -> np.ndarray:
     return np.array(sorted(fixed | set(kept)))
 
 
-def power_of(image: np.ndarray) -> np.ndarray:
+def power_of(image: np.ndarray, shape: tuple[int, int] | None = None) -> np.ndarray:
     """Power of each mode of an image, its mean removed.
 
     Parameters
     ----------
     image : ndarray
-        (rows, columns), DN; cropped at the far edges to a fast size.
+        (rows, columns), DN.
+    shape : tuple of int, optional
+        What the image is cropped to at the far edges; a fast size by default.
 
     Returns
     -------
@@ -136,7 +144,7 @@ def power_of(image: np.ndarray) -> np.ndarray:
     """
     from dnanalyze.analyzers import spectral_kernels as kernels
 
-    rows, columns = good_size(image.shape[0]), good_size(image.shape[1])
+    rows, columns = shape or (good_size(image.shape[0]), good_size(image.shape[1]))
     transform = scipy.fft.rfft2(np.asarray(image[:rows, :columns], np.float32))
     power = np.zeros(transform.shape)
     kernels.add_power(power, transform, 1.0 / (rows * columns))

@@ -41,6 +41,7 @@ class Peak:
     amplitude: float
     real: bool
 
+
 _REAL_MODE_CHANCE = 8.0  # ratio that chance reaches once in 200
 _REAL_MODE_ERROR = 0.518  # standard deviation of ln(1 + chi-square of one degree)
 
@@ -142,8 +143,8 @@ def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple
 def _real_mode_error(ratio: float, around: int) -> float:
     """Standard error of ln(1 + r) of a mode that is its own conjugate: chi-square with one degree.
 
-    A fixed offset over a floor makes it non-central, with variance 2 + 4 (E r - 1); the floor itself
-    is a mean over ``around`` modes.
+    A fixed offset over a floor makes it non-central, with variance 2 + 4 (E r - 1); the floor
+    itself is a mean over ``around`` modes.
     """
     chance = ratio < _REAL_MODE_CHANCE
     own = _REAL_MODE_ERROR if chance else math.sqrt(4.0 * ratio - 2.0) / (1.0 + ratio)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import special
@@ -50,7 +51,8 @@ class _Part:
     ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy
     tails move all modes together. ``coarse_spread`` is the same of 4 x 4 pixels together, for hits
     that cover several pixels. ``line_spread`` is the same of the means of columns, and of rows.
-    ``residue`` is what the temporal noise leaves in the pattern, DN^2.
+    ``residue`` is what the temporal noise leaves in the pattern, DN^2. Without ``errors`` all
+    spreads are 0, and standard errors are not worked out.
     """
 
     name: str
@@ -61,6 +63,7 @@ class _Part:
     coarse_spread: float = 0.0
     line_spread: tuple[float, float] = (0.0, 0.0)
     residue: np.ndarray | None = None
+    errors: bool = True
 
     def spread_at(self, frequency: float) -> float:
         """The spread that a band up to this frequency sees, c/px."""
@@ -83,8 +86,9 @@ def finish(acc: Accumulated) -> FamilyResult:
             _structure(part, result)
             _profiles(part, result)
             _peaks(part, result)
-        _shape(part, result)
-        _curves(part, result)
+        if part.errors:
+            _shape(part, result)
+            _curves(part, result)
     return result
 
 
@@ -92,12 +96,19 @@ def _parts(acc: Accumulated) -> list[_Part]:
     modes = modes_of(acc.plan.shape)
     power = acc.spectra.frame_power()
     frame = reduce_power(power, modes)
-    tails = _pattern_spread(acc), _tile_spread(acc.clipped_pattern)
+    errors = acc.plan.errors
+    tails = (_pattern_spread(acc), _tile_spread(acc.clipped_pattern)) if errors else (0.0, 0.0)
     temporal = acc.spectra.temporal_power()
     if temporal is None:
-        return [_Part("frame", power, frame, 1.0, *tails)]
+        return [_Part("frame", power, frame, 1.0, *tails, errors=errors)]
     changing = reduce_power(temporal, modes)
     fixed = power_of(acc.clipped_pattern)
+    if not errors:
+        return [
+            _Part("frame", power, frame, 1.0, 0.0, errors=False),
+            _Part("pattern", fixed, reduce_power(fixed, modes), 1.0, 0.0, errors=False),
+            _Part("temporal", temporal, changing, acc.frames - 1.0, 0.0, errors=False),
+        ]
     means = line_means(acc.clipped_pattern)
     lines = _excess(means.columns), _excess(means.rows)
     repeats = frame_repeats(float(frame.radial.sum()), float(changing.radial.sum()), acc.frames)
@@ -171,6 +182,8 @@ def _log_value(part: _Part, power: float, square: float, modes: float, spread: f
     of the modes hold the power, and count as so many less. The log of a gamma deviate of shape n
     has the variance trigamma(n) = zeta(2, n).
     """
+    if not part.errors:
+        return Value(power, 0.0)
     alike = min(1.0, power**2 * (1 + 1 / part.repeats) / square) if square > 0 else 1.0
     effective = max(modes * alike, min(modes, 1.0)) * part.repeats
     return Value(power, math.sqrt(float(special.zeta(2.0, effective)) + spread))
@@ -194,38 +207,59 @@ def _bands(part: _Part, result: FamilyResult) -> None:
 
 def _structure(part: _Part, result: FamilyResult) -> None:
     """Bands along the two axes: what whole columns, and whole rows, share."""
-    modes = part.reduced.modes
-    for kind, f, power, spread in (
-        ("columns", modes.u, part.reduced.columns, part.line_spread[0]),
-        ("rows", modes.v, part.reduced.rows, part.line_spread[1]),
+    reduced = part.reduced
+    for kind, power, spread, size in (
+        ("columns", reduced.columns, part.line_spread[0], reduced.modes.shape[1]),
+        ("rows", reduced.rows, part.line_spread[1], reduced.modes.shape[0]),
     ):
-        for label, low, high in band_names(STRUCTURE_BANDS):
+        for label, _, inside, weight in _axis_bands(size):
             name = f"{part.name}_{kind}_{label}"
-            inside = (f > low) & (f <= high)
-            weight = np.where(f == 0.5, 0.5, 1.0)[inside]
             # a fixed line, such as odd and even columns, belongs to the type: no less certain
             square = power[inside] ** 2 if part.name != "pattern" else 0.0 * power[inside]
             _mean_into(result, name, part, power[inside], square, weight, spread)
 
 
+@lru_cache(maxsize=64)
+def _axis_bands(size: int) -> list[tuple[str, float, slice, np.ndarray]]:
+    """Label, upper end, modes above 0 and their weight of each band of an axis of this length."""
+    f = np.arange(1, size // 2 + 1) / size
+    return [
+        (label, high, *_weighted(f, (f > low) & (f <= high)))
+        for label, low, high in band_names(STRUCTURE_BANDS)
+    ]
+
+
+@lru_cache(maxsize=64)
+def _profile_bands(size: int) -> list[tuple[str, float, slice, np.ndarray]]:
+    """As `_axis_bands` of the profiles."""
+    f = np.arange(1, size // 2 + 1) / size
+    first = np.arange(1, f.size + 1) <= FIRST_MODES
+    out = []
+    for label, low, high in profile_names():
+        inside = first if label == "first" else ~first & (f > low) & (f <= high)
+        out.append((label, high, *_weighted(f, inside)))
+    return out
+
+
+def _weighted(f: np.ndarray, inside: np.ndarray) -> tuple[slice, np.ndarray]:
+    """Modes that lie together, and their weight: the last one is its own conjugate."""
+    where = np.flatnonzero(inside)
+    at = slice(int(where[0]), int(where[-1]) + 1) if where.size else slice(0, 0)
+    return at, np.where(f[at] == 0.5, 0.5, 1.0)
+
+
 def _profiles(part: _Part, result: FamilyResult) -> None:
     """Bands along u, averaged over v != 0, and along v, averaged over u != 0."""
-    modes = part.reduced.modes
-    rows, columns = modes.shape
+    rows, columns = part.reduced.modes.shape
     reduced = part.reduced
-    for axis, f, power, square, across in (
-        ("u", modes.u, reduced.horizontal, reduced.horizontal_square, rows - 1.0),
-        ("v", modes.v, reduced.vertical, reduced.vertical_square, columns - 1.0),
+    for axis, power, square, size, across in (
+        ("u", reduced.horizontal, reduced.horizontal_square, columns, rows - 1.0),
+        ("v", reduced.vertical, reduced.vertical_square, rows, columns - 1.0),
     ):
-        number = np.arange(1, f.size + 1)
-        for label, low, high in profile_names():
-            inside = (number > FIRST_MODES) & (f > low) & (f <= high)
-            if label == "first":
-                inside = number <= FIRST_MODES
-            weight = across * np.where(f == 0.5, 0.5, 1.0)[inside]
+        for label, high, inside, weight in _profile_bands(size):
             name = f"{part.name}_{axis}_{label}"
             spread = part.spread_at(high)
-            _mean_into(result, name, part, power[inside], square[inside], weight, spread)
+            _mean_into(result, name, part, power[inside], square[inside], across * weight, spread)
 
 
 def _mean_into(

@@ -12,12 +12,12 @@ from dnanalyze.loaders.captures import OperatingPoint, Sensor
 
 
 class Scale(StrEnum):
-    """On which scale a statistic's sampling error is nearly normal with a nearly constant spread."""
+    """On which scale a statistic's sampling error is nearly normal, its spread nearly constant."""
 
     LINEAR = "linear"
     LOG = "log"  # powers, variances
     ROOT = "root"  # counts: 2 sqrt(n + 3/8), spread 1 for Poisson counts
-    RATIO = "ratio"  # power of one mode over its floor: ln(1 + r), since r may come near 0 by chance
+    RATIO = "ratio"  # power of one mode over its floor: ln(1 + r), for r may be near 0 by chance
 
     def coordinate(self, value: float) -> float:
         """The value on this scale; NaN where it has none."""

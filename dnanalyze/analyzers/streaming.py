@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.buffers import Buffers
 from dnanalyze.analyzers.family import Accumulated, Accumulator
 from dnanalyze.analyzers.histograms import Histograms
 from dnanalyze.analyzers.maps import PixelMaps
 from dnanalyze.analyzers.neighbours_accumulator import Neighbours
-from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+from dnanalyze.analyzers.plan import FrameView, Plan
 from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.spectra_accumulator import Spectra
 
@@ -25,9 +26,7 @@ ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
 HALF = np.float32(np.sqrt(0.5))
 
 
-def make_plan(
-    first: np.ndarray, second: np.ndarray | None = None, errors: bool = True
-) -> Plan:
+def make_plan(first: np.ndarray, second: np.ndarray | None = None, errors: bool = True) -> Plan:
     """The scales of a setting from its first frame, or two, (rows, columns) in DN."""
     frame = as_float(first)
     integer = first.dtype.kind in "ui" or bool(np.all(frame == np.rint(frame)))
@@ -38,7 +37,9 @@ def make_plan(
         difference = (as_float(second) - frame) * HALF
         between = Ordered(difference, float(HALF) if integer else 0.0).robust_sigma()
     low, high = float(ordered.sorted[0]), float(ordered.sorted[-1])
-    return Plan(frame.shape, float(ordered.quantile(0.5)), sigma, between, low, high, integer, errors)
+    return Plan(
+        frame.shape, float(ordered.quantile(0.5)), sigma, between, low, high, integer, errors
+    )
 
 
 def as_float(frame: np.ndarray) -> np.ndarray:
@@ -46,19 +47,22 @@ def as_float(frame: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(frame, np.float32)
 
 
-def make_view(plan: Plan, number: int, raw: np.ndarray, before: np.ndarray | None) -> FrameView:
+def make_view(
+    plan: Plan,
+    number: int,
+    raw: np.ndarray,
+    before: np.ndarray | None,
+    buffers: Buffers | None = None,
+) -> FrameView:
     """What the accumulators see of a frame as read; ``before`` is the frame before it, float32."""
-    frame = as_float(raw)
-    reach = np.float32(CLIP * plan.sigma)
-    clipped = frame - np.float32(plan.centre)
-    np.clip(clipped, -reach, reach, out=clipped)
+    buffers = buffers or Buffers()
+    frame = buffers.take(raw.shape)
+    np.copyto(frame, raw, casting="unsafe")
     difference = None
     if before is not None:
-        difference = frame - before
+        difference = np.subtract(frame, before, out=buffers.take(raw.shape))
         difference *= HALF
-    return FrameView(
-        number, frame, raw if raw.dtype.kind in "ui" else None, difference, clipped, plan
-    )
+    return FrameView(number, frame, difference, plan)
 
 
 class Accumulation:
@@ -77,12 +81,13 @@ class Accumulation:
         self.parts: dict[str, Any] = {name: make(plan) for name, make in ACCUMULATORS.items()}
         self._pool = pool
         self._running: dict[str, Future[None]] = {}
+        self._buffers = Buffers()
         self._first: FrameView | None = None
         self._last: np.ndarray | None = None
 
     def add(self, raw: np.ndarray, number: int) -> None:
         """Take in the next frame as read."""
-        view = make_view(self.plan, number, raw, self._last)
+        view = make_view(self.plan, number, raw, self._last, self._buffers)
         self._first = self._first or view
         self._last = view.frame
         self.frames += 1

@@ -85,10 +85,11 @@ def finish(acc: Accumulated) -> FamilyResult:
     _counts(acc, centre, sigma, out)
     hot = acc.pattern > np.float32(centre + 8 * sigma)
     out.values["hot_pairs"] = Value(float(in_clumps(hot).sum()), PAIR_ERROR)
-    _densities(acc, out)
-    out.curves["hot_pixels"] = _hot_pixels(acc)
-    _exceedance(acc, centre, sigma, out)
-    _tail_index(acc, out)
+    if acc.plan.errors:
+        _densities(acc, out)
+        out.curves["hot_pixels"] = _hot_pixels(acc)
+        _exceedance(acc, centre, sigma, out)
+        _tail_index(acc, out)
     if acc.frames == 1:
         for name in ("transient_high", "transient_low", "transient_adjacent", "hot_repeat"):
             out.missing[name] = "needs at least two frames"
@@ -127,6 +128,11 @@ def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) ->
     pattern, ordered, pixels = acc.pattern, acc.pattern_ordered, acc.plan.pixels
     steps = np.array([-8.0, -5.0, *map(float, HOT)])
     limits = centre + steps * sigma
+    if not acc.plan.errors:
+        below = np.searchsorted(ordered.sorted, limits.astype(np.float32))
+        for step, n in zip(steps, below.tolist(), strict=True):
+            out.values[_count_name(step)] = Value(float(n if step < 0 else pixels - n), 1.0)
+        return
     quartiles = ordered.quantile(np.array([0.25, 0.5]))
     thresholds = np.concatenate([limits[:2], quartiles, limits[2:]])
     below = counts_below(acc.plan, pattern, thresholds)
@@ -145,8 +151,11 @@ def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) ->
         move = middle + step * (middle - low) / 0.6745
         total = residual[..., column] - move * crowd
         variance = max(float(clustered_variance(total)), count + 0.375)
-        name = f"cold_count_{-step:g}" if step < 0 else f"hot_count_{step:g}"
-        out.values[name] = Value(count, math.sqrt(variance / (count + 0.375)))
+        out.values[_count_name(step)] = Value(count, math.sqrt(variance / (count + 0.375)))
+
+
+def _count_name(step: float) -> str:
+    return f"cold_count_{-step:g}" if step < 0 else f"hot_count_{step:g}"
 
 
 def _densities(acc: Accumulated, out: FamilyResult) -> None:
@@ -205,6 +214,9 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
         return
     pixels = before / (acc.frames - 1)
     share = both / before
+    if not acc.plan.errors:
+        out.values["hot_repeat"] = Value(share, 0.5 / (pixels + 2))
+        return
     pairs = [acc.maps.head] if acc.frames == 2 else [acc.maps.head, acc.maps.tail]
     sides = []
     for first, second in pairs:

@@ -125,9 +125,11 @@ def _pattern_correlation(acc: Accumulated, out: FamilyResult) -> None:
         out.missing["pattern_correlation"] = "the frames are constant"
         return
     r = float(cross.sum()) / scale
-    a, b = (_standardised(acc, frame) for frame in acc.end_frames)
-    influence = a * b - np.float32(r / 2) * (a * a + b * b)
-    out.values["pattern_correlation"] = Value(r, max(mean_error(acc.plan, influence), 1e-6))
+    error = 0.0
+    if acc.plan.errors:
+        a, b = (_standardised(acc, frame) for frame in acc.end_frames)
+        error = mean_error(acc.plan, a * b - np.float32(r / 2) * (a * a + b * b))
+    out.values["pattern_correlation"] = Value(r, max(error, 1e-6))
 
 
 def _standardised(acc: Accumulated, frame: np.ndarray) -> np.ndarray:
@@ -139,9 +141,8 @@ def _standardised(acc: Accumulated, frame: np.ndarray) -> np.ndarray:
 
 
 def _variances(acc: Accumulated, out: FamilyResult) -> None:
-    variance = acc.temporal_variance
+    variance, mean = acc.temporal_variance, acc.temporal_mean
     assert variance is not None
-    mean = float(variance.mean(dtype=np.float64))
     names = [f"temporal_variance_q{level}" for level in VARIANCE_LEVELS]
     if mean <= 0:
         reason = "there is no noise between the frames"
@@ -181,8 +182,10 @@ def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None
             out.missing[full] = "these pixels do not change between the frames"
         else:
             mean = sums[group] / pixels[group]
-            residual = (block_sums[..., group] - mean * counts[..., group]) / sums[group]
-            se = math.sqrt(float(clustered_variance(residual)))
+            se = 0.0
+            if acc.plan.errors:
+                residual = (block_sums[..., group] - mean * counts[..., group]) / sums[group]
+                se = math.sqrt(float(clustered_variance(residual)))
             se = math.hypot(se, acc.drift_error(float(mean)))
             out.values[full] = Value(float(mean), max(se, 1e-3))
 
@@ -199,8 +202,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
         r1 = acc.maps.lag_one() / (variance * np.float32(k - 1))
     r1[~noisy] = -1.0 / k
     errors = QuantileErrors(acc.plan, (r1,), Ordered(r1), np.array([0.5]))
-    mean = float(variance.mean(dtype=np.float64))
-    drift = acc.drift_error(mean) / math.sqrt(2)  # whole frames move alike: one series, not many
+    drift = acc.drift_error(acc.temporal_mean) / math.sqrt(2)  # whole frames are one series
     se = math.hypot(float(errors.of(np.array([1.0]))), drift)
     out.values["temporal_r1"] = Value(float(errors.values[0]) + 1 / k, max(se, 5e-4))
 
@@ -208,10 +210,11 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
 def _blinking(acc: Accumulated, out: FamilyResult) -> None:
     """Correlation over pixels of squared differences of two disjoint sets of frame pairs."""
     a, b = acc.maps.pair_squares()
-    scale = np.float32(2 * acc.difference_sigma**2)
-    pairs = [len(range(start, acc.frames, 4)) for start in (1, 3)]
-    far = [x > 10 * scale * n for x, n in zip((a, b), pairs, strict=True)]
-    out.values["blinking_count"] = Value(float(np.sum(far[0] & far[1])), 1.0)
+    if acc.plan.errors:
+        scale = np.float32(2 * acc.difference_sigma**2)
+        pairs = [len(range(start, acc.frames, 4)) for start in (1, 3)]
+        far = [x > 10 * scale * n for x, n in zip((a, b), pairs, strict=True)]
+        out.values["blinking_count"] = Value(float(np.sum(far[0] & far[1])), 1.0)
     z = []
     for x in (a, b):
         each = x - x.mean(dtype=np.float64).astype(np.float32)
@@ -222,5 +225,8 @@ def _blinking(acc: Accumulated, out: FamilyResult) -> None:
         each /= np.float32(sd)
         z.append(each)
     r = float(np.mean(z[0] * z[1], dtype=np.float64))
-    influence = z[0] * z[1] - np.float32(r / 2) * (z[0] ** 2 + z[1] ** 2)
-    out.values["blink_repeat"] = Value(r, max(mean_error(acc.plan, influence), 1e-4))
+    error = 0.0
+    if acc.plan.errors:
+        influence = z[0] * z[1] - np.float32(r / 2) * (z[0] ** 2 + z[1] ** 2)
+        error = mean_error(acc.plan, influence)
+    out.values["blink_repeat"] = Value(r, max(error, 1e-4))

@@ -79,8 +79,8 @@ def compare(
     held = held or bench(design(captures))
     paper = fit(captures, held=held, replicates=0, tell=tell).state
     m = moments(Readings(held.measured[0]), captures.sensor.black_level)
-    plain = held.statistics(gaussian_model(m))
-    made = held.statistics(model or paper.model)
+    plain = held.statistics(gaussian_model(m), errors=True)
+    made = held.statistics(model or paper.model, errors=True)
     z = held.test.z(prediction(made, 1, held.test))
     baselines = {
         "gaussian": error_of(held, plain),

@@ -177,9 +177,10 @@ def test_odd_and_even_columns_stand_at_the_nyquist_mode():
     found = values(spectrum, frames)
     # (offset/2)^2 of every pixel in one mode, over the mean of four frames
     expected = 1 + 0.25**2 * 128 * 160 * 4
-    assert abs(np.log1p(found["pattern_nyquist_10"].value) - np.log1p(expected)) < 5 * found[
-        "pattern_nyquist_10"
-    ].se
+    assert (
+        abs(np.log1p(found["pattern_nyquist_10"].value) - np.log1p(expected))
+        < 5 * found["pattern_nyquist_10"].se
+    )
     assert found["pattern_nyquist_01"].value < 30  # chi-square of one degree
     assert found["pattern_nyquist_11"].value < 30
 
