@@ -67,3 +67,23 @@ def pair_differences(stack: np.ndarray) -> np.ndarray:
         if pairs
         else np.empty((0, *stack.shape[1:]), np.float32)
     )
+
+
+def without_tones(image: np.ndarray, strength: float = 30.0) -> np.ndarray:
+    """Less the spectral lines (hum): bins ``strength`` times above the median of their octave."""
+    from scipy import fft
+
+    h, w = image.shape
+    spectrum = fft.rfft2(image)
+    power = spectrum.real**2 + spectrum.imag**2
+    rho = np.hypot(np.fft.fftfreq(h)[:, None], np.fft.rfftfreq(w)[None])
+    octave = np.ceil(np.log2(np.maximum(rho, 1e-9))).astype(int)
+    lines = np.zeros(power.shape, bool)
+    for o in range(-5, 1):
+        here = octave == o
+        if here.any():
+            lines |= here & (power > strength * np.median(power[here]))
+    if not lines.any():
+        return image
+    spectrum[lines] = 0
+    return fft.irfft2(spectrum, s=(h, w)).astype(image.dtype)

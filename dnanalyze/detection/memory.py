@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize
 
-from dnanalyze.detection.flatten import robust_sd, without_lines
+from dnanalyze.detection.flatten import robust_sd, without_lines, without_tones
 
 LEAST_PIXELS = 200
 
@@ -49,7 +49,10 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         d = frame - mean
         d = d - np.median(d)
         slope = np.float32(float((d * pattern_here).mean()) / power) if power else np.float32(0)
+        reach = np.float32(4 * robust_sd(d - slope * pattern))
         d = without_lines(d - slope * pattern)
+        tones = np.clip(d, -reach, reach)
+        d = d - (tones - without_tones(tones))
         squares = squares + d * d
         if second is not None:
             products = products + d * second

@@ -21,6 +21,7 @@ CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in c
 ABRUPT = 8.0  # a threshold empties the tail at once: this much from half the bound to the bound
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
 LEAST_REPLACED = 8
+SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             f"noise, could give at most {share * bound.short_range:.3f} here",
         ),
     ]
-    asked += _backed(e, any(a.effect > a.limit for a in asked), 0.02 + extra + room * bound.extremes)
+    asked += _backed(e, any(a.effect > a.limit and a.p < 1e-6 for a in asked), 0.02 + extra + room * bound.extremes)
     own, far, pixels = e.equal
     repeat = (own - far) / max(1 - far, 1e-6)
     se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
@@ -202,6 +203,7 @@ def sites(e: ViewEvidence) -> list[Asked]:
     if e.replaced is None or not e.replaced.tried:
         return []
     own, control = e.replaced.own, e.replaced.control
+    shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
     chance = 3 * control + 1
     p = stats.poisson.sf(own - 1, chance)
     j = int(np.argmax(own / (control + 3)))
@@ -214,7 +216,7 @@ def sites(e: ViewEvidence) -> list[Asked]:
             e,
             min(1.0, float(p[j]) * len(RULES)),
             beyond if found >= LEAST_REPLACED else 0.0,
-            5.0,
+            5.0 * (1 + SHARED * shared),
             f"{found} sites are in all {e.frames} frames the {RULES[j]} of their neighbours, "
             f"{control[j]:.0f} of a ring elsewhere",
             j,

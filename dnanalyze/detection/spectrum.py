@@ -56,6 +56,8 @@ class OctaveSpectrum:
         p, s = self.log_power, self.se
         best, error, score = 0.0, np.inf, -np.inf
         for i, j, k in combinations(np.flatnonzero(np.isfinite(p)), 3):
+            if p[j] > p[i] + 3 * np.hypot(s[i], s[j]):
+                continue  # noise that grows up to the middle is a hump, not a low-pass filter's
             share = float(CENTRES[k] - CENTRES[j]) / float(CENTRES[k] - CENTRES[i])
             value = float(p[j] - share * p[i] - (1 - share) * p[k])
             se = float(np.sqrt(s[j] ** 2 + (share * s[i]) ** 2 + ((1 - share) * s[k]) ** 2))

@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.detection import questions
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.questions import Asked
+from dnanalyze.loaders.captures import OperatingPoint
 
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
 CAUSES = ("cap_to_neighbours", "dynamic_threshold", "ratio_rule", "static_replacement")
@@ -37,7 +38,8 @@ class Answer:
 
 def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
     """Put every question to every view, and correct for their number."""
-    judges = _quietest(evidence)
+    coloured = _coloured(evidence)
+    judges = _quietest(evidence) - {id(e) for e in evidence if e.point in coloured}
     asked: list[tuple[Asked, bool]] = []
     for e in evidence:
         warmer = [
@@ -55,6 +57,19 @@ def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
         Answer(a, float(p), bool(judge and p < alpha and a.effect > a.limit), judge)
         for (a, judge), p in zip(asked, adjusted, strict=True)
     ]
+
+
+def _coloured(evidence: list[ViewEvidence]) -> set[OperatingPoint]:
+    """Settings whose noise grows towards high frequencies: interference of the readout.
+
+    No filter makes that, and sampled every second pixel it looks like smoothing.
+    """
+    found = set()
+    for e in evidence:
+        ratio, se = e.spectrum.suppression
+        if e.view == "frame" and np.isfinite(ratio) and ratio > 0.1 + 4 * se:
+            found.add(e.point)
+    return found
 
 
 def holm(p: np.ndarray) -> np.ndarray:

@@ -68,13 +68,12 @@ def test_nuisances_at_their_worst_are_not_filters(traits):
 
 
 def test_the_threshold_of_a_dynamic_correction_comes_back():
-    traits = Traits(gain=2.0, hot=5e-3, hot_scale=60.0, dsnu=0.2)
-    sigma = hidden.noise_of(VirtualSensor(traits, SHAPE, 4).stack(85.0, 1)[0])
-    series = captures(VirtualSensor(traits, SHAPE, 4), (85.0,), 8, hidden.dynamic_dpc(6.0))
+    traits = Traits(gain=2.0, hot=5e-3, hot_scale=8.0, dsnu=0.2)
+    series = captures(VirtualSensor(traits, SHAPE, 4), SERIES, 8, hidden.dynamic_dpc(6.0))
     found = detect(series).estimate
     assert found is not None
     assert found.subkind == "dynamic"
-    assert found.threshold_dn == pytest.approx(6.0 * sigma, rel=0.25)
+    assert found.threshold_sigma == pytest.approx(6.0, rel=0.25)
 
 
 def test_the_share_of_replaced_sites_comes_back():
