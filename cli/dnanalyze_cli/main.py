@@ -13,6 +13,7 @@ from dnanalyze_cli.commands import (
     add,
     analyze,
     benchmark,
+    channels,
     check,
     compare,
     demo,
@@ -36,7 +37,13 @@ app = typer.Typer(
 for panel, commands in {
     "Look": (inspect.inspect, analyze.analyze),
     "Model": (fit.fit, simulate.simulate, compare.compare),
-    "Find what is missing": (diagnose.diagnose, add.add, refine.refine, detect.detect),
+    "Find what is missing": (
+        diagnose.diagnose,
+        add.add,
+        refine.refine,
+        channels.channels,
+        detect.detect,
+    ),
     "Hold and share": (benchmark.benchmark, check.check, export.export),
     "Learn": (effects.effects, demo.demo),
 }.items():

@@ -13,6 +13,11 @@ from rich.text import Text
 from dnanalyze.report.benchmark import headline
 from dnanalyze.report.words import number, sentence, with_error
 
+SHOWN = {
+    "dark_current", "temporal_noise", "dsnu", "hot_pixels", "row_noise", "read_noise",
+    "activation_energy", "error_gaussian", "error_paper", "error_refined",
+}  # fmt: skip
+
 
 def result(console: Console, held: Any) -> None:
     """The verdict, the figures at one common temperature, what each is made of, the caveats."""
@@ -20,15 +25,15 @@ def result(console: Console, held: Any) -> None:
     names = [s.name for s in held.sensors]
     middle = held.temperatures[len(held.temperatures) // 2] if held.temperatures else None
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="dim")
-    table.add_column("figure")
+    table.add_column("figure", no_wrap=True)
     for name in names:
         table.add_column(name, justify="right", overflow="fold")
     for ranking in held.rankings:
-        if ranking.temperature_c not in (middle, None):
+        if ranking.criterion not in SHOWN or ranking.temperature_c not in (middle, None):
             continue
         at = f", {ranking.temperature_c:g} °C" if ranking.temperature_c is not None else ""
         unit = f" [{ranking.unit}]" if ranking.unit not in ("", "1") else ""
-        cells = (_cell(ranking.of(name)) for name in names)
+        cells = (_cell(ranking.of(name), len(names) < 4) for name in names)
         table.add_row(Text(f"{ranking.title}{unit}{at}"), *cells)
     console.print(Padding(table, (0, 0, 1, 2)))
     for sensor in held.sensors:
@@ -40,5 +45,8 @@ def result(console: Console, held: Any) -> None:
         console.print(Padding(Text(sentence(note), style="dim"), (0, 0, 0, 2)))
 
 
-def _cell(figure: Any) -> Text:
-    return Text(with_error(figure.value, figure.se) if figure.known else "–")
+def _cell(figure: Any, wide: bool) -> Text:
+    """With its error where there is room."""
+    if not figure.known:
+        return Text("–")
+    return Text(with_error(figure.value, figure.se) if wide else number(figure.value))

@@ -18,6 +18,8 @@ class Criterion:
         "low", "high", or "" where neither is.
     thermal : bool
         Runs with temperature, so that it is compared at common ones by its law.
+    floor : bool
+        A noise that does not vanish in the cold.
     electrons : bool
         Has a form in electrons, where the conversion gain is known.
     per_area : bool
@@ -30,13 +32,14 @@ class Criterion:
     statistics: tuple[str, ...]
     better: str = "low"
     thermal: bool = True
+    floor: bool = True
     electrons: bool = False
     per_area: bool = False
 
 
 CRITERIA = (
     Criterion("dark_current", "dark current", "DN/s", ("dark_rate_dn_s",),
-              electrons=True, per_area=True),
+              floor=False, electrons=True, per_area=True),
     Criterion("temporal_noise", "temporal dark noise", "DN", ("temporal_noise",), electrons=True),
     Criterion("dsnu", "EMVA 1288 DSNU", "DN", ("dsnu_1288",), electrons=True),
     Criterion("dsnu_column", "DSNU of columns", "DN", ("dsnu_1288_col",), electrons=True),
@@ -45,7 +48,8 @@ CRITERIA = (
     Criterion("row_noise", "temporal row noise", "DN", ("temporal_row_mean_sd",), electrons=True),
     Criterion("column_noise", "temporal column noise", "DN", ("temporal_column_mean_sd",),
               electrons=True),
-    Criterion("hot_pixels", "hot pixels", "ppm", ("hot_density_pattern", "hot_density_frame")),
+    Criterion("hot_pixels", "hot pixels", "ppm", ("hot_density_pattern", "hot_density_frame"),
+              floor=False),
 )  # fmt: skip
 
 SINGLE = (

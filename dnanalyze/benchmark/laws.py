@@ -81,7 +81,9 @@ def _basis(
     return np.stack([np.exp(np.clip(energy * x, -60, 60)) for _, energy in powers], axis=1)
 
 
-def estimate(readings: Sequence[Reading], temperature_c: float) -> Estimate | None:
+def estimate(
+    readings: Sequence[Reading], temperature_c: float, floor: bool = True
+) -> Estimate | None:
     """A positive figure at a temperature.
 
     Laws: its logarithm constant, linear or quadratic in 1/T (an activated rate, with curvature);
@@ -93,6 +95,8 @@ def estimate(readings: Sequence[Reading], temperature_c: float) -> Estimate | No
         At different temperatures, positive.
     temperature_c : float
         C.
+    floor : bool
+        A noise, which has a floor that stays in the cold; a dark current has none.
 
     Returns
     -------
@@ -109,7 +113,9 @@ def estimate(readings: Sequence[Reading], temperature_c: float) -> Estimate | No
         return Estimate(nearest.value, nearest.se, 1.0, 0.0) if gap < 1.0 else None
     values = np.array([r.value for r in known])
     relative = np.maximum([r.se / r.value for r in known], LEAST_RELATIVE)
-    fits = [f for f in _fits(kelvin, values, relative) if math.isfinite(f.at(temperature_c)[0])]
+    fits = [
+        f for f in _fits(kelvin, values, relative, floor) if math.isfinite(f.at(temperature_c)[0])
+    ]
     if not fits:
         return None
     bic = np.array([f.bic for f in fits])
@@ -122,10 +128,12 @@ def estimate(readings: Sequence[Reading], temperature_c: float) -> Estimate | No
     low, high = kelvin.min() - KELVIN, kelvin.max() - KELVIN
     outside = max(0.0, low - temperature_c, temperature_c - high)
     own = max(nearest.se / nearest.value, 1e-9)
-    return Estimate(value, value * error, error / own, outside)
+    return Estimate(value, value * error, error / own, float(outside))
 
 
-def _fits(kelvin: np.ndarray, values: np.ndarray, relative: np.ndarray) -> list[_Fitted]:
+def _fits(
+    kelvin: np.ndarray, values: np.ndarray, relative: np.ndarray, floor: bool
+) -> list[_Fitted]:
     """Every law that these readings can tell, with its evidence."""
     centre = 2 / (1 / kelvin.min() + 1 / kelvin.max())
     count = np.unique(kelvin).size
@@ -134,7 +142,7 @@ def _fits(kelvin: np.ndarray, values: np.ndarray, relative: np.ndarray) -> list[
         powers = tuple(("", 0.0) for _ in range(order))
         made.append(_fit("log", powers, centre, kelvin, np.log(values), relative))
     squares, spread = values**2, 2 * relative * values**2
-    for energy in ENERGIES if count > 2 else ():
+    for energy in ENERGIES if count > 2 and floor else ():
         for times in (1.0, 2.0):
             powers = (("floor", 0.0), ("thermal", times * energy))
             made.append(_fit("square", powers, centre, kelvin, squares, spread))

@@ -145,7 +145,7 @@ def side_by_side(sensors: Sequence[SensorRecord], temperatures: Sequence[float] 
 
 def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
     readings = sensor.readings[criterion.name]
-    found = estimate(readings, celsius)
+    found = estimate(readings, celsius, criterion.floor)
     if found is None:
         why = "one temperature tells no law" if readings else "these captures do not tell it"
         return Figure(math.nan, math.nan, why)

@@ -46,7 +46,7 @@ def over_temperature(result: Any) -> Picture | None:
         fig, axes = figure(2, 3, 5.4)
         for ax, criterion in zip(axes.flat, shown, strict=True):
             for place, sensor in enumerate(result.sensors):
-                _series(ax, sensor.readings[criterion.name], result.temperatures, look_of(place))
+                _series(ax, sensor.readings[criterion.name], criterion, result, look_of(place))
             for celsius in result.temperatures:
                 ax.axvline(celsius, color=HAIRLINE, linewidth=1.0, zorder=0)
             ax.set_title(f"{criterion.title} [{criterion.unit}]")
@@ -70,7 +70,7 @@ def _positive(ax: Any) -> bool:
 
 
 def _series(
-    ax: Any, readings: Sequence[Any], common: Sequence[float], look: dict[str, Any]
+    ax: Any, readings: Sequence[Any], criterion: Any, result: Any, look: dict[str, Any]
 ) -> None:
     from dnanalyze.benchmark.laws import estimate
 
@@ -84,8 +84,9 @@ def _series(
     )  # fmt: skip
     if t.size < 2:
         return
+    common = result.temperatures
     grid = np.linspace(min(t.min(), *common), max(t.max(), *common), 40) if common else t
-    laws = [estimate(readings, float(c)) for c in grid]
+    laws = [estimate(readings, float(c), criterion.floor) for c in grid]
     keep = [k for k, law in enumerate(laws) if law is not None]
     value = np.array([laws[k].value for k in keep])  # type: ignore[union-attr]
     error = np.array([laws[k].se / laws[k].value for k in keep])  # type: ignore[union-attr]

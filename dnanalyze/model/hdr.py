@@ -1,0 +1,386 @@
+"""High dynamic range: the channels of one pixel combined into one linear, companded output.
+
+The most sensitive channel is used as long as it does not near its full scale; above, the next one
+takes over, scaled to the same light. At each transition the noise steps, since the next channel's
+own noise is multiplied by the ratio of the sensitivities. Solhusvik et al., IISW 2019 (LOFIC, DCG).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import yaml
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import Simulator
+
+
+@dataclass(frozen=True)
+class ChannelUse:
+    """How a channel enters the combination.
+
+    Parameters
+    ----------
+    channel : str
+    black : float
+        Its black level, DN.
+    sensitivity : float
+        DN that it gives for light that gives the first channel 1 DN.
+    knee : float
+        DN above black from which the next channel takes over; no matter in the last one.
+    blend : float
+        DN below the knee over which the two are mixed; 0 switches.
+    exposure : float
+        Its exposure over that of the combined frame.
+    """
+
+    channel: str
+    black: float
+    sensitivity: float
+    knee: float
+    blend: float = 0.0
+    exposure: float = 1.0
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A linear combination of channels with piecewise-linear companding.
+
+    Parameters
+    ----------
+    channels : tuple of ChannelUse
+        Most sensitive first.
+    companding : tuple of (float, float)
+        Knees (linear DN of the first channel, output code), rising; none leaves the output linear.
+    black : float
+        Output code of no light where there is no companding.
+    bits : int
+        Of the output.
+    """
+
+    channels: tuple[ChannelUse, ...]
+    companding: tuple[tuple[float, float], ...] = ()
+    black: float = 64.0
+    bits: int = 12
+
+    def __post_init__(self) -> None:
+        if len(self.channels) < 2:
+            raise InputError("combination: needs two channels or more")
+        steps = [c.sensitivity for c in self.channels]
+        if any(a <= b for a, b in pairwise(steps)):
+            raise InputError(
+                "combination: give the most sensitive channel first, sensitivity falling"
+            )
+        knees = np.array(self.companding, float).reshape(-1, 2)
+        if len(knees) and (len(knees) < 2 or np.any(np.diff(knees, axis=0) <= 0)):
+            raise InputError("combination: companding needs two knees or more, rising in both")
+
+    @property
+    def names(self) -> list[str]:
+        """The channels."""
+        return [c.channel for c in self.channels]
+
+    def linear(self, frames: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Light of each pixel in DN of the first channel, from the frames of all channels.
+
+        Parameters
+        ----------
+        frames : mapping
+            Channel to pixels, DN as recorded.
+        """
+        missing = [c.channel for c in self.channels if c.channel not in frames]
+        if missing:
+            raise InputError(
+                f"combination: no frames of channel {missing[0]!r}; there are {', '.join(frames)}"
+            )
+        last = self.channels[-1]
+        out = (frames[last.channel].astype(np.float32) - last.black) / last.sensitivity
+        for use in self.channels[-2::-1]:
+            own = frames[use.channel].astype(np.float32) - np.float32(use.black)
+            if use.blend > 0:
+                share = np.clip((own - (use.knee - use.blend)) / use.blend, 0.0, 1.0)
+            else:
+                share = (own >= use.knee).astype(np.float32)
+            out = (1.0 - share) * own / np.float32(use.sensitivity) + share * out
+        return out.astype(np.float32)
+
+    def encode(self, linear: np.ndarray) -> np.ndarray:
+        """Output codes of linear light: companded, rounded, clipped."""
+        if self.companding:
+            x, y = np.array(self.companding, float).T
+            code = np.interp(linear, x, y)
+            low, high = (y[1] - y[0]) / (x[1] - x[0]), (y[-1] - y[-2]) / (x[-1] - x[-2])
+            code = np.where(linear < x[0], y[0] + (linear - x[0]) * low, code)
+            code = np.where(linear > x[-1], y[-1] + (linear - x[-1]) * high, code)
+        else:
+            code = linear + self.black
+        return np.clip(np.rint(code), 0, 2**self.bits - 1).astype(np.float32)
+
+    def decode(self, codes: np.ndarray) -> np.ndarray:
+        """Linear light of output codes."""
+        if not self.companding:
+            return codes - np.float32(self.black)
+        x, y = np.array(self.companding, float).T
+        return np.interp(codes, y, x).astype(np.float32)
+
+    def combine(self, frames: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Output codes of the frames of all channels."""
+        return self.encode(self.linear(frames))
+
+    @property
+    def transitions(self) -> list[tuple[str, str, float]]:
+        """(from, to, linear light in DN of the first channel) of each change of channel."""
+        pairs = pairwise(self.channels)
+        return [(a.channel, b.channel, a.knee / a.sensitivity) for a, b in pairs]
+
+
+@dataclass(frozen=True)
+class Light(Effect):
+    """Uniform light on top of the dark charge, so that a model reaches the transitions."""
+
+    name: ClassVar[str] = "light"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    summary: ClassVar[str] = "uniform light, for the noise at the transitions of an HDR combination"
+
+    level: float = parameter(0.0, "DN", 0.0, 1e7, "signal that it adds")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Add it."""
+        signal += np.float32(self.value("level", site.point))
+        return signal
+
+
+def lit(model: NoiseModel, how: Combination, light: float) -> NoiseModel:
+    """The model under uniform light of so many DN of the first channel."""
+    points = tuple(OperatingPoint(channel=c.channel) for c in how.channels)
+    levels = TableLaw(points, tuple(light * c.sensitivity for c in how.channels))
+    return model.with_effect(Light(levels)) if light > 0 else model  # type: ignore[arg-type]
+
+
+def simulate_combined(
+    model: NoiseModel,
+    how: Combination,
+    shape: tuple[int, int],
+    settings: Sequence[tuple[OperatingPoint, int]],
+    name: str = "combined simulation",
+    light: float = 0.0,
+) -> CaptureSet:
+    """Combined frames of a model whose parameters are tables over channels.
+
+    The silicon (dark-current map, hot pixels, pixel offsets) is one for all channels; each channel
+    has its own readout noise and its own shot noise, as separate exposures have.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    how : Combination
+    shape : tuple of int
+        (rows, columns).
+    settings : sequence of (OperatingPoint, int)
+        Of the combined frames, without a channel.
+    name : str
+    light : float
+        Uniform light, DN of the first channel.
+    """
+    simulator = Simulator(lit(model, how, light), shape)
+
+    def load(point: OperatingPoint, number: int) -> Callable[[Window | None], np.ndarray]:
+        def read(window: Window | None) -> np.ndarray:
+            frames = {
+                use.channel: simulator.frame(channel_point(point, use), number, window)
+                for use in how.channels
+            }
+            return how.combine(frames)
+
+        return read
+
+    made = tuple(
+        Setting(
+            point,
+            tuple(Frame(f"{point.label()} #{n}", point, load(point, n)) for n in range(count)),
+        )
+        for point, count in settings
+    )
+    return CaptureSet(name, Sensor(shape, bits=how.bits), made)
+
+
+def channel_point(point: OperatingPoint, use: ChannelUse) -> OperatingPoint:
+    """Where a channel is when the combined frame is at ``point``."""
+    seconds = None if point.exposure_s is None else point.exposure_s * use.exposure
+    return replace(point, channel=use.channel, exposure_s=seconds)
+
+
+def merged(models: Mapping[str, NoiseModel], temperatures: Sequence[float]) -> NoiseModel:
+    """One model of all channels, from a model each: every parameter a table over channels.
+
+    An effect that a channel lacks stands at its weakest there. The silicon streams carry no
+    channel, so that what belongs to the pixel is shared.
+
+    Parameters
+    ----------
+    models : mapping
+        Channel to its model.
+    temperatures : sequence of float
+        C, at which parameters that run with temperature are stated.
+
+    Raises
+    ------
+    InputError
+        A choice (a word) of an effect that differs between channels.
+    """
+    first = next(iter(models.values()))
+    kinds = {e.name: type(e) for m in models.values() for e in m.effects}
+    effects = tuple(
+        _merged_effect(name, kind, models, temperatures) for name, kind in kinds.items()
+    )
+    pedestal = _table([(c, m, m.pedestal) for c, m in models.items()], temperatures)
+    reference = replace(first.reference, channel=None)
+    return NoiseModel(effects, pedestal, reference, first.seed)
+
+
+def _merged_effect(
+    name: str, kind: type[Effect], models: Mapping[str, NoiseModel], temperatures: Sequence[float]
+) -> Effect:
+    values: dict[str, Any] = {}
+    for key, info in kind.parameters().items():
+        own = {c: m.get(name) for c, m in models.items()}
+        if info.scale == "choice":
+            words = {getattr(e, key) for e in own.values() if e is not None}
+            if len(words) > 1:
+                raise InputError(
+                    f"{name}.{key} differs between channels: {', '.join(map(str, sorted(words)))}"
+                )
+            values[key] = words.pop()
+            continue
+        weakest = info.lower if info.scale == "log" else min(max(0.0, info.lower), info.upper)
+        laws = [
+            (c, models[c], getattr(e, key) if e is not None else weakest) for c, e in own.items()
+        ]
+        values[key] = _table(laws, temperatures)
+    return kind(**values)
+
+
+def _table(laws: Sequence[tuple[str, NoiseModel, Any]], temperatures: Sequence[float]) -> TableLaw:
+    """Rows over channels, and over temperatures where a law runs with them."""
+    from dnanalyze.model.laws import value_at
+
+    points: list[OperatingPoint] = []
+    values: list[float] = []
+    for channel, model, law in laws:
+        if isinstance(law, (int, float)):
+            points.append(OperatingPoint(channel=channel))
+            values.append(float(law))
+            continue
+        for celsius in temperatures:
+            at = replace(model.reference, temperature_c=celsius, channel=channel)
+            points.append(OperatingPoint(celsius, channel=channel))
+            values.append(value_at(law, at))
+    return TableLaw(tuple(points), tuple(values))
+
+
+@dataclass(frozen=True)
+class NoiseStep:
+    """Noise around a change of channel.
+
+    Parameters
+    ----------
+    before, after : str
+        Channels.
+    light : float
+        Where, linear DN of the first channel.
+    below, above : float
+        Temporal noise just below and above, linear DN.
+    """
+
+    before: str
+    after: str
+    light: float
+    below: float
+    above: float
+
+    @property
+    def step_db(self) -> float:
+        """20 log10 of the ratio."""
+        return float(20 * np.log10(self.above / self.below))
+
+
+def noise_steps(
+    frames: Callable[[float], CaptureSet], how: Combination, distance: float = 0.15
+) -> list[NoiseStep]:
+    """Temporal noise on both sides of each transition.
+
+    Parameters
+    ----------
+    frames : callable
+        Combined frames under uniform light of so many linear DN, two or more.
+    how : Combination
+    distance : float
+        How far from a transition, as a share of its light; beyond the blend.
+    """
+    made = []
+    for before, after, light in how.transitions:
+        use = how.channels[how.names.index(before)]
+        low = light * (1 - distance) - use.blend / use.sensitivity
+        below, above = (_temporal(frames(x), how) for x in (low, light * (1 + distance)))
+        made.append(NoiseStep(before, after, light, below, above))
+    return made
+
+
+def _temporal(captures: CaptureSet, how: Combination) -> float:
+    """Temporal noise of the first setting's first two frames, linear DN."""
+    a, b = (how.decode(f.read().astype(np.float32)) for f in captures.settings[0].frames[:2])
+    return float(np.std(a - b) / np.sqrt(2.0))
+
+
+@dataclass(frozen=True)
+class _Keys:
+    """Keys of a combination file."""
+
+    top: tuple[str, ...] = ("channels", "companding", "black", "bits")
+    channel: tuple[str, ...] = field(
+        default=("channel", "black", "sensitivity", "knee", "blend", "exposure")
+    )
+
+
+def load_combination(path: Path) -> Combination:
+    """Read a combination file (YAML).
+
+    Raises
+    ------
+    InputError
+        Not YAML, unknown or missing keys, a combination that cannot be.
+    """
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise InputError(f"{path}: not YAML") from None
+    keys = _Keys()
+    if not isinstance(raw, dict) or not isinstance(raw.get("channels"), list):
+        raise InputError(f"{path}: not a combination file; it needs 'channels', a list")
+    for place, valid in [(raw, keys.top), *((c, keys.channel) for c in raw["channels"])]:
+        extra = set(place) - set(valid) if isinstance(place, dict) else {place}
+        if extra:
+            raise InputError(f"{path}: unknown key {extra.pop()!r}; valid: {', '.join(valid)}")
+    try:
+        uses = tuple(ChannelUse(**c) for c in raw["channels"])
+        knees = tuple((float(x), float(y)) for x, y in raw.get("companding", ()))
+        rest = {k: raw[k] for k in ("black", "bits") if k in raw}
+        return Combination(uses, knees, **rest)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except (TypeError, ValueError):
+        need = "channel, black, sensitivity, knee"
+        raise InputError(
+            f"{path}: each channel needs {need}; companding is [linear, code] pairs"
+        ) from None
