@@ -46,7 +46,8 @@ class ParameterInfo:
     """Unit, bounds and meaning of an effect's parameter.
 
     ``scale`` is "log" for positive amplitudes, "linear" for signed ones, "choice" for what is not
-    fitted: a word or a whole number from ``choices`` (empty: any whole number).
+    fitted: a word or a whole number from ``choices`` (empty: any whole number), "held" for a
+    number that the first guess finds exactly and on which frames do not depend smoothly.
     """
 
     unit: str
@@ -71,6 +72,10 @@ def choice(default: Any, doc: str, *choices: Any) -> Any:
     return field(default=default, metadata={"info": info})
 
 
+def _not_kept(name: str, make: Callable[[], Any]) -> Any:
+    return make()
+
+
 def _no_calibration(number: int) -> np.ndarray:
     raise NotImplementedError("this site has no frames before the effect")
 
@@ -93,6 +98,8 @@ class Site:
         Random numbers of this effect: the same in every frame of every setting, and new in each frame.
     keep : callable
         ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
+    share : callable
+        As ``keep``, for what does not depend on the window: all parts of the frame get the same.
     field : callable
         ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
     calibration : callable
@@ -110,6 +117,7 @@ class Site:
     keep: Callable[[str, Callable[[], Any]], Any]
     field: Callable[[Stream, str], np.ndarray]
     calibration: Callable[[int], np.ndarray] = _no_calibration
+    share: Callable[[str, Callable[[], Any]], Any] = _not_kept
 
     def fixed_normal(self, name: str = "") -> np.ndarray:
         """Standard normal field of the silicon over the window, float32."""

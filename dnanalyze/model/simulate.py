@@ -1,30 +1,45 @@
-"""Simulate: a model, a seed and operating points to a CaptureSet, frame by frame, window by window."""
+"""Simulate: a model, a seed and operating points to a CaptureSet, frame by frame, by window."""
 
 from __future__ import annotations
 
+import os
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.model import bands
 from dnanalyze.model.effect import Effect, Site, Stage
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.streams import Stream
 
+MAPS = 4  # fixed fields that an effect may keep
+
 
 @dataclass
 class Memo:
-    """Least recently used arrays, bounded in bytes: fields are pure, so forgetting costs only time."""
+    """Least recently used arrays, bounded in bytes: fields are pure, forgetting costs only time."""
 
     limit_bytes: int = 256 << 20
     _held: OrderedDict[object, Any] = field(default_factory=OrderedDict)
     _bytes: int = 0
     _lock: Any = field(default_factory=Lock)
+    _making: dict[object, Any] = field(default_factory=dict)
+
+    def once(self, key: object, make: Callable[[], Any]) -> Any:
+        """As `get`; a second thread waits for the first one's, for what is dear to make."""
+        with self._lock:
+            turn = self._making.setdefault(key, Lock())
+        with turn:
+            value = self.get(key, make)
+        with self._lock:
+            self._making.pop(key, None)
+        return value
 
     def get(self, key: object, make: Callable[[], Any]) -> Any:
         """``make()``, or what it gave last time; threads may at worst make a thing twice."""
@@ -78,7 +93,11 @@ class Simulator:
     ) -> np.ndarray:
         """Signal of ``window`` after the first ``count`` effects."""
         if count == 0:
-            level = np.float32(self._pedestal(point)) if not chain or chain[0].stage > Stage.PEDESTAL else 0
+            level = (
+                np.float32(self._pedestal(point))
+                if not chain or chain[0].stage > Stage.PEDESTAL
+                else 0
+            )
             return np.full(window.shape, level, np.float32)
         effect = chain[count - 1]
         grown = window.grown(effect.reach, self.shape)
@@ -129,16 +148,17 @@ class Simulator:
 
         def draw(stream: Stream, kind: str) -> np.ndarray:
             make = getattr(stream, kind)
-            return self.memo.get(
-                (stream.key, kind, window), lambda: make(window, self.shape[1])
-            )
+            return self.memo.get((stream.key, kind, window), lambda: make(window, self.shape[1]))
 
         def keep(name: str, make: Callable[[], Any]) -> Any:
             return self._maps.get((effect.name, point, window, name), make)
 
+        def share(name: str, make: Callable[[], Any]) -> Any:
+            return self._maps.once((effect.name, point, name), make)
+
         return Site(
             self.shape, window, point, self.model.reference, number,
-            root.child("silicon"), moment, keep, draw, calibration,
+            root.child("silicon"), moment, keep, draw, calibration, share,
         )  # fmt: skip
 
 
@@ -149,6 +169,7 @@ def simulate(
     name: str = "simulation",
     sensor: Sensor | None = None,
     memo: Memo | None = None,
+    threads: int = 1,
 ) -> CaptureSet:
     """A capture set whose frames are drawn when they are read.
 
@@ -165,17 +186,70 @@ def simulate(
         What to record of the sensor (bits, colour filter, ...).
     memo : Memo, optional
         Where random fields are kept between calls.
+    threads : int
+        That share a frame; the pixels do not depend on it.
     """
     simulator = Simulator(model, shape, memo or Memo())
+    if threads > 1:
+        simulator = replace(simulator, _maps=Memo(_room(model, shape)))
+
+    def draw(point: OperatingPoint, number: int, window: Window | None) -> np.ndarray:
+        if threads == 1:
+            return simulator.frame(point, number, window)
+        return bands.drawn(simulator, point, number, window or Window.whole(shape), threads)
 
     def frame(point: OperatingPoint, number: int) -> Frame:
         return Frame(
             f"{point.label()} #{number}",
             point,
-            lambda window: simulator.frame(point, number, window),
+            lambda window: draw(point, number, window),
         )
 
     made = tuple(
         Setting(point, tuple(frame(point, n) for n in range(count))) for point, count in settings
     )
     return CaptureSet(name, sensor or Sensor(shape), made)
+
+
+def simulate_frames(
+    model: NoiseModel,
+    shape: tuple[int, int],
+    point: OperatingPoint,
+    numbers: Iterable[int],
+    *,
+    threads: int | None = None,
+    rows: int | None = None,
+    bits: int = 16,
+) -> Iterator[np.ndarray]:
+    """Frames as codes, one after another; the pixels depend neither on threads nor on bands.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    shape : tuple of int
+        (rows, columns).
+    point : OperatingPoint
+    numbers : iterable of int
+        Of the frames in their setting.
+    threads : int, optional
+        The number of processors by default.
+    rows : int, optional
+        Rows of the bands in which a frame is drawn.
+    bits : int
+        Values are rounded and cut to 0 .. 2^bits - 1; 8 at most give uint8, else uint16.
+
+    Yields
+    ------
+    ndarray of uint16 or uint8
+        (rows, columns); each a new array.
+    """
+    room = _room(model, shape)
+    simulator = Simulator(model, shape, Memo(room), Memo(room))
+    threads = threads or len(os.sched_getaffinity(0))
+    rows = rows or bands.band_rows(model, shape[1])
+    return bands.stream(simulator, point, numbers, threads, rows, bits)
+
+
+def _room(model: NoiseModel, shape: tuple[int, int]) -> int:
+    """Bytes for the fixed fields of a setting: to forget one would mean to make it every frame."""
+    return MAPS * 4 * shape[0] * shape[1] * max(1, len(model.effects))

@@ -79,6 +79,7 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Draw frames of a model into a new folder, with a manifest."""
+    import os
     from dataclasses import replace
 
     from dnanalyze.loaders import write_captures
@@ -96,7 +97,7 @@ def simulate(
     size = _shape(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
     points = _points(own, pattern, temperatures, exposure, gain, frames)
     sensor = replace(pattern.sensor, shape=size) if pattern else None
-    made = run(own, size, points, name=str(model), sensor=sensor)
+    made = run(own, size, points, name=str(model), sensor=sensor, threads=os.cpu_count() or 1)
     with atomic_folder(out) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
     show.written(session.console, made, out, format)

@@ -72,10 +72,10 @@ class FlickerFpn(Effect):
                 white = site.field(stream, "normal")
             else:
                 white = stream.normal(whole, site.shape[1])
-            return pink.field(white, self.value("alpha", site.point))[site.window.slices]
+            return pink.field(white, self.value("alpha", site.point))
 
         rms = self.value("rms", site.point) * site.gain_ratio
-        signal += np.float32(rms) * site.keep("field", make)
+        signal += np.float32(rms) * site.share("field", make)[site.window.slices]
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

@@ -70,14 +70,18 @@ class FlickerNoise(Effect):
         """Add the noise of this frame."""
         period = site.shape[1] + max(0, int(self.overhead))
         whole = Window(0, site.shape[0], 0, period)
-        if site.window == whole:
-            white = site.normal("raster")
-        else:
-            white = site.moment.child("raster").normal(whole, period)
         alpha = self.value("alpha", site.point)
-        weights = site.keep("weights", lambda: pink.raster_weights(white.size, alpha))
+
+        def make() -> np.ndarray:
+            if site.window == whole:
+                white = site.normal("raster")
+            else:
+                white = site.moment.child("raster").normal(whole, period)
+            weights = site.share("weights", lambda: pink.raster_weights(white.size, alpha))
+            return pink.raster(white, weights)
+
         rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
-        signal += rms * pink.raster(white, weights)[site.window.slices]
+        signal += rms * site.share(f"raster {site.frame}", make)[site.window.slices]
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

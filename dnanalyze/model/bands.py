@@ -1,0 +1,80 @@
+"""Frames drawn in bands of rows: what a band needs stays in the cache; threads share a frame."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.noise_model import NoiseModel
+
+if TYPE_CHECKING:
+    from dnanalyze.model.simulate import Simulator
+
+BAND_PIXELS = 1 << 19
+REACHES = 8  # a band has this many times the rows that its effects look beyond it
+AHEAD = 2  # frames begun before the first of them is asked for
+
+
+def bands(window: Window, rows: int) -> list[Window]:
+    """The window cut into bands of at most ``rows`` rows."""
+    return [
+        Window(top, min(top + rows, window.bottom), window.left, window.right)
+        for top in range(window.top, window.bottom, rows)
+    ]
+
+
+def band_rows(model: NoiseModel, columns: int) -> int:
+    """Rows of a band that stays in the cache, and mostly its own where effects look around."""
+    reach = sum(effect.reach for effect in model.effects)
+    return max(BAND_PIXELS // columns, REACHES * reach, 1)
+
+
+def drawn(
+    simulator: Simulator, point: OperatingPoint, number: int, window: Window, threads: int
+) -> np.ndarray:
+    """A frame's pixels of ``window``, DN, float32, drawn by several threads."""
+    cut = bands(window, band_rows(simulator.model, window.shape[1]))
+    with ThreadPoolExecutor(threads) as pool:
+        parts = pool.map(lambda band: simulator.frame(point, number, band), cut)
+        return np.concatenate(list(parts))
+
+
+def stream(
+    simulator: Simulator,
+    point: OperatingPoint,
+    numbers: Iterable[int],
+    threads: int,
+    rows: int,
+    bits: int,
+) -> Iterator[np.ndarray]:
+    """Whole frames as codes of so many bits, the next ones being drawn while one is in use."""
+    cut = bands(Window.whole(simulator.shape), rows)
+    dtype = np.uint8 if bits <= 8 else np.uint16
+    top = np.float32(2**bits - 1)
+
+    def draw(number: int, band: Window, out: np.ndarray) -> None:
+        values = simulator.frame(point, number, band)
+        np.rint(values, out=values)
+        np.clip(values, np.float32(0), top, out=values)
+        out[band.slices] = values
+
+    with ThreadPoolExecutor(threads) as pool:
+        begun: deque[tuple[np.ndarray, list[Future[None]]]] = deque()
+        for number in numbers:
+            out = np.empty(simulator.shape, dtype)
+            begun.append((out, [pool.submit(draw, number, band, out) for band in cut]))
+            if len(begun) > AHEAD:
+                yield _finished(*begun.popleft())
+        while begun:
+            yield _finished(*begun.popleft())
+
+
+def _finished(frame: np.ndarray, parts: list[Future[None]]) -> np.ndarray:
+    for part in parts:
+        part.result()
+    return frame
