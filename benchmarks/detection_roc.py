@@ -67,6 +67,7 @@ def auc(filtered: list[float], clean: list[float]) -> float:
 
 
 def power(sensors: int, size: int, mosaic: bool) -> None:
+    """Print the table over ``sensors`` seeds; the state of progress goes to stderr."""
     names = [(n, s) for n, (_, ladder) in LADDERS.items() for s in ladder]
     hits: dict[tuple, list[bool]] = defaultdict(list)
     named: dict[tuple, list[bool]] = defaultdict(list)
@@ -76,6 +77,7 @@ def power(sensors: int, size: int, mosaic: bool) -> None:
             fine(random_traits(np.random.default_rng(seed)), seed), (size, size), seed
         )
         for design, (temperatures, frames) in DESIGNS.items():
+            print(f"sensor {seed}, {design}", file=sys.stderr, flush=True)
             clean = detect(captures(sensor, temperatures, frames, None, BAYER if mosaic else None))
             scores[design, "none"].append(score(clean))
             for name, strength in names:

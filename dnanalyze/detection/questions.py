@@ -18,6 +18,7 @@ from dnanalyze.detection.excess import Excess
 from dnanalyze.detection.replaced import RULES
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
+HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ABRUPT = 8.0  # a threshold empties the tail at once: this much from half the bound to the bound
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
 LEAST_REPLACED = 8
@@ -160,6 +161,8 @@ def _cap(e: ViewEvidence, count: int, top: Excess) -> Asked | None:
 def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
     control, own = top.control / top.frames, top.own / top.frames
     enough = control >= LEAST_SITES
+    if test == "dynamic_threshold":  # beyond, saturated charge spills over and hides the difference
+        enough &= top.bounds <= HIGHEST_THRESHOLD * e.noise
     if not enough.any():
         return None
     p = np.where(enough & _abrupt(top), _fewer(own, control), 1.0)
@@ -167,7 +170,7 @@ def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
     below = float(own[j] / control[j])
     unit = "DN above" if test == "dynamic_threshold" else "times"
     return Asked(
-        test, "dpc", e, min(1.0, float(p[j]) * 8), 1 - below, 0.95,
+        test, "dpc", e, min(1.0, float(p[j]) * 8), 1 - below, 0.97,
         f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of their "
         f"{count} neighbours, {control[j]:.0f} were expected from rings elsewhere",
         _edge(top, own, control, j),
