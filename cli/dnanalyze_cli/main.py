@@ -22,6 +22,7 @@ from dnanalyze_cli.commands import (
     effects,
     export,
     fit,
+    hdr,
     inspect,
     refine,
     simulate,
@@ -36,7 +37,7 @@ app = typer.Typer(
 )
 for panel, commands in {
     "Look": (inspect.inspect, analyze.analyze),
-    "Model": (fit.fit, simulate.simulate, compare.compare),
+    "Model": (fit.fit, simulate.simulate, compare.compare, hdr.hdr),
     "Find what is missing": (
         diagnose.diagnose,
         add.add,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.analyzers.statistics import Scale, SettingStatistics, Statistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.benchmark.criteria import CRITERIA, SINGLE, Criterion
 from dnanalyze.benchmark.laws import Reading
 from dnanalyze.errors import InputError
@@ -242,7 +242,7 @@ def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> Figure:
         if not found:
             continue
         scale = infos()[name].scale
-        plain = [v.se * abs(v.value) if scale is Scale.LOG else v.se for v in found]
+        plain = [scale.plain(scale.coordinate(v.value) + v.se) - v.value for v in found]
         mean = float(np.mean([v.value for v in found]))
         return Figure(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(found), name)
     return ABSENT

@@ -228,12 +228,12 @@ def _notes(
         if s.filtered:
             kind = s.filter_kind.replace("_", " ")
             made.append(
-                f"{s.name}: its frames were filtered ({kind}), so that its "
-                "noise, hot pixels and spectrum flatter it; do not believe its place"
+                f"the frames of {s.name} were filtered ({kind}), so that its noise, hot pixels and "
+                "spectrum flatter it; do not believe its place"
             )
         if not s.temperatures:
             made.append(
-                f"{s.name}: its temperatures are not known, so that it has no place in what "
+                f"the temperatures of {s.name} are not known, so that it has no place in what "
                 "runs with them"
             )
     if ranges and max(a for a, _ in ranges) > min(b for _, b in ranges):

@@ -351,18 +351,9 @@ def _limits(
     if item.floors is not None and measured is not None and floor is not None:
         middle, reach = scale.coordinate(measured), item.floors * floor
         if math.isfinite(middle):
-            lower = max(lower, plain_of(scale, middle - reach))
-            upper = min(upper, plain_of(scale, middle + reach))
+            lower = max(lower, scale.plain(middle - reach))
+            upper = min(upper, scale.plain(middle + reach))
     return lower, upper
-
-
-def plain_of(scale: Scale, coordinate: float) -> float:
-    """Inverse of ``Scale.coordinate``; below the lowest count that is minus infinity."""
-    if scale is Scale.LOG:
-        return math.exp(min(coordinate, 700.0))
-    if scale is Scale.ROOT:
-        return (coordinate / 2.0) ** 2 - 0.375 if coordinate > 0 else -math.inf
-    return coordinate
 
 
 def _made(

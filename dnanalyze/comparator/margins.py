@@ -16,7 +16,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.analyzers.statistics import Scale, Statistics
-from dnanalyze.comparator.check import CheckBench, plain_of
+from dnanalyze.comparator.check import CheckBench
 from dnanalyze.comparator.targets import SCHEMA, At, Origin, Target, Targets
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
@@ -164,17 +164,17 @@ def _target(r: _Reading, width: float, simulated: bool) -> Target:
         else:
             off = abs(middle - r.measured) / (math.sqrt(2.0) * r.spread)
             note, enforced = f"the model misses it by {off:.0f} floors", False
-    lower = plain_of(r.scale, low)
+    lower = r.scale.plain(low)
     if r.scale is Scale.ROOT and lower < 0:
         lower = -math.inf  # no count lies below 0
     return Target(
         statistic=r.name,
         at=_at(r.point, r.plane),
         min=_outward(lower, -1) if math.isfinite(lower) else None,
-        max=_outward(plain_of(r.scale, high), +1),
-        measured=max(_short(plain_of(r.scale, r.measured), 6), 0.0)
+        max=_outward(r.scale.plain(high), +1),
+        measured=max(_short(r.scale.plain(r.measured), 6), 0.0)
         if r.scale is Scale.ROOT
-        else _short(plain_of(r.scale, r.measured), 6),
+        else _short(r.scale.plain(r.measured), 6),
         floor=_short(math.sqrt(2.0) * r.spread, 3),
         enforced=enforced,
         note=note,

@@ -110,7 +110,7 @@ def test_gain_and_area_normalise():
 
 def test_a_filtered_sensor_is_not_to_be_believed():
     made = [made_record("a", 3.0, filtered=True, filter_kind="dpc"), made_record("b", 3.0)]
-    assert any("a: its frames were filtered (dpc)" in n for n in side_by_side(made, [45.0]).notes)
+    assert any("the frames of a were filtered (dpc)" in n for n in side_by_side(made, [45.0]).notes)
 
 
 def virtual(name, mu, seed, temperatures=(25.0, 45.0, 65.0), k=0.5):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -188,3 +189,37 @@ def test_bad_combinations_are_one_line(text, words, tmp_path):
         load_combination(tmp_path / "hdr.yaml")
     with pytest.raises(InputError, match="no frames of channel 'lcg_long'; there are hcg_long"):
         HOW.linear({"hcg_long": np.zeros((2, 2))})
+
+
+def test_the_command_compares_and_writes_combined_frames(tmp_path):
+    import yaml
+    from dnanalyze_cli.main import main
+
+    from dnanalyze.loaders import load, write_captures
+    from dnanalyze.model.noise_model import dump_model
+
+    write_captures(measured_combined(), tmp_path / "combined", "npy")
+    (tmp_path / "M.yaml").write_text(dump_model(channel_model()))
+    plain = {
+        "channels": [vars(u) for u in HOW.channels],
+        "companding": [list(k) for k in HOW.companding],
+    }
+    (tmp_path / "hdr.yaml").write_text(yaml.safe_dump(plain))
+    assert load_combination(tmp_path / "hdr.yaml") == HOW
+    options = [
+        "--model",
+        "M.yaml",
+        "--combine",
+        "hdr.yaml",
+        "--simulate",
+        "out",
+        "--json",
+        "H.json",
+    ]
+    placed = [o if o.startswith("--") else str(tmp_path / o) for o in options]
+    assert main(["hdr", str(tmp_path / "combined"), *placed, "-q"]) == 0
+    written = json.loads((tmp_path / "H.json").read_text())
+    assert written["schema"] == "dnanalyze/hdr/1"
+    assert written["error"] < 1.8
+    assert len(written["noise_steps"]) == 3
+    assert load(tmp_path / "out").frame_count == 4

@@ -135,6 +135,6 @@ def _rankings(result: Any) -> Section:
 def _captures(result: Any) -> Section:
     keys = ("frames", "temperature", "exposure", "gain")
     rows = [(s.name, *(facts(s.captures).get(k, "–") for k in keys)) for s in result.sensors]
-    notes = [sentence(f"{s.name}: {n}") for s in result.sensors for n in s.notes]
+    notes = [f"{s.name}: {sentence(n)}" for s in result.sensors for n in s.notes]
     columns = ("sensor", *keys)
     return Section("captures", "The captures", points=notes, tables=[Table(columns, rows, words=5)])
