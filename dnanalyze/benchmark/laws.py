@@ -86,8 +86,8 @@ def estimate(
 ) -> Estimate | None:
     """A positive figure at a temperature.
 
-    Laws: its logarithm constant, linear or quadratic in 1/T (an activated rate, with curvature);
-    its square a constant, or a constant and an activated part (a noise with a floor).
+    Laws: its logarithm constant, linear or (of a rate) quadratic in 1/T; of a noise also its
+    square, a floor and an activated part.
 
     Parameters
     ----------
@@ -138,7 +138,8 @@ def _fits(
     centre = 2 / (1 / kelvin.min() + 1 / kelvin.max())
     count = np.unique(kelvin).size
     made = []
-    for order in range(1, min(count, 3) + 1):
+    most = 2 if floor and count > 2 else 3  # a parabola would turn a noise up in the cold
+    for order in range(1, min(count, most) + 1):
         powers = tuple(("", 0.0) for _ in range(order))
         made.append(_fit("log", powers, centre, kelvin, np.log(values), relative))
     squares, spread = values**2, 2 * relative * values**2

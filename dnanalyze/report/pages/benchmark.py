@@ -121,7 +121,7 @@ def _rankings(result: Any) -> Section:
         ranked = [p for p in r.places if p.rank is not None]
         if len(ranked) < 2:
             continue
-        at = f"{r.temperature_c:g} °C" if r.temperature_c is not None else ""
+        at = f"{r.temperature_c:g}\N{NO-BREAK SPACE}°C" if r.temperature_c is not None else ""
         order = "   ".join(f"{p.rank}. {p.sensor} ({_cell(p.figure)})" for p in ranked)
         rows.append((r.title, r.unit, at, order))
     return Section(
