@@ -7,6 +7,14 @@ import pytest
 CAPTURES = Path(__file__).resolve().parents[2] / "shared" / "captures"
 
 
+@pytest.fixture(autouse=True, scope="session")
+def own_cache(tmp_path_factory):
+    """Tests keep statistics in a folder of their own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DNANALYZE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def captures_root() -> Path:
     """Folder of the sample captures; skips where it is absent."""

@@ -68,6 +68,12 @@ Seed = Annotated[
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", rich_help_panel=_RUN, help="No progress, no notes.")
 ]
+NoCache = Annotated[
+    bool,
+    typer.Option(
+        "--no-cache", rich_help_panel=_RUN, help="Read the frames again; keep no statistics."
+    ),
+]
 Model = Annotated[
     Path | None,
     typer.Option(

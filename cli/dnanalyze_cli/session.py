@@ -61,6 +61,7 @@ class Session:
     output: Path | None = None
     effects: tuple[Path, ...] = ()
     quiet: bool = False
+    cache: bool = True
     console: Console = field(init=False)
 
     def __post_init__(self) -> None:
@@ -78,10 +79,13 @@ class Session:
 
     def load(self, config: Path | None = None, tolerance_c: float | None = None) -> CaptureSet:
         """The captures; what the loader had to assume is said on stderr."""
+        from dnanalyze.analyzers.cache import default_folder
         from dnanalyze.loaders import load
 
         assert self.captures is not None
         found = load(self.captures, config=config, tolerance_c=tolerance_c)
+        if self.cache and (folder := default_folder()):
+            found = found.cached(str(folder))
         for note in found.notes:
             self.say(f"note: {note}")
         return found

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from dnanalyze.analyzers import cache
 from dnanalyze.analyzers.catalogue import FAMILIES
 from dnanalyze.analyzers.family import Accumulated
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
@@ -60,10 +61,29 @@ def analyze_windows(
 ) -> list[Statistics]:
     """`analyze` for several windows of the same frames, each frame read once.
 
-    ``None`` among the windows stands for the whole frame. Without ``errors`` only the values that
+    Where the captures' source names a cache, what it holds is not worked out again. ``None`` among
+    the windows stands for the whole frame. Without ``errors`` only the values that
     are compared are sure to be there, and their standard errors mean nothing.
     """
     placed = [_placed(window, captures.sensor) for window in windows]
+    entry = cache.held(captures, placed, errors)
+    found = entry.get(captures) if entry else None
+    if found is None:
+        found = _read(captures, placed, workers, progress, errors)
+        if entry:
+            entry.put(found)
+    elif progress is not None:
+        progress(captures.frame_count, captures.frame_count)
+    return found
+
+
+def _read(
+    captures: CaptureSet,
+    placed: list[Window],
+    workers: int | None,
+    progress: Progress | None,
+    errors: bool,
+) -> list[Statistics]:
     outer = _outer(placed)
     settings: list[list[SettingStatistics]] = [[] for _ in placed]
     total, done = captures.frame_count, 0

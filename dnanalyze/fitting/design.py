@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,8 +69,7 @@ def design(
     train = Window(top, top + high, left, left + half)
     right = min(cols, left + 2 * half)
     test = Window(top, top + high, right - half, right)
-    kept = CaptureSet(captures.name, captures.sensor, thinned, captures.notes)
-    return Design(kept, train, test)
+    return Design(replace(captures, settings=thinned), train, test)
 
 
 def _spread(settings: tuple[Setting, ...], most: int) -> tuple[Setting, ...]:

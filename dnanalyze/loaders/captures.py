@@ -162,12 +162,15 @@ class Source:
         Span of temperatures within one setting, C.
     region : str
         "active", "masked" or "all" of the readout.
+    cache : str, optional
+        Folder in which statistics of these frames are kept; not part of what they are.
     """
 
     formats: tuple[str, ...]
     dtype: str
     tolerance_c: float
     region: str = "active"
+    cache: str | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -207,3 +210,9 @@ class CaptureSet:
     def select(self, keep: Callable[[OperatingPoint], bool]) -> CaptureSet:
         """The settings whose operating point passes ``keep``."""
         return replace(self, settings=tuple(s for s in self.settings if keep(s.point)))
+
+    def cached(self, folder: str | None) -> CaptureSet:
+        """The same captures, their statistics kept in this folder; None keeps none."""
+        if self.source is None:
+            return self
+        return replace(self, source=replace(self.source, cache=folder))

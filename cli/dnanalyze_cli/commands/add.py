@@ -14,6 +14,7 @@ from dnanalyze_cli.options import (
     Json,
     Model,
     ModelOut,
+    NoCache,
     Quiet,
     Report,
     Seed,
@@ -37,6 +38,7 @@ def add(
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     seed: Seed = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """The model with that effect added and everything refitted; the error before and after."""
@@ -50,7 +52,15 @@ def add(
     if not Path(captures).exists() and Path(effect).exists():  # `add EFFECT CAPTURES` reads as well
         captures, effect = effect, captures
     session = Session(
-        "add", captures, json, report, None, output, effects=tuple(effects or ()), quiet=quiet
+        "add",
+        captures,
+        json,
+        report,
+        None,
+        output,
+        effects=tuple(effects or ()),
+        quiet=quiet,
+        cache=not no_cache,
     )
     known = session.known()
     find(effect, known)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Report, Tolerance
+from contextlib import suppress
+
+from dnanalyze_cli.options import Captures, Config, Csv, Json, NoCache, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
 
@@ -13,17 +15,24 @@ def analyze(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Every statistic at every operating point, with its uncertainty."""
     from dnanalyze.analyzers.analyze import analyze as run
+    from dnanalyze.errors import InputError
+    from dnanalyze.fitting.design import design
+    from dnanalyze.fitting.predictor import bench
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 
-    session = Session("analyze", captures, json, report, csv, quiet=quiet)
+    session = Session("analyze", captures, json, report, csv, quiet=quiet, cache=not no_cache)
     found = session.load(config, tolerance_c)
     with session.progress("Analyzing") as tick:
         statistics = run(found, progress=tick)
+        if found.source and found.source.cache:
+            with suppress(InputError):  # too small to halve, which these commands will say
+                bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
     show.statistics(session.console, found, statistics)
 
     def page() -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import Config, Csv, Json, Quiet, Report, Tolerance
+from dnanalyze_cli.options import Config, Csv, Json, NoCache, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
 
@@ -31,6 +31,7 @@ def benchmark(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Several sensors side by side: EMVA dark figures, tails, spectra, effects, filters."""
@@ -41,7 +42,9 @@ def benchmark(
     if len(folders) < 2:
         raise InputError("benchmark: name two capture folders or more")
     temperatures = _temperatures(at)
-    sessions = [Session("benchmark", f, json, report, csv, quiet=quiet) for f in folders]
+    sessions = [
+        Session("benchmark", f, json, report, csv, quiet=quiet, cache=not no_cache) for f in folders
+    ]
     session = sessions[0]
     found = [s.load(config, tolerance_c) for s in sessions]
     with session.progress("Comparing sensors") as progress:

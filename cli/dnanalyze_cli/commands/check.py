@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import Config, EffectFiles, Json, Quiet, Seed, Tolerance
+from dnanalyze_cli.options import Config, EffectFiles, Json, NoCache, Quiet, Seed, Tolerance
 from dnanalyze_cli.session import Session
 
 _FILES = "Results"
@@ -71,6 +71,7 @@ def check(
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     seed: Seed = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> int:
     """Hold a simulation against targets: exit 0 within, 1 outside, 2 bad input."""
@@ -88,7 +89,13 @@ def check(
             "check --init: only writes the targets; leave out --junit, --markdown, --json"
         )
     session = Session(
-        "check", captures, json, output=init, effects=tuple(effects or ()), quiet=quiet
+        "check",
+        captures,
+        json,
+        output=init,
+        effects=tuple(effects or ()),
+        quiet=quiet,
+        cache=not no_cache,
     )
     for path in (junit, markdown):
         if path is not None and path != Path("-"):

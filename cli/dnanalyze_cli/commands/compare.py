@@ -9,6 +9,7 @@ from dnanalyze_cli.options import (
     EffectFiles,
     Json,
     Model,
+    NoCache,
     Quiet,
     Report,
     Seed,
@@ -27,6 +28,7 @@ def compare(
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     seed: Seed = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """The model against the measurement; without --model the paper's model is fitted first."""
@@ -36,7 +38,14 @@ def compare(
     from dnanalyze_cli import show
 
     session = Session(
-        "compare", captures, json, report, csv, effects=tuple(effects or ()), quiet=quiet
+        "compare",
+        captures,
+        json,
+        report,
+        csv,
+        effects=tuple(effects or ()),
+        quiet=quiet,
+        cache=not no_cache,
     )
     own = session.model(model)
     found = session.load(config, tolerance_c)

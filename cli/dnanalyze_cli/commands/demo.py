@@ -63,7 +63,7 @@ def _tell(
     from dnanalyze_cli import show
 
     where = f"Frames: {folder}" if keep else "Name a folder to keep the frames."
-    session = Session("demo", str(folder), json, report, quiet=quiet)
+    session = Session("demo", str(folder), json, report, quiet=quiet, cache=False)
     print = session.console.print
     sensor = draw_sensor(np.random.default_rng(seed))
     hidden = {hide: level}

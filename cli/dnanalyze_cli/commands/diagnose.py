@@ -9,6 +9,7 @@ from dnanalyze_cli.options import (
     EffectFiles,
     Json,
     Model,
+    NoCache,
     Quiet,
     Report,
     Seed,
@@ -27,6 +28,7 @@ def diagnose(
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     seed: Seed = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Which effect is missing, ranked, with the evidence for and against."""
@@ -37,7 +39,14 @@ def diagnose(
     from dnanalyze_cli import show
 
     session = Session(
-        "diagnose", captures, json, report, csv, effects=tuple(effects or ()), quiet=quiet
+        "diagnose",
+        captures,
+        json,
+        report,
+        csv,
+        effects=tuple(effects or ()),
+        quiet=quiet,
+        cache=not no_cache,
     )
     own = session.model(model)
     found = session.load(config, tolerance_c)

@@ -10,6 +10,7 @@ from dnanalyze_cli.options import (
     Json,
     Model,
     ModelOut,
+    NoCache,
     Quiet,
     Report,
     Seed,
@@ -29,6 +30,7 @@ def fit(
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     seed: Seed = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """The model's parameters with uncertainties, as a model file (-o)."""
@@ -38,7 +40,15 @@ def fit(
     from dnanalyze_cli import show
 
     session = Session(
-        "fit", captures, json, report, csv, output, effects=tuple(effects or ()), quiet=quiet
+        "fit",
+        captures,
+        json,
+        report,
+        csv,
+        output,
+        effects=tuple(effects or ()),
+        quiet=quiet,
+        cache=not no_cache,
     )
     start = session.model(model)
     found = session.load(config, tolerance_c)

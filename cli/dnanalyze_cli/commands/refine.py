@@ -14,6 +14,7 @@ from dnanalyze_cli.options import (
     Json,
     Model,
     ModelOut,
+    NoCache,
     Quiet,
     Report,
     Seed,
@@ -60,6 +61,7 @@ def refine(
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     seed: Seed = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Diagnose and add until nothing more is missing; the error at each step."""
@@ -70,7 +72,15 @@ def refine(
     from dnanalyze_cli import show
 
     session = Session(
-        "refine", captures, json, report, csv, output, effects=tuple(effects or ()), quiet=quiet
+        "refine",
+        captures,
+        json,
+        report,
+        csv,
+        output,
+        effects=tuple(effects or ()),
+        quiet=quiet,
+        cache=not no_cache,
     )
     known = session.known()
     for name in exclude or ():
