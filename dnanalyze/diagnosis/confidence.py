@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dnanalyze.diagnosis.trial import Trial
+from dnanalyze.fitting.least_squares import loss
 
 # The statistics are correlated, so a gain overstates the log likelihood ratio; the divisor and the gain
 # that "nothing is missing" is credited with were set on random virtual sensors, see docs/accuracy.md.
@@ -28,8 +29,20 @@ def confidences(trials: Sequence[Trial]) -> np.ndarray:
         (candidates + 1,), sums to 1.
     """
     gains = np.array([t.gain for t in trials] + [NOTHING])
-    weight = np.exp((gains - gains.max()) / (2.0 * DEFLATION))
+    weight = np.exp((gains - gains.max()) / (2.0 * DEFLATION * _dispersion(trials)))
     return weight / weight.sum()
+
+
+def _dispersion(trials: Sequence[Trial]) -> float:
+    """Misfit per statistic that even the best candidate leaves, at least 1.
+
+    While more than one effect is missing, differences of gain measure how the candidates bend
+    around what is still wrong, and count for less (the overdispersion of a quasi-likelihood).
+    """
+    if not trials:
+        return 1.0
+    left = min((t.state for t in trials), key=lambda s: loss(s.test))
+    return max(1.0, loss(left.test) / max(len(left.test), 1))
 
 
 def significant(found: Trial) -> bool:

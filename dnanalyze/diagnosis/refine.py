@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 from dnanalyze.diagnosis.confidence import NOTHING, confidences, significant
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
-from dnanalyze.diagnosis.trial import candidates_of, error_of, judged, prospects, removal, trials
+from dnanalyze.diagnosis.trial import candidates_of, error_of, judged, prospects, removal, settled, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, loss, minimise, start
+from dnanalyze.fitting.least_squares import State, converge, loss, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import moments, ordinary_model
+from dnanalyze.fitting.start import converter_bits, moments, ordinary_model
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -119,7 +119,7 @@ def refine(
         if most_effects is not None and added >= most_effects:
             break
         best = tried[0]
-        state = minimise(held, best.state, 5)
+        state = _completed(held, best.state, best.effect)
         note(Step(best.effect, error_of(held, state), float(confidences(tried)[0])))
         state, gone = _needless(held, state, keep=best.effect)
         for name in gone:
@@ -139,11 +139,11 @@ def _everyday(
     The paper's tables over temperature give way to laws: a constant spread and kernel. All four are fitted
     together first; the models between are that fit with the later ones taken out.
     """
-    m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
-    model = ordinary_model(m)
+    seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
+    model = ordinary_model(moments(seen, sensor.black_level), converter_bits(seen, sensor.bits))
     for name in exclude:
         model = model.without(name)
-    full = minimise(held, start(held, model, knobs_of(model)), 10)
+    full = converge(held, start(held, model, knobs_of(model)))
     names = [n for n in EVERYDAY if n not in exclude]
     for count in range(1, len(names)):
         part = full.model
@@ -153,6 +153,13 @@ def _everyday(
         note(Step(names[count - 1], error_of(held, state)))
     note(Step(names[-1], error_of(held, full)))
     return full
+
+
+def _completed(held: Bench, state: State, name: str) -> State:
+    """The effect in its best kind and everything at its best place; each may change the other."""
+    state = converge(held, settled(held, state, name))
+    again = settled(held, state, name)
+    return state if again is state else converge(held, again)
 
 
 def _needless(held: Bench, state: State, keep: str) -> tuple[State, list[str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from dnanalyze.model.noise_model import NoiseModel
 
 MOST_REFITS = 5
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
+FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
+KIND_GAIN = 4.0  # fall of the loss that another kind must bring
+UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 
@@ -152,11 +155,23 @@ def trials(
     least = max(WORTH * seen[0].promise, 1.0)
     best: dict[str, Trial] = {}
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
-        begun = start(bench, p.model, knobs_of(p.model), like=state)
-        made = judged(bench, state, p.effect, minimise(bench, begun, iterations))
+        made = judged(bench, state, p.effect, refitted(bench, p.model, state, iterations))
         if p.effect not in best or made.state.loss < best[p.effect].state.loss:
             best[p.effect] = made
     return sorted(best.values(), key=lambda t: -t.gain)
+
+
+def refitted(bench: Bench, model: NoiseModel, like: State, iterations: int) -> State:
+    """Refit a model from its present parameters, with what is known of a like one.
+
+    Where it begins farther off than the like one stands, it bends the statistics too much for their
+    derivatives to carry over (a filter, a gain): they are taken anew, and more steps allowed.
+    """
+    begun = start(bench, model, knobs_of(model), like=like)
+    if begun.loss > like.loss:
+        unknown = np.full_like(begun.jacobian, np.nan)
+        return minimise(bench, replace(begun, jacobian=unknown), 3 * iterations)
+    return minimise(bench, begun, iterations)
 
 
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
@@ -168,6 +183,28 @@ def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
         before.loss - after.loss,
         error_of(bench, after),
     )
+
+
+def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State:
+    """The best of an effect's kinds: each alternative to each of its choices, refitted from here."""
+    for choice, info in state.model.get(name).parameters().items():  # type: ignore[union-attr]
+        if info.scale != "choice" or choice in UNTRIED:
+            continue
+        effect = state.model.get(name)
+        for other in info.choices:
+            if other == getattr(effect, choice):
+                continue
+            try:
+                model = state.model.with_effect(replace(effect, **{choice: other}))  # type: ignore[type-var]
+            except InputError:
+                continue
+            begun = start(bench, model, knobs_of(model), like=state)
+            if begun.loss > FAR * state.loss or np.array_equal(begun.train, state.train):
+                continue
+            ended = minimise(bench, begun, iterations)
+            if ended.loss < state.loss - KIND_GAIN:
+                state = ended
+    return state
 
 
 def removal(bench: Bench, state: State, name: str, iterations: int = 3) -> State:

@@ -86,7 +86,7 @@ def knobs_of(model: NoiseModel, frozen: Sequence[str] = ()) -> list[Knob]:
         found += _of_law(PEDESTAL, "", model.pedestal, False, -1e6, 1e6, "DN")
     for effect in model.effects:
         for name, info in effect.parameters().items():
-            if info.scale == "choice" or f"{effect.name}.{name}" in frozen:
+            if info.scale in ("choice", "held") or f"{effect.name}.{name}" in frozen:
                 continue
             if name in effect.idle():
                 continue

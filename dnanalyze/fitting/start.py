@@ -100,6 +100,16 @@ def pedestal_guess(
     return min(pedestal, lowest)
 
 
+def converter_bits(readings: Readings, stated: int | None) -> int:
+    """Bits of the converter: where codes pile up at 2^n - 1 it is n, else as stated, else 16."""
+    top = readings.value("highest_code")
+    highest = float(np.nanmax(top)) if np.isfinite(top).any() else 0.0
+    full = np.log2(highest + 1.0)
+    if full >= 8 and full == round(full):
+        return min(int(full), 16)
+    return stated if stated is not None and highest < 2**stated else 16
+
+
 def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
     return TableLaw(tuple(points), tuple(float(v) for v in values))
 
@@ -128,12 +138,12 @@ def paper_model(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def ordinary_model(m: Moments) -> NoiseModel:
+def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
     """The paper's seed with the four effects that every sensor has, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and read
     noise are slope and intercept of temporal variance over signal, pixel offsets what remains of
-    the pattern where there is no signal.
+    the pattern where there is no signal. ``bits`` are the converter's.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
@@ -156,7 +166,7 @@ def ordinary_model(m: Moments) -> NoiseModel:
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
         known["read_noise"](sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01))),  # type: ignore[call-arg]
         known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
-        known["quantization"](),
+        known["quantization"](bits=bits),
     )
     return NoiseModel(effects, m.pedestal, reference)
 

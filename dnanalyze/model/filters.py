@@ -75,7 +75,7 @@ def _sort(values: np.ndarray, count: int) -> None:
         values[j + 1] = v
 
 
-MEDIAN, MEAN, MAXIMUM = 0, 1, 2
+MEDIAN, MEAN, EXTREME = 0, 1, 2
 
 
 @njit(cache=True, nogil=True)
@@ -118,10 +118,13 @@ def replace_outliers(
 
 
 @njit(cache=True, nogil=True)
-def clamp_to_neighbours(image: np.ndarray, threshold: float, both: bool, radius: int) -> np.ndarray:
-    """Cap a pixel that exceeds the largest neighbour by a threshold (DN) at that neighbour.
+def replace_excess(
+    image: np.ndarray, threshold: float, both: bool, radius: int, replacement: int
+) -> np.ndarray:
+    """Replace a pixel that exceeds the largest neighbour by a threshold (DN).
 
-    With ``both`` a pixel below the smallest is raised to it. ``radius`` 1: 8 neighbours; 2: 24.
+    ``replacement``: ``MEDIAN``, ``MEAN`` or ``EXTREME`` of the neighbours: the largest, which caps
+    it. With ``both`` a pixel below the smallest likewise. ``radius`` 1: 8 neighbours; 2: 24.
     """
     rows, columns = image.shape
     result = image.copy()
@@ -132,10 +135,15 @@ def clamp_to_neighbours(image: np.ndarray, threshold: float, both: bool, radius:
             high, low = values[0], values[0]
             for k in range(1, n):
                 high, low = max(high, values[k]), min(low, values[k])
-            if image[r, c] > high + threshold:
-                result[r, c] = high
-            elif both and image[r, c] < low - threshold:
-                result[r, c] = low
+            above = image[r, c] > high + threshold
+            if above or (both and image[r, c] < low - threshold):
+                if replacement == EXTREME:
+                    result[r, c] = high if above else low
+                elif replacement == MEAN:
+                    result[r, c] = values[:n].mean()
+                else:
+                    _sort(values, n)
+                    result[r, c] = np.float32(0.5) * (values[n // 2 - 1] + values[n // 2])
     return result
 
 
@@ -145,8 +153,8 @@ def replace_by_ratio(
 ) -> np.ndarray:
     """Replace where y - black > factor (largest neighbour - black) + threshold.
 
-    ``replacement``: ``MEDIAN``, ``MEAN`` or ``MAXIMUM`` of the neighbours; ``radius`` as for
-    `clamp_to_neighbours`. Where the largest neighbour is below black it counts as black.
+    ``replacement``: ``MEDIAN``, ``MEAN`` or ``EXTREME`` (the largest) of the neighbours; ``radius`` as for
+    `replace_excess`. Where the largest neighbour is below black it counts as black.
     """
     rows, columns = image.shape
     result = image.copy()
@@ -158,7 +166,7 @@ def replace_by_ratio(
             for k in range(1, n):
                 high = max(high, values[k])
             if image[r, c] - black > factor * max(high - black, 0.0) + threshold:
-                if replacement == MAXIMUM:
+                if replacement == EXTREME:
                     result[r, c] = high
                 elif replacement == MEAN:
                     result[r, c] = values[:n].mean()

@@ -47,9 +47,9 @@ def test_a_local_threshold_is_in_units_of_the_neighbours_spread():
 def test_clamp_caps_at_the_largest_neighbour(radius, footprint):
     high, low = around(np.max, footprint), around(np.min, footprint)
     expected = np.where(high + 3.0 < NOISE, high, NOISE)
-    np.testing.assert_allclose(filters.clamp_to_neighbours(NOISE, 3.0, False, radius), expected)
+    np.testing.assert_allclose(filters.replace_excess(NOISE, 3.0, False, radius, filters.EXTREME), expected)
     expected = np.where(low - 3.0 > NOISE, low, expected)
-    np.testing.assert_allclose(filters.clamp_to_neighbours(NOISE, 3.0, True, radius), expected)
+    np.testing.assert_allclose(filters.replace_excess(NOISE, 3.0, True, radius, filters.EXTREME), expected)
 
 
 @pytest.mark.parametrize(("radius", "footprint"), [(1, RING), (2, FAR)])
@@ -57,7 +57,7 @@ def test_ratio_rule_of_published_cameras(radius, footprint):
     high = around(np.max, footprint)
     hit = 2.0 * np.maximum(high - 90.0, 0) + 5.0 < NOISE - 90.0
     assert hit.sum() > 5
-    for name, centre in (("MEDIAN", np.median), ("MEAN", np.mean), ("MAXIMUM", np.max)):
+    for name, centre in (("MEDIAN", np.median), ("MEAN", np.mean), ("EXTREME", np.max)):
         found = filters.replace_by_ratio(NOISE, 2.0, 5.0, 90.0, radius, getattr(filters, name))
         expected = np.where(hit, around(centre, footprint), NOISE)
         np.testing.assert_allclose(found, expected, atol=1e-3)

@@ -13,6 +13,7 @@ from dnanalyze.model.evidence import bounded, curve, shows
 
 _CODES = 300  # of the histogram's body that are looked at
 _DEGREE = 6  # of the smooth log density under the comb
+_PHASES = 20  # whole codes about the level that are tried as the offset
 _CANDIDATES = 24
 
 
@@ -43,9 +44,9 @@ class DigitalGain(Effect):
         "quantization": "a coarse step leaves all codes but every n-th empty: s a whole number",
     }
 
-    gain: float = parameter(1.25, "1", 0.5, 4.0, "factor s", "linear")
+    gain: float = parameter(1.25, "1", 0.5, 4.0, "factor s", "held")
     offset: float = parameter(
-        0.0, "DN", -1e5, 1e5, "code b that maps to itself, commonly the black level", "linear"
+        0.0, "DN", -1e5, 1e5, "code b that maps to itself, commonly the black level", "held"
     )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
@@ -68,12 +69,13 @@ class DigitalGain(Effect):
         if not bodies:
             return []
         # the widest tells the factor most exactly
-        gain = _best_gain(*max(bodies, key=lambda body: body[0].size))
+        counts, first = max(bodies, key=lambda body: body[0].size)
+        gain = _best_gain(counts, first)
         if gain is None:
             return []
         level = np.asarray(clues.measured("mean"), float)
         level = level[np.isfinite(level)]
-        offset = round(float(level.min())) if level.size else 0.0
+        offset = _offset(counts, first, gain, round(float(level.min())) if level.size else 0)
         return [cls(bounded(cls, "gain", gain), bounded(cls, "offset", offset))]
 
 
@@ -114,6 +116,21 @@ def _best_gain(counts: np.ndarray, first: int) -> float | None:
         return None
     plain = [gain for gain, misfit in exact.items() if misfit <= best + 0.01]
     return plain[0] if plain else float(1.0 / np.mean(fine[scan <= best + 0.01]))
+
+
+def _offset(counts: np.ndarray, first: int, gain: float, level: int) -> float:
+    """Whole code nearest to ``level`` about which the factor leads to the codes that are used."""
+
+    def misfit(offset: int) -> float:
+        reach = counts.size + abs(first - offset) + 3
+        inputs = np.arange(offset - reach, offset + reach)
+        codes = np.rint((inputs - offset) * gain + offset).astype(int) - first
+        ways = np.bincount(codes[(codes >= 0) & (codes < counts.size)], minlength=counts.size)
+        stray = counts[ways == 0].sum() / counts.sum()
+        return float(stray + np.mean(counts[ways > 0] == 0))
+
+    near = sorted(range(level - _PHASES, level + _PHASES + 1), key=lambda b: abs(b - level))
+    return float(min(near, key=lambda b: round(misfit(b), 3)))
 
 
 def _plain(gain: float, codes: int) -> list[float]:

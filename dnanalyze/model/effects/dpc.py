@@ -25,9 +25,10 @@ class Dpc(Effect):
     summary: ClassVar[str] = "Defect-pixel correction: hot pixels are hidden in the 'raw' data."
     physics: ClassVar[str] = (
         "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction "
-        "compares every pixel with its neighbours in each frame: kind 'median' replaces it by "
-        "their median (or mean) where it stands above that by more than a threshold, 'clamp' caps "
-        "it at the largest neighbour (the 'star eater' of astronomers), 'ratio' replaces it where "
+        "compares every pixel with its neighbours in each frame: kind 'excess' replaces it by "
+        "their median (or mean) where it exceeds the largest of them by more than a threshold, "
+        "'median' where it stands above their median by more than that, 'clamp' caps it at the "
+        "largest neighbour (the 'star eater' of astronomers), 'ratio' replaces it where "
         "its net signal is a multiple of the largest neighbour's. A 'static' correction replaces "
         "the pixels of a list made in the factory, hot or not. The true tail of the dark current "
         "is cut, the more the hotter the sensor, so the dark signal looks better than it is and "
@@ -36,7 +37,8 @@ class Dpc(Effect):
         "threshold cannot be recovered from corrected frames."
     )
     formula: ClassVar[str] = (
-        "median: y -> m where y > m + threshold; clamp: y -> max8 where y > max8 + threshold; "
+        "excess: y -> m where y > max8 + threshold; median: y -> m where y > m + threshold; "
+        "clamp: y -> max8 where y > max8 + threshold; "
         "ratio: y -> m where y - black > factor (max8 - black) + threshold; static: y -> m on a "
         "list"
     )
@@ -60,16 +62,17 @@ class Dpc(Effect):
     factor: float = parameter(2.0, "1", 1.0, 100.0, "multiple of the largest neighbour (ratio)")
     black: float = parameter(0.0, "DN", -1e5, 1e5, "level of no signal (ratio)", "linear")
     fraction: float = parameter(5e-4, "1", 1e-6, 0.05, "share of pixels on the list (static)")
-    kind: str = choice("median", "rule", "median", "clamp", "ratio", "static")
+    kind: str = choice("excess", "rule", "excess", "median", "clamp", "ratio", "static")
     sides: str = choice("hot", "which outliers", "hot", "both")
     replacement: str = choice("median", "what of the neighbours takes its place", "median", "mean")
     unit: str = choice("DN", "of the threshold (median): DN, or neighbours' spread", "DN", "local")
-    neighbours: int = choice(8, "how many are looked at (clamp, ratio)", 8, 24)
+    neighbours: int = choice(8, "how many are looked at (excess, clamp, ratio)", 8, 24)
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
     def idle(self) -> tuple[str, ...]:
         """What the present kind does not use."""
         used = {
+            "excess": ("threshold",),
             "median": ("threshold",),
             "clamp": ("threshold",),
             "ratio": ("threshold", "factor", "black"),
@@ -96,8 +99,9 @@ class Dpc(Effect):
         if self.kind == "median":
             local = self.unit == "local"
             return filters.replace_outliers(plane, threshold, local, both, replacement)
-        if self.kind == "clamp":
-            return filters.clamp_to_neighbours(plane, threshold, both, radius)
+        if self.kind in ("excess", "clamp"):
+            instead = filters.EXTREME if self.kind == "clamp" else replacement
+            return filters.replace_excess(plane, threshold, both, radius, instead)
         if self.kind == "ratio":
             factor, black = self.value("factor", site.point), self.value("black", site.point)
             return filters.replace_by_ratio(plane, factor, threshold, black, radius, replacement)
@@ -115,7 +119,7 @@ class Dpc(Effect):
                 listed[np.argpartition(steady.reshape(-1), -count)[-count:]] = True
             return np.packbits(listed)
 
-        whole = np.unpackbits(site.keep("list", make), count=site.shape[0] * site.shape[1])
+        whole = np.unpackbits(site.share("list", make), count=site.shape[0] * site.shape[1])
         return whole.reshape(site.shape)[site.window.slices].astype(bool)
 
     @classmethod
@@ -131,6 +135,8 @@ class Dpc(Effect):
         threshold = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
         found: list[Effect] = []
         if rare or ranks or tied:
+            found.append(cls(threshold, kind="excess"))
+            found.append(cls(threshold, kind="excess", sides="both"))
             found.append(cls(threshold, kind="median"))
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
         if rare:

@@ -30,13 +30,24 @@ def around(image, function, size=3):
 
 @pytest.mark.parametrize("spacing", [1, 2])
 def test_median_rule_within_a_plane(spacing):
-    before, after = both(Dpc(6.0, spacing=spacing))
+    before, after = both(Dpc(6.0, kind="median", spacing=spacing))
     for dy in range(spacing):
         for dx in range(spacing):
             plane = before[dy::spacing, dx::spacing]
             middle = around(plane, np.median)
             expected = np.where(plane - middle > 6.0, middle, plane)
             np.testing.assert_allclose(after[dy::spacing, dx::spacing], expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("sides", ["hot", "both"])
+def test_excess_rule_is_held_against_the_extremes(sides):
+    before, after = both(Dpc(3.0, kind="excess", sides=sides))
+    high, low, middle = (around(before, f) for f in (np.max, np.min, np.median))
+    hit = before > high + 3.0
+    if sides == "both":
+        hit |= before < low - 3.0
+    assert hit.sum() > 20
+    np.testing.assert_allclose(after, np.where(hit, middle, before), atol=1e-4)
 
 
 def test_clamp_and_ratio_with_24_neighbours():
@@ -90,7 +101,7 @@ def test_guess_takes_the_threshold_from_what_is_missing():
         off={"excess_4": -1.0, "excess_8": -6.0, "excess_16": -9.0, "ties_max8": 4.0},
     )
     found = {e.kind: e for e in Dpc.guess(clues)}
-    assert set(found) == {"median", "clamp", "ratio"}
+    assert set(found) == {"excess", "median", "clamp", "ratio"}
     assert found["median"].threshold == pytest.approx(16.0)
     assert found["ratio"].black == 66.0
 
