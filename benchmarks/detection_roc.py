@@ -2,7 +2,8 @@
 
     python benchmarks/detection_roc.py --sensors 10 --size 320 [--mosaic] [--false-alarms 200]
 
-Score of a capture set: the largest effect size over its limit, among findings that are significant at
+Score of a capture set: the largest effect size over its limit, among findings that are significant
+at
 1e-6. AUC: chance that a filtered set of a sensor scores above an unfiltered set of another.
 """
 
@@ -85,7 +86,9 @@ def power(sensors: int, size: int, mosaic: bool) -> None:
                     continue
                 kind, ladder = LADDERS[name]
                 run = hidden.in_planes(ladder[strength]) if mosaic else ladder[strength]
-                seen = detect(captures(sensor, temperatures, frames, run, BAYER if mosaic else None))
+                seen = detect(
+                    captures(sensor, temperatures, frames, run, BAYER if mosaic else None)
+                )
                 key = (design, name, strength)
                 hits[key].append(seen.filtered)
                 named[key].append(seen.kind == kind)

@@ -1,7 +1,9 @@
 """Correlation of the temporal noise between neighbours, and how much of it crosstalk can make.
 
-Charge crosstalk smooths the dark charge and its shot noise, never the read noise, which arises after it. So
-its correlation grows with the share of shot noise, and cannot exceed that of the largest crosstalk that
+Charge crosstalk smooths the dark charge and its shot noise, never the read noise, which arises
+after it. So
+its correlation grows with the share of shot noise, and cannot exceed that of the largest crosstalk
+that
 sensors have; a filter smooths read noise as well.
 """
 
@@ -45,7 +47,8 @@ class LagCorrelation:
     def short_range(self) -> float:
         """The lesser over rows and columns of rho(1) - 2.5 rho(2).
 
-        At most zero for 1/f noise of either kind; a readout that is slow along rows, too, is left out.
+        At most zero for 1/f noise of either kind; a readout that is slow along rows, too, is left
+        out.
         """
         return min(a - 2.5 * max(b, 0.0) for a, b, _ in (self.along_rows, self.along_columns))
 
@@ -58,7 +61,9 @@ def lag_correlation(images: np.ndarray) -> LagCorrelation:
         x = x - x.mean()
         sums += [
             np.mean(x * x),
-            np.mean(x[:, 1:] * x[:, :-1]), np.mean(x[:, 2:] * x[:, :-2]), np.mean(x[:, 3:] * x[:, :-3]),
+            np.mean(x[:, 1:] * x[:, :-1]),
+            np.mean(x[:, 2:] * x[:, :-2]),
+            np.mean(x[:, 3:] * x[:, :-3]),
             np.mean(x[1:] * x[:-1]), np.mean(x[2:] * x[:-2]), np.mean(x[3:] * x[:-3]),
             (np.mean(x[1:, 1:] * x[:-1, :-1]) + np.mean(x[1:, :-1] * x[:-1, 1:])) / 2,
         ]  # fmt: skip
@@ -103,7 +108,8 @@ def shot_share(
 ) -> float:
     """Upper bound on the share of shot noise in the temporal variance at a temperature.
 
-    Between T and a warmer T' shot noise grows by at least g = exp(Ea/k (1/T - 1/T')); so it is at most
+    Between T and a warmer T' shot noise grows by at least g = exp(Ea/k (1/T - 1/T')); so it is at
+    most
     (V' - V)/(g - 1) at T. Ea is taken low: from three temperatures where there are, else the least.
 
     Parameters
@@ -124,7 +130,9 @@ def shot_share(
         return 1.0
     share = 1.0
     warmer = sorted(
-        (t, v) for v, t in others if t is not None and t > temperature_c + 3 and v >= 0.98 * variance
+        (t, v)
+        for v, t in others
+        if t is not None and t > temperature_c + 3 and v >= 0.98 * variance
     )
     ea = _activation(temperature_c, variance, warmer)
     for there, other in warmer:
@@ -139,13 +147,13 @@ def growth(cold_c: float, warm_c: float, ea_ev: float) -> float:
 
 
 def _activation(cold_c: float, variance: float, warmer: list[tuple[float, float]]) -> float:
-    """A safe, low activation energy: what three variances V = s^2 + A exp(-Ea/kT) give, less .1 eV."""
+    """A safe, low activation energy: what three variances V = s^2 + A exp(-Ea/kT) give, less .1
+    eV.
+    """
     if len(warmer) < 2 or warmer[0][1] <= 1.05 * variance:
         return LEAST_EA_EV
     (near, at_near), (far, at_far) = warmer[:2]
     ratio = (at_far - variance) / (at_near - variance)
     energies = np.linspace(LEAST_EA_EV, 1.2, 81)
-    predicted = [
-        (growth(cold_c, far, ea) - 1) / (growth(cold_c, near, ea) - 1) for ea in energies
-    ]
+    predicted = [(growth(cold_c, far, ea) - 1) / (growth(cold_c, near, ea) - 1) for ea in energies]
     return max(LEAST_EA_EV, float(np.interp(ratio, predicted, energies)) - 0.1)

@@ -104,7 +104,9 @@ def _confidence(flags: list[Answer], evidence: list[ViewEvidence]) -> float:
 
 
 def _also(kind: str, answers: list[Answer]) -> tuple[str, ...]:
-    """Other kinds with flags; denoise brings those of a correction with it, so they are not named."""
+    """Other kinds with flags; denoise brings those of a correction with it, so they are not
+    named.
+    """
     hidden = {kind, "dpc"} if kind == "denoise" else {kind}
     if kind == "dpc":
         hidden.add("denoise")
@@ -129,11 +131,12 @@ def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -
     tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
     soft = [
         a for a in answers
-        if a.asked.test in tests and a.judge and a.holm < 1e-6 and 0.4 < a.asked.effect / a.asked.limit <= 1
+        if a.asked.test in tests and a.judge and a.holm < 1e-6
+        and 0.4 < a.asked.effect / a.asked.limit <= 1
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:
         said.append(
-            "Neighbouring pixels share noise, no more than charge crosstalk can explain: crosstalk and "
+            "Neighbouring pixels share noise, no more than charge crosstalk can explain: it and "
             "weak linear smoothing cannot be told apart here; a colder setting, where read noise "
             "rules, would."
         )
@@ -146,7 +149,7 @@ def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -
     coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
     if coarse:
         said.append(
-            f"Noise below the rounding step at {', '.join(sorted(coarse))}: a weak filter would have been "
+            f"Noise below the rounding step at {', '.join(sorted(coarse))}: a weak filter would be "
             "rounded away."
         )
     return tuple(said)

@@ -73,7 +73,9 @@ def _correction(
 
 
 def _highest(flags: list[Answer]) -> tuple[float, float]:
-    """Where pixels end to stand out of their neighbours (DN), in the least of the settings, and its noise."""
+    """Where pixels end to stand out of their neighbours (DN), in the least of the settings, and
+    its noise.
+    """
     ends = []
     for e in {id(a.asked.evidence): a.asked.evidence for a in flags}.values():
         empty = np.flatnonzero(e.top8.own < 0.5 * e.top8.frames)
@@ -148,7 +150,8 @@ def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) ->
         }  # fmt: skip
     elif found.subkind == "static":
         plain |= {
-            "kind": "static", "fraction": float(np.clip((found.site_ppm or 500) * 1e-6, 1e-6, 0.05)),
+            "kind": "static",
+            "fraction": float(np.clip((found.site_ppm or 500) * 1e-6, 1e-6, 0.05)),
             "replacement": replacement,
         }  # fmt: skip
     else:
@@ -160,7 +163,8 @@ def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) ->
 def tail_bounds(found: FilterEstimate, evidence: list[ViewEvidence]) -> tuple[TailBound, ...]:
     """Pixels that stood out by more than the threshold before the correction, in parts per million.
 
-    Lower: those still seen. Upper: with every site that was replaced, each of which may have been hot.
+    Lower: those still seen. Upper: with every site that was replaced, each of which may have been
+    hot.
     """
     bounds = []
     for e in evidence:

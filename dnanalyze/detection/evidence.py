@@ -44,7 +44,8 @@ class ViewEvidence:
     rank : dict
         Neighbours to counts.
     recorded : Exceedance
-        Among 8 neighbours in single frames, fixed pattern and all: asymmetric for a correction of hot pixels.
+        Among 8 neighbours in single frames, fixed pattern and all: asymmetric for a correction of
+        hot pixels.
     spectrum, correlation, texture
         Of the noise.
     top8, top24 : Excess

@@ -1,9 +1,13 @@
 """How far pixels stand out of their neighbours: a dynamic correction leaves a cliff.
 
-A dynamic corrector, a clamp and a ratio rule all forbid a pixel to stand out of its *own* neighbours by
-more than some bound, and know nothing of neighbours elsewhere. So the excess x - max(neighbours) is held
-against the excess of the same pixels over rings of neighbours a few pixels away (the control). Where
-pixels are exchangeable at that scale the control is no more frequent, whatever the marginal; above the
+A dynamic corrector, a clamp and a ratio rule all forbid a pixel to stand out of its *own*
+neighbours by
+more than some bound, and know nothing of neighbours elsewhere. So the excess x - max(neighbours)
+is held
+against the excess of the same pixels over rings of neighbours a few pixels away (the control).
+Where
+pixels are exchangeable at that scale the control is no more frequent, whatever the marginal; above
+the
 threshold of a corrector only the control has any. The control takes the larger of two rings on
 opposite sides, so that a gradient cannot feed it.
 """
@@ -84,7 +88,8 @@ def _survival(
 
 
 def without_transients(stack: np.ndarray, noise: float, sigmas: float = 6.0) -> np.ndarray:
-    """Values far from the pixel's median over time replaced by it: hits and blinking, not hot pixels.
+    """Values far from the pixel's median over time replaced by it: hits and blinking, not hot
+    pixels.
 
     As given where there are fewer than 3 frames.
     """
@@ -113,7 +118,8 @@ def excess(
     Returns
     -------
     above, ratio : Excess
-        Bounds on x - max in DN; on (x - median) / (max - median) of pixels 6 units above the median.
+        Bounds on x - max in DN; on (x - median) / (max - median) of pixels 6 units above the
+        median.
     """
     from dnanalyze.detection.neighbours import ring_extremes
 

@@ -23,7 +23,9 @@ def clipped(image: np.ndarray, sigmas: float = 3.0) -> np.ndarray:
 
 
 def without_lines(image: np.ndarray) -> np.ndarray:
-    """Less the mean of each row and each column (means of the clipped image: hot pixels do not pull)."""
+    """Less the mean of each row and each column (means of the clipped image: hot pixels do not
+    pull).
+    """
     core = clipped(image)
     rows = core.mean(axis=1, keepdims=True)
     core -= rows
@@ -54,7 +56,8 @@ def without_shading(image: np.ndarray, tile: int = 32) -> np.ndarray:
 def pair_differences(stack: np.ndarray) -> np.ndarray:
     """Differences of disjoint pairs of frames over sqrt 2, lines removed: (pairs, rows, columns).
 
-    The fixed pattern cancels; what is left of two independent frames has one frame's temporal noise.
+    The fixed pattern cancels; what is left of two independent frames has one frame's temporal
+    noise.
     """
     pairs = stack.shape[0] // 2
     return (

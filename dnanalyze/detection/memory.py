@@ -1,6 +1,7 @@
 """Does a pixel remember the frame before: lag-1 autocorrelation over time.
 
-Given the values that a pixel takes in its K frames, in whatever order, E[r1] = -1/K exactly, whatever their
+Given the values that a pixel takes in its K frames, in whatever order, E[r1] = -1/K exactly,
+whatever their
 distribution (permutation null). A recursive filter orders them.
 """
 
@@ -18,7 +19,9 @@ LEAST_PIXELS = 200
 
 @dataclass(frozen=True)
 class Autocorrelation:
-    """Mean over pixels of r1 + 1/K, its standard error, and the recursive memory that explains it."""
+    """Mean over pixels of r1 + 1/K, its standard error, and the recursive memory that explains
+    it.
+    """
 
     excess: float
     se: float

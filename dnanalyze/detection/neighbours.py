@@ -8,7 +8,9 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def ring_extremes(image: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
-    """Largest and smallest of the (2 reach + 1)^2 - 1 neighbours; each (rows - 2r, columns - 2r)."""
+    """Largest and smallest of the (2 reach + 1)^2 - 1 neighbours; each (rows - 2r, columns -
+    2r).
+    """
     h, w = image.shape
     top = np.empty((h - 2 * reach, w - 2 * reach), image.dtype)
     low = np.empty_like(top)

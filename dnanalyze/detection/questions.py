@@ -1,4 +1,5 @@
-"""Tests to findings: each question with its null, its effect size and the effect that nature can mimic.
+"""Tests to findings: each question with its null, its effect size and the effect that nature can
+mimic.
 
 A question is put to every view of every group. It is flagged only where its p-value survives Holm's
 correction over all questions of the capture set *and* its effect exceeds what unfiltered
@@ -61,8 +62,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             one_sided(bend, bend_se),
             bend,
             0.08 + 2 * extra + room * bound.concavity,
-            f"the noise spectrum is flat at low frequencies and falls at high ones, by {bend:.2f} in ln P "
-            "against a straight line: 1/f noise only ever bends the other way",
+            f"the noise spectrum is flat at low frequencies and falls at high ones, by {bend:.2f} in "
+            "ln P against a straight line: 1/f noise only ever bends the other way",
         ),
         Asked(
             "crosstalk_or_denoise",
@@ -76,7 +77,11 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             f"noise, could give at most {share * bound.short_range:.3f} here",
         ),
     ]
-    asked += _backed(e, any(a.effect > a.limit and a.p < 1e-6 for a in asked), 0.02 + extra + room * bound.extremes)
+    asked += _backed(
+        e,
+        any(a.effect > a.limit and a.p < 1e-6 for a in asked),
+        0.02 + extra + room * bound.extremes,
+    )
     own, far, pixels = e.equal
     repeat = (own - far) / max(1 - far, 1e-6)
     se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
@@ -90,7 +95,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             0.14,
             f"{own:.1%} of pixels equal their right neighbour exactly, {far:.1%} one farther away; "
             "a 3x3 median gives 21 %",
-        )  # fmt: skip
+        )
     )
     return asked
 
@@ -151,7 +156,8 @@ def _cap(e: ViewEvidence, count: int, top: Excess) -> Asked | None:
     if control < 20:
         return None
     return Asked(
-        "cap_to_neighbours", "dpc", e, float(_fewer(np.array(own), np.array(control))), 1 - own / control, 0.9,
+        "cap_to_neighbours", "dpc", e, float(_fewer(np.array(own), np.array(control))),
+        1 - own / control, 0.9,
         f"{own:.0f} pixels a frame stand above the largest of their {count} neighbours where "
         f"{control:.0f} stand above rings elsewhere: values are capped to the neighbours'",
         count,
@@ -171,8 +177,8 @@ def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
     unit = "DN above" if test == "dynamic_threshold" else "times"
     return Asked(
         test, "dpc", e, min(1.0, float(p[j]) * 8), 1 - below, 0.97,
-        f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of their "
-        f"{count} neighbours, {control[j]:.0f} were expected from rings elsewhere",
+        f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of "
+        f"their {count} neighbours, {control[j]:.0f} were expected from rings elsewhere",
         _edge(top, own, control, j),
     )  # fmt: skip
 
@@ -223,7 +229,7 @@ def sites(e: ViewEvidence) -> list[Asked]:
             f"{found} sites are in all {e.frames} frames the {RULES[j]} of their neighbours, "
             f"{control[j]:.0f} of a ring elsewhere",
             j,
-        )  # fmt: skip
+        )
     ]
 
 
@@ -240,10 +246,10 @@ def memory(e: ViewEvidence) -> list[Asked]:
             one_sided(m.excess, m.se),
             m.excess,
             0.03,
-            f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of independent "
-            f"frames: a recursive memory of {m.memory:.0%}",
+            f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of "
+            f"independent frames: a recursive memory of {m.memory:.0%}",
             m.memory,
-        )  # fmt: skip
+        )
     ]
 
 
@@ -261,7 +267,8 @@ def row_phases(e: ViewEvidence) -> list[Asked]:
             p,
             r.effect,
             0.03,
-            f"rows {r.phase} of every {r.period} have {r.effect:.1%} fewer local extremes than the others",
+            f"rows {r.phase} of every {r.period} have {r.effect:.1%} fewer local extremes "
+            "than the others",
             r.period,
-        )  # fmt: skip
+        )
     ]

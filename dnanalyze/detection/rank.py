@@ -1,6 +1,7 @@
 """How often a pixel is the largest, or the smallest, of its neighbourhood: 1/9, 1/13, 1/25.
 
-For exchangeable pixels P(x above its n neighbours) = 1/(n + 1) exactly, whatever the marginal. Any smoothing
+For exchangeable pixels P(x above its n neighbours) = 1/(n + 1) exactly, whatever the marginal. Any
+smoothing
 makes local extremes rarer; a correction of hot pixels alone makes only the maxima rarer.
 """
 

@@ -1,6 +1,7 @@
 """Pixels that are in every frame what their neighbours say: replaced, site by site.
 
-For each way in which correctors interpolate (means and medians of 2, 4 or 8 neighbours, copies), a site
+For each way in which correctors interpolate (means and medians of 2, 4 or 8 neighbours, copies), a
+site
 matches where the residual stays within one step in all frames though the pixel itself varies.
 The control counts matches with the same interpolation of a ring a few pixels away, which has
 the same noise, rounding, clipping and line structure, so that no model of the noise is needed.

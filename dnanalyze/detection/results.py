@@ -145,7 +145,8 @@ class Detection:
     tail : tuple of TailBound
         Where a correction was found.
     effect : dict
-        {"dpc" | "denoise" | "temporal_denoise": parameters} that mimics the filter in a model; empty for none.
+        {"dpc" | "denoise" | "temporal_denoise": parameters} that mimics the filter in a model;
+        empty for none.
     series : SuppressionSeries, optional
         Suppression of high frequencies over temperature, for the figure.
     scatters : dict

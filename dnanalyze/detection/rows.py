@@ -1,7 +1,9 @@
 """Filters that act on some rows only, such as those with phase-detection pixels.
 
-Per row, how often a pixel stands above or below its two neighbours in the same row: 1/3 each for exchangeable
-pixels, whatever the noise of that row. Folded over periods, a phase that departs from the others is filtered.
+Per row, how often a pixel stands above or below its two neighbours in the same row: 1/3 each for
+exchangeable
+pixels, whatever the noise of that row. Folded over periods, a phase that departs from the others
+is filtered.
 Neighbours are two columns away, of the same colour on a mosaic; and one column away.
 """
 
@@ -44,7 +46,9 @@ class RowPhase:
 
 
 def extremes_by_row(images: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
-    """Local maxima, and minima, of each row among neighbours ``step`` columns away, x 3 / pixels."""
+    """Local maxima, and minima, of each row among neighbours ``step`` columns away, x 3 /
+    pixels.
+    """
     none = np.array([0, 0])
     sides = np.array([-step, step])
     above = np.zeros(images.shape[1])
@@ -58,7 +62,9 @@ def extremes_by_row(images: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarr
 
 
 def row_phase(images: np.ndarray) -> RowPhase:
-    """Look at images (n, rows, columns) of noise without ties; None departs: the largest by chance."""
+    """Look at images (n, rows, columns) of noise without ties; None departs: the largest by
+    chance.
+    """
     rows = images.shape[1]
     best = RowPhase(1, 0, 0.0, 0.0, False, 1)
     tried = 0

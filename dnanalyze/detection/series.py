@@ -1,6 +1,7 @@
 """The paper's method: suppression of high frequencies over temperature.
 
-R = power above .45 over power from .03 to .12 cycles/pixel. Of an unfiltered sensor it is 1 at every temperature;
+R = power above .45 over power from .03 to .12 cycles/pixel. Of an unfiltered sensor it is 1 at
+every temperature;
 linear crosstalk lets it fall and level off,
 R_T = (s_r^2 + P_T |K|^2_HF) / (s_r^2 + P_T |K|^2_MF), P_T the power of the dark charge.
 """
@@ -47,7 +48,9 @@ class SuppressionSeries:
 
     @property
     def rises(self) -> float:
-        """ln R at the warmest less that at the coldest, in standard errors: edge-preserving filters."""
+        """ln R at the warmest less that at the coldest, in standard errors: edge-preserving
+        filters.
+        """
         gap = self.log_ratio[-1] - self.log_ratio[0]
         return float(gap / np.hypot(self.se[0], self.se[-1]))
 

@@ -1,12 +1,15 @@
 """Octave powers of the noise, and what tells a low-pass filter from 1/f noise.
 
-White noise with any amount of 1/f falls ever more slowly towards high frequencies: ln P over octaves is
+White noise with any amount of 1/f falls ever more slowly towards high frequencies: ln P over
+octaves is
 convex. A filter is flat below its corner and falls above it: concave somewhere. Medians over the
-bins of an octave ignore spectral lines (hum, taps); the axes, which hold lines' offsets, are left out.
+bins of an octave ignore spectral lines (hum, taps); the axes, which hold lines' offsets, are left
+out.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -43,14 +46,17 @@ class OctaveSpectrum:
         middle = slice(
             int(np.searchsorted(EDGES, MIDDLE[0])), int(np.searchsorted(EDGES, MIDDLE[1]))
         )
-        weights = 1 / self.se[middle] ** 2
-        level = float(np.sum(weights * self.log_power[middle]) / weights.sum())
+        weights = np.where(np.isfinite(self.log_power[middle]), 1 / self.se[middle] ** 2, 0.0)
+        if weights.sum() == 0:
+            return math.nan, math.inf
+        level = float(np.nansum(weights * self.log_power[middle]) / weights.sum())
         return self.log_power[last] - level, float(np.hypot(self.se[last], weights.sum() ** -0.5))
 
     def concavity(self) -> tuple[float, float]:
         """Largest rise of ln P above the chord between a lower and a higher octave, and its error.
 
-        At most zero, but for sampling error, for white noise with 1/f noise of any strength and slope.
+        At most zero, but for sampling error, for white noise with 1/f noise of any strength and
+        slope.
         The one taken is the largest after four standard errors are taken off.
         """
         p, s = self.log_power, self.se

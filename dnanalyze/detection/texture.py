@@ -1,4 +1,5 @@
-"""What edge-preserving filters do to the texture of noise: they leave some of it whole and smooth the rest.
+"""What edge-preserving filters do to the texture of noise: they leave some of it whole and smooth
+the rest.
 
 Each statistic is held against what independent pixels of the very same marginal give, so that heavy
 tails or noisy pixels alone do not move it.
@@ -76,7 +77,8 @@ def texture(images: np.ndarray) -> Texture:
 
 
 def equal_neighbours(stack: np.ndarray, reach: int = 3) -> tuple[float, float, int]:
-    """Fraction of pixels equal to the right neighbour, and to the one ``reach`` columns away; pixels.
+    """Fraction of pixels equal to the right neighbour, and to the one ``reach`` columns away;
+    pixels.
 
     A 3x3 median of continuous noise repeats .210 of its values to the right; the
     control holds the chance equality of rounded values.

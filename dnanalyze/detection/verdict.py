@@ -1,4 +1,6 @@
-"""One verdict from all answers: Holm's correction, what nature can mimic, and agreement between tests."""
+"""One verdict from all answers: Holm's correction, what nature can mimic, and agreement between
+tests.
+"""
 
 from __future__ import annotations
 
@@ -134,7 +136,9 @@ def _memory(answers: list[Answer]) -> list[Answer]:
 
 
 def _only_maxima(answers: list[Answer]) -> bool:
-    """Maxima of the frames as recorded are rarer and minima are not: hot pixels alone were touched."""
+    """Maxima of the frames as recorded are rarer and minima are not: hot pixels alone were
+    touched.
+    """
     seen = {id(a.asked.evidence): a.asked.evidence.recorded for a in answers}
     up = np.mean([1 - 9 * r.above / r.pixels for r in seen.values()])
     down = np.mean([1 - 9 * r.below / r.pixels for r in seen.values()])

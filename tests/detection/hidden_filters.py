@@ -45,7 +45,9 @@ def in_planes(run: Callable[[Stack], Stack]) -> Callable[[Stack], Stack]:
 
 
 def dynamic_dpc(sigmas: float = 4.0) -> Callable[[Stack], Stack]:
-    """Replace by the neighbours' median where a pixel stands out of their maximum by a threshold."""
+    """Replace by the neighbours' median where a pixel stands out of their maximum by a
+    threshold.
+    """
 
     def run(f: np.ndarray) -> np.ndarray:
         threshold = sigmas * noise_of(f)

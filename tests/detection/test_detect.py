@@ -1,4 +1,6 @@
-"""The verdict: power on one filter of each kind, silence on unfiltered sensors, degenerate input."""
+"""The verdict: power on one filter of each kind, silence on unfiltered sensors, degenerate
+input.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ def test_each_filter_is_found_and_named(name):
     assert list(found.effect) == [kind]
 
 
-@pytest.mark.parametrize("name", ["clamp to neighbours", "Gaussian .5, half", "static DPC, 500 ppm"])
+@pytest.mark.parametrize(
+    "name", ["clamp to neighbours", "Gaussian .5, half", "static DPC, 500 ppm"]
+)
 def test_filters_within_a_colour_are_found_on_a_mosaic(name):
     kind, run = hidden.FILTERS[name]
     sensor = VirtualSensor(replace(ORDINARY, plane_offset=4.0), (320, 320), 2)
