@@ -68,6 +68,15 @@ Seed = Annotated[
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", rich_help_panel=_RUN, help="No progress, no notes.")
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS|local",
+        rich_help_panel=_RUN,
+        help="Dask workers read the frames; an interrupted run goes on where it was.",
+    ),
+]
 NoCache = Annotated[
     bool,
     typer.Option(

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,7 @@ def analyze(
     window: Window | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
+    scheduler: str | None = None,
 ) -> Statistics:
     """Every statistic of every setting and colour plane, each with its standard error.
 
@@ -42,13 +43,18 @@ def analyze(
         Threads; the number of processors by default. The result does not depend on it.
     progress : callable, optional
         Called with (frames done, frames in all).
+    scheduler : str, optional
+        Address of a Dask scheduler whose workers read the frames, or "local" to start one here. A
+        run that was interrupted goes on where it was, if the captures have a cache.
 
     Raises
     ------
     InputError
         A window outside the frame, or too small; frames of another shape than the sensor's.
     """
-    return analyze_windows(captures, (window,), workers=workers, progress=progress)[0]
+    return analyze_windows(
+        captures, (window,), workers=workers, progress=progress, scheduler=scheduler
+    )[0]
 
 
 def analyze_windows(
@@ -58,6 +64,7 @@ def analyze_windows(
     workers: int | None = None,
     progress: Progress | None = None,
     errors: bool = True,
+    scheduler: str | None = None,
 ) -> list[Statistics]:
     """`analyze` for several windows of the same frames, each frame read once.
 
@@ -68,43 +75,87 @@ def analyze_windows(
     placed = [_placed(window, captures.sensor) for window in windows]
     entry = cache.held(captures, placed, errors)
     found = entry.get(captures) if entry else None
-    if found is None:
-        found = _read(captures, placed, workers, progress, errors)
-        if entry:
-            entry.put(found)
-    elif progress is not None:
-        progress(captures.frame_count, captures.frame_count)
+    if found is not None:
+        if progress is not None:
+            progress(captures.frame_count, captures.frame_count)
+        return found
+    parts = [_Part(w, plane, errors) for w in placed for plane in _planes(w, captures.sensor)]
+    if scheduler is None:
+        settings = _here(captures, parts, workers, progress)
+    else:
+        settings = _on_cluster(captures, parts, scheduler, progress, entry)
+    found = _by_window(captures, placed, parts, settings)
+    if entry:
+        entry.put(found)
     return found
 
 
-def _read(
-    captures: CaptureSet,
-    placed: list[Window],
-    workers: int | None,
-    progress: Progress | None,
-    errors: bool,
-) -> list[Statistics]:
-    outer = _outer(placed)
-    settings: list[list[SettingStatistics]] = [[] for _ in placed]
+def _here(
+    captures: CaptureSet, parts: list[_Part], workers: int | None, progress: Progress | None
+) -> list[list[SettingStatistics]]:
+    """The statistics of every setting and part, read by this process."""
+    outer = _outer([part.window for part in parts])
+    out = []
     total, done = captures.frame_count, 0
     with ExitStack() as stack:
         pool = _pool(workers, outer, stack)
         for setting in captures.settings:
-            parts = [
-                _Part(w, plane, errors) for w in placed for plane in _planes(w, captures.sensor)
-            ]
+            fed = [replace(part) for part in parts]
             for number, frame in enumerate(_frames(setting, outer)):
-                for part in parts:
+                for part in fed:
                     part.add(part.cut(frame, outer), number, pool)
                 done += 1
                 if progress is not None:
                     progress(done, total)
-            for part in parts:
-                where = placed.index(part.window)
-                settings[where].append(part.finish(setting.point, pool))
+            out.append([part.finish(setting.point, pool) for part in fed])
+    return out
+
+
+def _on_cluster(
+    captures: CaptureSet,
+    parts: list[_Part],
+    scheduler: str,
+    progress: Progress | None,
+    entry: cache.Entry | None,
+) -> list[list[SettingStatistics]]:
+    """As `_here`, by the workers of a Dask cluster."""
+    from dnanalyze.analyzers import distributed
+
+    cut = distributed.Cut(_outer([part.window for part in parts]), parts, parts[0].errors)
+    out: list[list[SettingStatistics]] = []
+    before = 0
+    with distributed.cluster(scheduler) as client:
+        for number, setting in enumerate(captures.settings):
+            saved = entry.path.with_suffix(f".{number}.run") if entry else None
+            runs = distributed.Runs(client, setting.frames, cut, saved)
+            for done in runs.merged():
+                if progress is not None:
+                    progress(before + done, captures.frame_count)
+            before += len(setting.frames)
+            assert runs.total is not None
+            pairs = zip(runs.total, parts, strict=True)
+            out.append([finish(a.finish(), setting.point, p.plane.name) for a, p in pairs])
+    if entry:
+        for saved in entry.path.parent.glob(entry.path.stem + ".*.run"):
+            saved.unlink(missing_ok=True)
+    return out
+
+
+def _by_window(
+    captures: CaptureSet,
+    placed: list[Window],
+    parts: list[_Part],
+    settings: list[list[SettingStatistics]],
+) -> list[Statistics]:
     out = []
-    for each in settings:
-        laws, rated = trends(each, captures.sensor) if errors else ({}, each)
+    for window in placed:
+        each = [
+            statistics
+            for setting in settings
+            for part, statistics in zip(parts, setting, strict=True)
+            if part.window == window
+        ]
+        laws, rated = trends(each, captures.sensor) if parts[0].errors else ({}, each)
         out.append(Statistics(captures.name, captures.sensor, tuple(rated), laws))
     return out
 
@@ -202,7 +253,7 @@ class _Part:
     plane: _Plane
     errors: bool = True
     accumulation: Accumulation | None = None
-    waiting: list[np.ndarray] = field(default_factory=list)
+    waiting: tuple[np.ndarray, ...] = ()
 
     def cut(self, frame: np.ndarray, outer: Window) -> np.ndarray:
         rows, columns = self.window.within(outer)
@@ -214,7 +265,7 @@ class _Part:
     def add(self, frame: np.ndarray, number: int, pool: ThreadPoolExecutor | None) -> None:
         """The plan needs two frames, so that the first waits for the second."""
         if number == 0:
-            self.waiting.append(frame)
+            self.waiting = (frame,)
             return
         if self.accumulation is None:
             self._begin(self.waiting[0], frame, pool)
@@ -226,7 +277,7 @@ class _Part:
     ) -> None:
         self.accumulation = Accumulation(make_plan(first, second, self.errors), pool)
         self.accumulation.add(first, 0)
-        self.waiting = []
+        self.waiting = ()
 
     def finish(self, point: OperatingPoint, pool: ThreadPoolExecutor | None) -> SettingStatistics:
         if self.accumulation is None:

@@ -136,6 +136,19 @@ def add_frames(
 
 
 @njit(cache=True, nogil=True)
+def seam_sums(y, past, centre, limit, hot, out):
+    """The row of ``scalars`` of `add_frames` for a frame and the one before it, bit for bit."""
+    out[:2] = 0
+    out[3] = 0
+    for start in range(0, y.size, CHUNK):
+        stop = min(y.size, start + CHUNK)
+        _frame_sums(
+            y[start:stop], past[start:stop], np.float32(centre), np.float32(limit),
+            np.float32(hot), out,
+        )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
 def tally(values, first, width, counts):
     """Count flat float32 ``values`` in equal bins; ``first`` is the centre of the first.
 

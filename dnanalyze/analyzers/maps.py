@@ -54,6 +54,8 @@ class PixelMaps:
 
     def merge(self, later: Self, seam: FrameView) -> None:
         """Take in the frames that follow mine."""
+        from dnanalyze.analyzers import kernels
+
         self.flush()
         later.flush()
         mine, last = self._arrays(), self._last
@@ -72,12 +74,11 @@ class PixelMaps:
         high_at[more] = later._arrays()[6][more]
         np.minimum(low, later._arrays()[7], out=low)
         first = later.scalars[0].copy()
-        reach = CLIP * self.plan.sigma
-        c, limit = np.float32(self.plan.centre), np.float32(reach)
-        a = np.clip(last - c, -limit, limit).astype(float)
-        b = np.clip(seam.frame - c, -limit, limit).astype(float)
-        edge = np.float32(self.hot_limit)
-        first[2], first[4], first[5] = np.vdot(a, b), np.sum((last > edge) & (seam.frame > edge)), 0
+        first[2] = first[4] = first[5] = 0
+        kernels.seam_sums(
+            seam.frame.ravel(), last.ravel(), self.plan.centre, CLIP * self.plan.sigma,
+            self.hot_limit, first,
+        )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, first[None], later.scalars[1:]])
         self.head = [*self.head, *later.head][:2]
         self.tail = [*self.tail, *later.tail][-2:]

@@ -82,14 +82,14 @@ class Accumulation:
         self._pool = pool
         self._running: dict[str, Future[None]] = {}
         self._buffers = Buffers()
-        self._first: FrameView | None = None
-        self._last: np.ndarray | None = None
+        self.first: FrameView | None = None
+        self.last: np.ndarray | None = None
 
     def add(self, raw: np.ndarray, number: int) -> None:
         """Take in the next frame as read."""
-        view = make_view(self.plan, number, raw, self._last, self._buffers)
-        self._first = self._first or view
-        self._last = view.frame
+        view = make_view(self.plan, number, raw, self.last, self._buffers)
+        self.first = self.first or view
+        self.last = view.frame
         self.frames += 1
         for name, part in self.parts.items():
             if self._pool is None:
@@ -98,6 +98,13 @@ class Accumulation:
             if name in self._running:
                 self._running[name].result()
             self._running[name] = self._pool.submit(part.add, view)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """As it travels between machines: complete, and without threads and idle buffers."""
+        self.wait()
+        for part in self.parts.values():
+            getattr(part, "flush", lambda: None)()
+        return vars(self) | {"_pool": None, "_buffers": Buffers()}
 
     def wait(self) -> None:
         """Until every accumulator has seen every frame."""
@@ -109,12 +116,12 @@ class Accumulation:
         """Take in the frames that follow mine; both must have been made with the same plan."""
         self.wait()
         later.wait()
-        assert later._first is not None
-        seam = make_view(self.plan, later._first.number, later._first.frame, self._last)
+        assert later.first is not None
+        seam = make_view(self.plan, later.first.number, later.first.frame, self.last)
         for name, part in self.parts.items():
             part.merge(later.parts[name], seam)
         self.frames += later.frames
-        self._last = later._last
+        self.last = later.last
 
     def finish(self) -> Accumulated:
         """What the families work on."""

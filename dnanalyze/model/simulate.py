@@ -31,6 +31,10 @@ class Memo:
     _lock: Any = field(default_factory=Lock)
     _making: dict[object, Any] = field(default_factory=dict)
 
+    def __reduce__(self) -> tuple[type[Memo], tuple[int]]:
+        """Another process begins with an empty one."""
+        return Memo, (self.limit_bytes,)
+
     def once(self, key: object, make: Callable[[], Any]) -> Any:
         """As `get`; a second thread waits for the first one's, for what is dear to make."""
         with self._lock:

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from dnanalyze_cli.options import Captures, Config, Csv, Json, NoCache, Quiet, Report, Tolerance
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    Csv,
+    Json,
+    NoCache,
+    Quiet,
+    Report,
+    Scheduler,
+    Tolerance,
+)
 from dnanalyze_cli.session import Session
 
 
@@ -15,6 +25,7 @@ def analyze(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    scheduler: Scheduler = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
@@ -29,7 +40,7 @@ def analyze(
     session = Session("analyze", captures, json, report, csv, quiet=quiet, cache=not no_cache)
     found = session.load(config, tolerance_c)
     with session.progress("Analyzing") as tick:
-        statistics = run(found, progress=tick)
+        statistics = run(found, progress=tick, scheduler=scheduler)
         if found.source and found.source.cache:
             with suppress(InputError):  # too small to halve, which these commands will say
                 bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
