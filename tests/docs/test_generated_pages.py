@@ -1,0 +1,31 @@
+"""The generated pages say what the code says."""
+
+import docs_tree as tree
+import pytest
+
+from dnanalyze.model.registry import built_in
+
+
+def test_effect_pages_are_in_step_with_the_registry():
+    made = tree.script("make_effects").pages(built_in())
+    folder = tree.DOCS / "effects"
+    written = {p.name: p.read_text() for p in folder.glob("*.md")}
+    assert written == made, "run: python docs/make_effects.py"
+
+
+def test_every_effect_has_its_figure():
+    figures = {p.stem for p in (tree.DOCS / "effects").glob("*.png")}
+    assert figures == set(built_in()), "run: python docs/make_effects.py"
+
+
+@pytest.mark.parametrize("page", ["statistics", "commands"])
+def test_reference_is_in_step_with_the_code(page):
+    made = getattr(tree.script("make_reference"), page)()
+    assert (tree.DOCS / f"{page}.md").read_text() == made, "run: python docs/make_reference.py"
+
+
+def test_strengths_of_the_figures_name_real_parameters():
+    module = tree.script("make_effects")
+    for name, strengths in module.STRENGTHS.items():
+        assert set(strengths) <= set(built_in()[name].parameters()), name
+    assert (module.WIDE | module.CODES | module.NEAR | set(module.OVER_TIME)) <= set(built_in())
