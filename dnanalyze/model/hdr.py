@@ -8,13 +8,11 @@ own noise is multiplied by the ratio of the sensitivities. Solhusvik et al., IIS
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-import yaml
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
@@ -339,48 +337,3 @@ def _temporal(captures: CaptureSet, how: Combination) -> float:
     """Temporal noise of the first setting's first two frames, linear DN."""
     a, b = (how.decode(f.read().astype(np.float32)) for f in captures.settings[0].frames[:2])
     return float(np.std(a - b) / np.sqrt(2.0))
-
-
-@dataclass(frozen=True)
-class _Keys:
-    """Keys of a combination file."""
-
-    top: tuple[str, ...] = ("channels", "companding", "black", "bits")
-    channel: tuple[str, ...] = field(
-        default=("channel", "black", "sensitivity", "knee", "blend", "exposure")
-    )
-
-
-def load_combination(path: Path) -> Combination:
-    """Read a combination file (YAML).
-
-    Raises
-    ------
-    InputError
-        Not YAML, unknown or missing keys, a combination that cannot be.
-    """
-    try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(f"{path}: not YAML") from None
-    keys = _Keys()
-    if not isinstance(raw, dict) or not isinstance(raw.get("channels"), list):
-        raise InputError(f"{path}: not a combination file; it needs 'channels', a list")
-    for place, valid in [(raw, keys.top), *((c, keys.channel) for c in raw["channels"])]:
-        extra = set(place) - set(valid) if isinstance(place, dict) else {place}
-        if extra:
-            raise InputError(f"{path}: unknown key {extra.pop()!r}; valid: {', '.join(valid)}")
-    try:
-        uses = tuple(ChannelUse(**c) for c in raw["channels"])
-        knees = tuple((float(x), float(y)) for x, y in raw.get("companding", ()))
-        rest = {k: raw[k] for k in ("black", "bits") if k in raw}
-        return Combination(uses, knees, **rest)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    except (TypeError, ValueError):
-        need = "channel, black, sensitivity, knee"
-        raise InputError(
-            f"{path}: each channel needs {need}; companding is [linear, code] pairs"
-        ) from None

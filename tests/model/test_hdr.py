@@ -18,11 +18,11 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setti
 from dnanalyze.model.hdr import (
     ChannelUse,
     Combination,
-    load_combination,
     merged,
     noise_steps,
     simulate_combined,
 )
+from dnanalyze.model.hdr_file import load_combination
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in

@@ -18,7 +18,7 @@ from dnanalyze.comparator.targets import dump_targets, load_targets
 from dnanalyze.loaders import load, write_captures
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.hdr import load_combination
+from dnanalyze.model.hdr_file import load_combination
 from dnanalyze.model.noise_model import dump_model, load_model
 from dnanalyze.model.simulate import simulate
 

@@ -52,7 +52,8 @@ def hdr(
 
     from dnanalyze.comparator.combined import compare_combined
     from dnanalyze.loaders import write_captures
-    from dnanalyze.model.hdr import load_combination, noise_steps, simulate_combined
+    from dnanalyze.model.hdr import noise_steps, simulate_combined
+    from dnanalyze.model.hdr_file import load_combination
     from dnanalyze.report import capture
     from dnanalyze.report.files import atomic_folder
     from dnanalyze.report.plain import document

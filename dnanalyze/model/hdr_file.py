@@ -1,0 +1,47 @@
+"""The file that says how the channels of an HDR sensor become one output."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import yaml
+
+from dnanalyze.errors import InputError
+from dnanalyze.model.hdr import ChannelUse, Combination
+
+KEYS = ("channels", "companding", "black", "bits")
+CHANNEL_KEYS = ("channel", "black", "sensitivity", "knee", "blend", "exposure")
+
+
+def load_combination(path: Path) -> Combination:
+    """Read a combination file (YAML).
+
+    Raises
+    ------
+    InputError
+        Not YAML, unknown or missing keys, a combination that cannot be.
+    """
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise InputError(f"{path}: not YAML") from None
+    if not isinstance(raw, dict) or not isinstance(raw.get("channels"), list):
+        raise InputError(f"{path}: not a combination file; it needs 'channels', a list")
+    for place, valid in [(raw, KEYS), *((c, CHANNEL_KEYS) for c in raw["channels"])]:
+        extra = set(place) - set(valid) if isinstance(place, dict) else {place}
+        if extra:
+            raise InputError(f"{path}: unknown key {extra.pop()!r}; valid: {', '.join(valid)}")
+    try:
+        uses = tuple(ChannelUse(**c) for c in raw["channels"])
+        knees = tuple((float(x), float(y)) for x, y in raw.get("companding", ()))
+        rest = {k: raw[k] for k in ("black", "bits") if k in raw}
+        return Combination(uses, knees, **rest)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except (TypeError, ValueError):
+        need = "channel, black, sensitivity, knee"
+        raise InputError(
+            f"{path}: each channel needs {need}; companding is [linear, code] pairs"
+        ) from None
