@@ -62,8 +62,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             one_sided(bend, bend_se),
             bend,
             0.08 + 2 * extra + room * bound.concavity,
-            f"the noise spectrum is flat at low frequencies and falls at high ones, by {bend:.2f} in "
-            "ln P against a straight line: 1/f noise only ever bends the other way",
+            f"the noise spectrum is flat at low, falling at high frequencies, by {bend:.2f} "
+            "in ln P below a straight line: 1/f noise only ever bends the other way",
         ),
         Asked(
             "crosstalk_or_denoise",
