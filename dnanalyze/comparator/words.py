@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import StatisticInfo
 
 NOTICEABLE = 4.0  # floors
 
@@ -52,8 +53,27 @@ def sentence(name: str, group: Sequence[dict[str, Any]]) -> str:
     info = infos()[name]
     off = [r for r in group if abs(r["discrepancy"]) > NOTICEABLE] or list(group)
     worst = max(off, key=lambda r: abs(r["discrepancy"]))
-    words = info.high if worst["discrepancy"] > 0 else info.low
-    return f"{words or info.title} ({_amount(worst)}) {_where(off, group)}"
+    said = misfit(info, worst["measured"], worst["simulated"], worst["discrepancy"])
+    return f"{said} ({_amount(worst)}) {_where(off, group)}"
+
+
+def misfit(info: StatisticInfo, measured: float, simulated: float, discrepancy: float) -> str:
+    """What a statistic says where it lies above (discrepancy > 0) or below the model, in words.
+
+    Where the sentence wants a ratio to a model that has none of it, the title stands alone.
+    """
+    words = info.high if discrepancy > 0 else info.low
+    if "{ratio}" in words and not (measured > 0 and simulated > 0):
+        return info.title
+    unit = "" if info.unit in ("", "1") else f" {info.unit}"
+    return (
+        words.format(
+            measured=f"{measured:.3g}{unit}",
+            ratio=f"{measured / simulated:.3g}" if simulated else "",
+            difference=f"{abs(measured - simulated):.3g}{unit}",
+        )
+        or info.title
+    )
 
 
 def _amount(row: dict[str, Any]) -> str:

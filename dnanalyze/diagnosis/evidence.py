@@ -8,6 +8,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.comparator.words import misfit
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
@@ -64,7 +65,9 @@ def evidence_for(
     return told
 
 
-def evidence_against(bench: Bench, rival: State, best: State, rival_name: str, name: str) -> str | None:
+def evidence_against(
+    bench: Bench, rival: State, best: State, rival_name: str, name: str
+) -> str | None:
     """What the rival leaves wrong that the best candidate puts right."""
     left, right = profile(bench, rival), profile(bench, best)
     gap = {n: left.of(n) - right.of(n) for n in left.names}
@@ -90,12 +93,12 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
     worst = int(np.argmax(np.abs(z)))
     i = here[worst]
     model = train.coordinates[i] - state.train[i] * train.floor[i]
-    words = (info.high if z[worst] > 0 else info.low) or info.title
-    if info.scale is Scale.LOG:
-        size = f"{np.exp(train.coordinates[i] - model):.3g} times the model"
-    else:
-        unit = "" if info.unit == "1" else f" {info.unit}"
-        size = f"{train.values[i]:.3g} against {info.scale.plain(model):.3g}{unit}"
+    measured, simulated = float(train.values[i]), info.scale.plain(float(model))
+    words = misfit(info, measured, simulated, float(z[worst]))
+    unit = "" if info.unit == "1" else f" {info.unit}"
+    size = f"{measured:.3g} against {simulated:.3g}{unit}"
+    if info.scale is Scale.LOG and "{ratio}" not in info.high:
+        size = f"{measured / simulated:.3g} times the model"
     settings = train.setting[here]
     if len(set(settings)) == 1:
         where = ""

@@ -1,0 +1,34 @@
+"""What a statistic's misfit says in words: every template is filled in."""
+
+import pytest
+
+from dnanalyze.analyzers.catalogue import catalogue
+from dnanalyze.comparator.words import misfit, sentence
+
+
+@pytest.mark.parametrize(
+    ("measured", "simulated"), [(2.0, 1.0), (0.5, 1.0), (0.0, 1.0), (1.0, 0.0)]
+)
+def test_no_template_stays_open(measured, simulated):
+    for info in catalogue().values():
+        words = misfit(info, measured, simulated, measured - simulated)
+        assert words
+        assert "{" not in words, info.name
+
+
+def test_ratio_and_difference_are_said():
+    known = catalogue()
+    assert "is 2.5 times the model's" in misfit(known["temporal_noise"], 2.5, 1.0, 9.0)
+    assert "is 1.5 DN above the model's" in misfit(known["mean"], 65.5, 64.0, 9.0)
+    assert "is 0.5 DN below the model's" in misfit(known["mean"], 63.5, 64.0, -9.0)
+
+
+def test_a_sentence_has_size_and_place():
+    row = {
+        "measured": 65.5, "simulated": 64.0, "discrepancy": 12.0, "unit": "DN", "scale": "linear",
+        "channel": None, "temperature_c": 25.0, "exposure_s": None,
+    }  # fmt: skip
+    said = sentence("mean", [row])
+    assert "1.5 DN above" in said
+    assert "12 floors" in said
+    assert "25 C" in said
