@@ -127,6 +127,30 @@ class Session:
     @contextmanager
     def progress(self, text: str) -> Iterator[Progress]:
         """A bar on stderr, gone when done; nothing with --quiet or without a terminal."""
+        with self._told_of_compiling():
+            yield from self._bar(text)
+
+    @contextmanager
+    def _told_of_compiling(self) -> Iterator[None]:
+        """Say so once where loops are compiled: the first run after an install waits for it."""
+        from numba.core import event
+
+        told: list[str] = []
+
+        class Listener(event.Listener):
+            def on_start(self, event: object) -> None:
+                if not told:
+                    told.append("note: compiling for this machine; only the first run does")
+                    say(told[0])
+
+            def on_end(self, event: object) -> None:
+                pass
+
+        say = self.say
+        with event.install_listener("numba:compile", Listener()):
+            yield
+
+    def _bar(self, text: str) -> Iterator[Progress]:
         if self.quiet or not sys.stderr.isatty():
             yield Progress()
             return
