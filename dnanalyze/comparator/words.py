@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.loaders.captures import OperatingPoint
 
 NOTICEABLE = 4.0  # floors
 
@@ -87,24 +89,27 @@ def _amount(row: dict[str, Any]) -> str:
 
 
 def _where(off: Sequence[dict[str, Any]], group: Sequence[dict[str, Any]]) -> str:
-    spots = sorted({_spot(r) for r in off})
-    everything = {_spot(r) for r in group}
-    if len(everything) == 1:
-        return f"at {spots[0][1]}" if spots[0][1] else ""
-    if len(spots) == len(everything):
+    points = sorted({_point(r) for r in group}, key=OperatingPoint.sort_key)
+    here = {_point(r) for r in off}
+    if len(points) == 1:
+        return f"at {points[0].label()}" if points[0] != OperatingPoint() else ""
+    if len(here) == len(points):
         return "at every operating point"
-    if len(spots) == 1:
-        return f"at {spots[0][1]} only"
-    return "at " + ", ".join(s[1] for s in spots)
+    named = [text for p, text in zip(points, short_labels(points), strict=True) if p in here]
+    return "at " + listed(named) + (" only" if len(named) == 1 else "")
 
 
-def _spot(row: dict[str, Any]) -> tuple[tuple[str, float, float], str]:
-    parts = []
-    if row["channel"]:
-        parts.append(str(row["channel"]))
-    if row["temperature_c"] is not None:
-        parts.append(f"{row['temperature_c']:g} C")
-    if row["exposure_s"] is not None:
-        parts.append(f"{row['exposure_s']:g} s")
-    order = (row["channel"] or "", row["temperature_c"] or 0.0, row["exposure_s"] or 0.0)
-    return order, " ".join(parts)
+def _point(row: dict[str, Any]) -> OperatingPoint:
+    return OperatingPoint(row["temperature_c"], row["exposure_s"], row.get("gain"), row["channel"])
+
+
+def short_labels(points: Sequence[OperatingPoint]) -> list[str]:
+    """Operating points in a few words: only what differs between them."""
+    known = vars(OperatingPoint())
+    same = {k: None for k in known if len({getattr(p, k) for p in points}) == 1}
+    return [replace(p, **same).label() if len(points) > 1 else p.label() for p in points]
+
+
+def listed(labels: Sequence[str]) -> str:
+    """Labels in a row; those with commas of their own are set apart by semicolons."""
+    return ("; " if any("," in text for text in labels) else ", ").join(labels)

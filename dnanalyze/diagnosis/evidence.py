@@ -8,7 +8,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
-from dnanalyze.comparator.words import misfit
+from dnanalyze.comparator.words import listed, misfit, short_labels
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
@@ -106,6 +106,7 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
         where = ", at every operating point"
     else:
         places = sorted({int(s) for s in settings[off]})
-        where = ", at " + ", ".join(bench.plan.settings[s][0].label() for s in places[:3])
+        names = short_labels([point for point, _ in bench.plan.settings])
+        where = ", at " + listed([names[s] for s in places[:3]])
         where += " and more" if len(places) > 3 else ""
     return f"{words} ({size}{where})"

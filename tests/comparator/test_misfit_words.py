@@ -3,7 +3,8 @@
 import pytest
 
 from dnanalyze.analyzers.catalogue import catalogue
-from dnanalyze.comparator.words import misfit, sentence
+from dnanalyze.comparator.words import listed, misfit, sentence, short_labels
+from dnanalyze.loaders.captures import OperatingPoint
 
 
 @pytest.mark.parametrize(
@@ -32,3 +33,11 @@ def test_a_sentence_has_size_and_place():
     assert "1.5 DN above" in said
     assert "12 floors" in said
     assert "25 C" in said
+
+
+def test_places_are_told_by_what_differs():
+    series = [OperatingPoint(t, 0.05, 1.0) for t in (25.0, 45.0)]
+    assert short_labels(series) == ["25 C", "45 C"]
+    assert short_labels(series[:1]) == ["25 C, 0.05 s, gain 1"]
+    grid = [OperatingPoint(t, e) for t in (25.0, 45.0) for e in (0.1, 1.0)]
+    assert listed(short_labels(grid)[:2]) == "25 C, 0.1 s; 25 C, 1 s"
