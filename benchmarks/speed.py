@@ -123,6 +123,9 @@ def analysis(cores: int, folder: Path | None) -> dict[str, Result]:
             "analyse_ours", threads=cores, **ours
         ),
         "dnanalyze, the same, 1 thread": run("analyse_ours", threads=1, **ours),
+        "dnanalyze, level, spectrum, lines and codes alone": run(
+            "analyse_ours", threads=cores, families=["level", "spectrum", "lines", "codes"], **ours
+        ),
         "plain NumPy: means, variances, 2 spectra, quantiles": run("analyse_numpy", frames=20),
         "emva1288: sums, 2 spectrograms, 2 histograms": peer(
             "analyse_emva1288", "emva1288", folder, frames=20
@@ -193,7 +196,13 @@ def main() -> None:
     rows = [[k, f"{v:.3g}"] for k, v in bounds.items() if k != "peak_mib"]
     print(table("What limits, on one core", ("", "figure"), rows))
     compiled = run("first_use")
-    print(table("First use, nothing compiled yet", head, [timed("ten effects, all statistics", compiled)]))
+    print(
+        table(
+            "First use, nothing compiled yet",
+            head,
+            [timed("ten effects, all statistics", compiled)],
+        )
+    )
     print(f"\nload {load()} at the end")
     if asked.json:
         content = {

@@ -11,7 +11,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -93,7 +93,8 @@ def simulate_getframes() -> dict[str, float]:
 
 
 def simulate_pyxel() -> dict[str, float]:
-    from pyxel.detectors import CMOS, Characteristics, CMOSGeometry, Environment
+    from pyxel.detectors import CMOS, CMOSCharacteristics, CMOSGeometry, Environment
+    from pyxel.detectors.characteristics import ChargeToVoltSettings
     from pyxel.models.charge_collection import simple_collection
     from pyxel.models.charge_generation import simple_dark_current
     from pyxel.models.charge_measurement import simple_measurement
@@ -104,9 +105,9 @@ def simulate_pyxel() -> dict[str, float]:
             row=UHD[0], col=UHD[1], total_thickness=40.0, pixel_vert_size=3.0, pixel_horz_size=3.0
         ),
         environment=Environment(temperature=318.0),
-        characteristics=Characteristics(
+        characteristics=CMOSCharacteristics(
             quantum_efficiency=0.9,
-            charge_to_volt_conversion=1e-5,
+            charge_to_volt=ChargeToVoltSettings(value=1e-5),
             pre_amplification=10.0,
             full_well_capacity=50_000,
             adc_bit_resolution=16,
@@ -135,7 +136,9 @@ def simulate_emva1288() -> dict[str, float]:
 # Analysis of a stack
 
 
-def analyse_ours(frames: int, shape: list[int], threads: int) -> dict[str, float]:
+def analyse_ours(
+    frames: int, shape: list[int], threads: int, families: Sequence[str] = ()
+) -> dict[str, float]:
     from dnanalyze.analyzers.analyze import analyze
     from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 
@@ -148,7 +151,7 @@ def analyse_ours(frames: int, shape: list[int], threads: int) -> dict[str, float
     captures = CaptureSet("stack", Sensor(size), (Setting(point, stack),))
     short = CaptureSet("stack", Sensor(size), (Setting(point, stack[:3]),))
     analyze(short, workers=threads)  # compiled, or read from Numba's cache
-    return repeated(lambda: analyze(captures, workers=threads), 1, warm=0)
+    return repeated(lambda: analyze(captures, workers=threads, families=families), 1, warm=0)
 
 
 def analyse_numpy(frames: int) -> dict[str, float]:

@@ -21,6 +21,7 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor
 
 Progress = Callable[[int, int], None]
 SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
+NAMES = tuple(family.INFOS[0].family for family in FAMILIES)
 LEAST = 8  # rows and columns of the smallest plane that can be analysed
 
 
@@ -31,6 +32,7 @@ def analyze(
     workers: int | None = None,
     progress: Progress | None = None,
     scheduler: str | None = None,
+    families: Sequence[str] = (),
 ) -> Statistics:
     """Every statistic of every setting and colour plane, each with its standard error.
 
@@ -46,15 +48,19 @@ def analyze(
     scheduler : str, optional
         Address of a Dask scheduler whose workers read the frames, or "local" to start one here. A
         run that was interrupted goes on where it was, if the captures have a cache.
+    families : sequence of str, optional
+        Families of statistics that are wanted, such as ("level", "spectrum"); all by default.
 
     Raises
     ------
     InputError
-        A window outside the frame, or too small; frames of another shape than the sensor's.
+        A window outside the frame, or too small; frames of another shape than the sensor's; an
+        unknown family.
     """
     return analyze_windows(
-        captures, (window,), workers=workers, progress=progress, scheduler=scheduler
-    )[0]
+        captures, (window,), workers=workers, progress=progress, scheduler=scheduler,
+        families=families,
+    )[0]  # fmt: skip
 
 
 def analyze_windows(
@@ -65,6 +71,7 @@ def analyze_windows(
     progress: Progress | None = None,
     errors: bool = True,
     scheduler: str | None = None,
+    families: Sequence[str] = (),
 ) -> list[Statistics]:
     """`analyze` for several windows of the same frames, each frame read once.
 
@@ -73,13 +80,16 @@ def analyze_windows(
     are compared are sure to be there, and their standard errors mean nothing.
     """
     placed = [_placed(window, captures.sensor) for window in windows]
-    entry = cache.held(captures, placed, errors)
+    wanted = _known(families)
+    entry = cache.held(captures, placed, errors, wanted)
     found = entry.get(captures) if entry else None
     if found is not None:
         if progress is not None:
             progress(captures.frame_count, captures.frame_count)
         return found
-    parts = [_Part(w, plane, errors) for w in placed for plane in _planes(w, captures.sensor)]
+    parts = [
+        _Part(w, plane, errors, wanted) for w in placed for plane in _planes(w, captures.sensor)
+    ]
     if scheduler is None:
         settings = _here(captures, parts, workers, progress)
     else:
@@ -88,6 +98,13 @@ def analyze_windows(
     if entry:
         entry.put(found)
     return found
+
+
+def _known(families: Sequence[str]) -> tuple[str, ...]:
+    for name in families:
+        if name not in NAMES:
+            raise InputError(f"no family is called {name!r}; valid: {', '.join(NAMES)}")
+    return tuple(name for name in NAMES if name in families)
 
 
 def _here(
@@ -121,7 +138,7 @@ def _on_cluster(
     """As `_here`, by the workers of a Dask cluster."""
     from dnanalyze.analyzers import distributed
 
-    cut = distributed.Cut(_outer([part.window for part in parts]), parts, parts[0].errors)
+    cut = distributed.Cut(_outer([part.window for part in parts]), parts)
     out: list[list[SettingStatistics]] = []
     before = 0
     with distributed.cluster(scheduler) as client:
@@ -155,7 +172,8 @@ def _by_window(
             for part, statistics in zip(parts, setting, strict=True)
             if part.window == window
         ]
-        laws, rated = trends(each, captures.sensor) if parts[0].errors else ({}, each)
+        told = parts[0].errors and not parts[0].families
+        laws, rated = trends(each, captures.sensor) if told else ({}, each)
         out.append(Statistics(captures.name, captures.sensor, tuple(rated), laws))
     return out
 
@@ -252,6 +270,7 @@ class _Part:
     window: Window
     plane: _Plane
     errors: bool = True
+    families: tuple[str, ...] = ()
     accumulation: Accumulation | None = None
     waiting: tuple[np.ndarray, ...] = ()
 
@@ -275,7 +294,7 @@ class _Part:
     def _begin(
         self, first: np.ndarray, second: np.ndarray | None, pool: ThreadPoolExecutor | None
     ) -> None:
-        self.accumulation = Accumulation(make_plan(first, second, self.errors), pool)
+        self.accumulation = Accumulation(make_plan(first, second, self.errors, self.families), pool)
         self.accumulation.add(first, 0)
         self.waiting = ()
 
@@ -283,7 +302,8 @@ class _Part:
         if self.accumulation is None:
             self._begin(self.waiting[0], None, None)
         assert self.accumulation is not None
-        return finish(self.accumulation.finish(), point, self.plane.name, pool)
+        complete, self.accumulation = self.accumulation.finish(), None
+        return finish(complete, point, self.plane.name, pool)
 
 
 def finish(
@@ -295,10 +315,11 @@ def finish(
     """The families' values of accumulated frames; with a pool, several families at a time."""
     out = SettingStatistics(point, plane, acc.frames, acc.plan.shape, {})
     acc.prepare()
+    wanted = [f for name, f in zip(NAMES, FAMILIES, strict=True) if acc.plan.wants(name)]
     if pool is None:
-        results = [family.finish(acc) for family in FAMILIES]
+        results = [family.finish(acc) for family in wanted]
     else:
-        results = list(pool.map(lambda family: family.finish(acc), FAMILIES))
+        results = list(pool.map(lambda family: family.finish(acc), wanted))
     for result in results:
         out.values.update(result.values)
         out.curves.update(result.curves)

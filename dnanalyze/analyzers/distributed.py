@@ -30,8 +30,8 @@ TIMEOUT = 20.0  # seconds to reach a scheduler
 class Cut:
     """How a frame is cut into what is analysed each by itself; `Cut.of` is pure and picklable."""
 
-    def __init__(self, outer: Window, parts: Sequence[Any], errors: bool) -> None:
-        self.outer, self.parts, self.errors = outer, tuple(parts), errors
+    def __init__(self, outer: Window, parts: Sequence[Any]) -> None:
+        self.outer, self.parts = outer, tuple(parts)
 
     def of(self, frame: Frame) -> list[np.ndarray]:
         """The pixels of every window and colour plane."""
@@ -48,7 +48,8 @@ def plans(first: Sequence[Frame], cut: Cut) -> list[Plan]:
     """The plan of every part, from the first two frames, or the only one."""
     seen = [cut.of(frame) for frame in first[:2]]
     second: list[Any] = seen[1] if len(seen) > 1 else [None] * len(seen[0])
-    return [make_plan(a, b, cut.errors) for a, b in zip(seen[0], second, strict=True)]
+    triples = zip(seen[0], second, cut.parts, strict=True)
+    return [make_plan(a, b, part.errors, part.families) for a, b, part in triples]
 
 
 def accumulated(

@@ -34,6 +34,8 @@ class Plan:
     errors : bool
         Standard errors are wanted; without them (simulated frames in a fit) they are left at their
         lower bounds, and what is given for information alone may be left out.
+    families : tuple of str
+        Families that are wanted, by name; empty for all.
     """
 
     shape: tuple[int, int]
@@ -44,6 +46,11 @@ class Plan:
     high: float
     integer: bool
     errors: bool = True
+    families: tuple[str, ...] = ()
+
+    def wants(self, *families: str) -> bool:
+        """Whether one of these families is wanted."""
+        return not self.families or not set(self.families).isdisjoint(families)
 
     @property
     def pixels(self) -> int:

@@ -23,10 +23,16 @@ ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
     "spectra": Spectra,
     "neighbours": Neighbours,
 }
+SERVES = {"spectra": ("spectrum", "lines"), "neighbours": ("neighbours",)}  # the others serve all
 HALF = np.float32(np.sqrt(0.5))
 
 
-def make_plan(first: np.ndarray, second: np.ndarray | None = None, errors: bool = True) -> Plan:
+def make_plan(
+    first: np.ndarray,
+    second: np.ndarray | None = None,
+    errors: bool = True,
+    families: tuple[str, ...] = (),
+) -> Plan:
     """The scales of a setting from its first frame, or two, (rows, columns) in DN."""
     frame = as_float(first)
     integer = first.dtype.kind in "ui" or bool(np.all(frame == np.rint(frame)))
@@ -37,9 +43,8 @@ def make_plan(first: np.ndarray, second: np.ndarray | None = None, errors: bool 
         difference = (as_float(second) - frame) * HALF
         between = Ordered(difference, float(HALF) if integer else 0.0).robust_sigma()
     low, high = float(ordered.sorted[0]), float(ordered.sorted[-1])
-    return Plan(
-        frame.shape, float(ordered.quantile(0.5)), sigma, between, low, high, integer, errors
-    )
+    centre = float(ordered.quantile(0.5))
+    return Plan(frame.shape, centre, sigma, between, low, high, integer, errors, families)
 
 
 def as_float(frame: np.ndarray) -> np.ndarray:
@@ -78,7 +83,11 @@ class Accumulation:
     def __init__(self, plan: Plan, pool: ThreadPoolExecutor | None = None) -> None:
         self.plan = plan
         self.frames = 0
-        self.parts: dict[str, Any] = {name: make(plan) for name, make in ACCUMULATORS.items()}
+        self.parts: dict[str, Any] = {
+            name: make(plan)
+            for name, make in ACCUMULATORS.items()
+            if plan.wants(*SERVES.get(name, plan.families))
+        }
         self._pool = pool
         self._running: dict[str, Future[None]] = {}
         self._buffers = Buffers()
@@ -127,7 +136,11 @@ class Accumulation:
         """What the families work on."""
         self.wait()
         scalars = self.parts["maps"].frame_scalars()
-        return Accumulated(self.plan, self.frames, scalars[:, 0] / self.plan.pixels, **self.parts)
+        empty: dict[str, Any] = {
+            name: make(self.plan) for name, make in ACCUMULATORS.items() if name not in self.parts
+        }
+        means = scalars[:, 0] / self.plan.pixels
+        return Accumulated(self.plan, self.frames, means, **self.parts, **empty)
 
 
 def read_ahead(reads: Iterable[Callable[[], np.ndarray]]) -> Iterable[np.ndarray]:

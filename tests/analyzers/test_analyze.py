@@ -150,3 +150,21 @@ def test_every_compared_statistic_says_what_a_misfit_means():
         if info.compared:
             assert info.high, info.name
             assert info.low, info.name
+
+
+def test_chosen_families_have_the_values_of_all_and_nothing_else():
+    captures = capture_of(dark_frames(3, 5, (64, 80)))
+    whole = analyze(captures).settings[0]
+    for chosen in (("level",), ("lines", "level"), ("neighbours",), ("spectrum", "codes")):
+        some = analyze(captures, families=chosen).settings[0]
+        families = {catalogue()[name].family for name in some.values}
+        assert families == set(chosen)
+        assert some.values == {n: v for n, v in whole.values.items() if n in some.values}
+        assert len(some.values) == sum(catalogue()[n].family in chosen for n in whole.values) - sum(
+            n == "dark_rate_dn_s" for n in whole.values
+        )
+
+
+def test_an_unknown_family_is_named_with_the_valid_ones():
+    with pytest.raises(InputError, match="no family is called 'colour'; valid: level, dist"):
+        analyze(capture_of(dark_frames(3, 2)), families=("colour",))

@@ -120,7 +120,7 @@ def test_the_oldest_entries_make_room(folder, store, monkeypatch):
     analyze(found)
     analyze(found, window=Window(0, 32, 0, 64))
     (kept,) = store.glob("*.npz")
-    assert kept == cache.held(found, [Window(0, 32, 0, 64)], True).path
+    assert kept == cache.held(found, [Window(0, 32, 0, 64)], True, ()).path
 
 
 def test_the_user_chooses_the_folder(monkeypatch, tmp_path):
