@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.statistics import Statistics
+from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.refine import Refinement, refine
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
 
 OUT = Path(__file__).resolve().parent / "figures" / "story.png"
 HIDDEN, SEED, SHAPE, FRAMES = "column_fpn", 1, (256, 256), 6  # as `dnanalyze demo` has them
@@ -62,23 +63,23 @@ def draw(captures: CaptureSet, found: Refinement) -> None:
         steps.grid(False)
         steps.spines["left"].set_visible(False)
 
-        _spectra(spectrum, found, (INK, GAUSSIAN, MODEL))
+        _spectra(spectrum, captures, found.model, (INK, GAUSSIAN, MODEL))
         log_axis(spectrum.yaxis)
         fig.savefig(OUT, dpi=130, facecolor="white")
 
 
-def _spectra(ax: Any, found: Refinement, colours: tuple[str, ...]) -> None:
-    """Power that whole columns share: measured, without and with the hidden effect."""
-    without, complete = found.model.without(HIDDEN), found.model
+def _spectra(ax: Any, captures: CaptureSet, model: NoiseModel, colours: tuple[str, ...]) -> None:
+    """Power that whole columns share at the lowest temperature, with and without the effect."""
+    coldest = replace(captures, settings=captures.settings[:1])
     drawn = (
-        ([found.bench.measured], colours[0], "measured", 2.2),
-        (_sensors(found, without), colours[1], f"model without {HIDDEN}", 1.2),
-        (_sensors(found, complete), colours[2], f"model with {HIDDEN}", 1.2),
+        ([coldest], colours[0], "measured", 2.2),
+        (_sensors(model.without(HIDDEN), coldest), colours[1], f"model without {HIDDEN}", 1.2),
+        (_sensors(model, coldest), colours[2], f"model with {HIDDEN}", 1.2),
     )
     for sensors, colour, label, width in drawn:
-        halves = [half.settings[0].curves for sensor in sensors for half in sensor]
-        f = halves[0]["column_spectrum_f"]
-        power = np.mean([c["pattern_column_spectrum"] for c in halves], axis=0)
+        curves = [analyze(sensor).settings[0].curves for sensor in sensors]
+        f = curves[0]["column_spectrum_f"]
+        power = np.mean([c["pattern_column_spectrum"] for c in curves], axis=0)
         kept = len(f) // 8 * 8
         f, power = (np.asarray(x)[:kept].reshape(-1, 8).mean(axis=1) for x in (f, power))
         ax.plot(f, power, color=colour, label=label, linewidth=width)
@@ -87,10 +88,11 @@ def _spectra(ax: Any, found: Refinement, colours: tuple[str, ...]) -> None:
     ax.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
 
 
-def _sensors(found: Refinement, model: NoiseModel, count: int = 8) -> list[list[Statistics]]:
-    """Statistics of simulated sensors of one make: their mean is what the model expects."""
+def _sensors(model: NoiseModel, like: CaptureSet, count: int = 8) -> list[CaptureSet]:
+    """Simulated sensors of one make: the mean of their spectra is what the model expects."""
+    settings = [(s.point, len(s.frames)) for s in like.settings]
     makes = [replace(model, seed=model.seed + 1 + n) for n in range(count)]
-    return [found.bench.statistics(make) for make in makes]
+    return [simulate(make, like.sensor.shape, settings) for make in makes]
 
 
 if __name__ == "__main__":
