@@ -75,7 +75,20 @@ def _sort(values: np.ndarray, count: int) -> None:
         values[j + 1] = v
 
 
-MEDIAN, MEAN, EXTREME = 0, 1, 2
+# MEDIAN is the upper of the two middle values, a rank, as hardware and rank filters take it; MIDPOINT
+# is the mean of the two; EXTREME caps.
+MEDIAN, MEAN, EXTREME, MIDPOINT = 0, 1, 2, 3
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _centre(values: np.ndarray, n: int, replacement: int) -> float:
+    """What stands for ``n`` neighbours; sorts them unless it is their mean."""
+    if replacement == MEAN:
+        return values[:n].mean()
+    _sort(values, n)
+    if replacement == MIDPOINT:
+        return np.float32(0.5) * (values[n // 2 - 1] + values[n // 2])
+    return values[n // 2]
 
 
 @njit(cache=True, nogil=True)
@@ -95,7 +108,8 @@ def replace_outliers(
     both : bool
         Also pixels below.
     replacement : int
-        ``MEDIAN`` or ``MEAN`` of the neighbours: what a pixel is held against and replaced by.
+        ``MEDIAN``, ``MIDPOINT`` or ``MEAN`` of the neighbours: what a pixel is held against and
+        replaced by.
     """
     rows, columns = image.shape
     result = image.copy()
@@ -103,14 +117,10 @@ def replace_outliers(
         values = np.empty(8, np.float32)
         for c in range(columns):
             _gather(image, r, c, 1, values)
-            _sort(values, 8)
-            if replacement == MEDIAN:
-                reference = np.float32(0.5) * (values[3] + values[4])
-            else:
-                reference = values.mean()
+            reference = _centre(values, 8, replacement)
             limit = threshold
             if local:
-                limit *= (values[7] - values[0]) / 2.847
+                limit *= (values.max() - values.min()) / 2.847
             off = image[r, c] - reference
             if off > limit or (both and -off > limit):
                 result[r, c] = reference
@@ -139,11 +149,8 @@ def replace_excess(
             if above or (both and image[r, c] < low - threshold):
                 if replacement == EXTREME:
                     result[r, c] = high if above else low
-                elif replacement == MEAN:
-                    result[r, c] = values[:n].mean()
                 else:
-                    _sort(values, n)
-                    result[r, c] = np.float32(0.5) * (values[n // 2 - 1] + values[n // 2])
+                    result[r, c] = _centre(values, n, replacement)
     return result
 
 
@@ -168,11 +175,8 @@ def replace_by_ratio(
             if image[r, c] - black > factor * max(high - black, 0.0) + threshold:
                 if replacement == EXTREME:
                     result[r, c] = high
-                elif replacement == MEAN:
-                    result[r, c] = values[:n].mean()
                 else:
-                    _sort(values, n)
-                    result[r, c] = np.float32(0.5) * (values[n // 2 - 1] + values[n // 2])
+                    result[r, c] = _centre(values, n, replacement)
     return result
 
 
@@ -185,11 +189,7 @@ def neighbour_centre(image: np.ndarray, replacement: int) -> np.ndarray:
         values = np.empty(8, np.float32)
         for c in range(columns):
             _gather(image, r, c, 1, values)
-            if replacement == MEAN:
-                result[r, c] = values.mean()
-            else:
-                _sort(values, 8)
-                result[r, c] = np.float32(0.5) * (values[3] + values[4])
+            result[r, c] = _centre(values, 8, replacement)
     return result
 
 

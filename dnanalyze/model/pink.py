@@ -71,8 +71,11 @@ def raster_weights(count: int, alpha: float) -> np.ndarray:
     return (weight / (2.0 * np.sqrt(np.sum(weight * weight)))).astype(np.float32)
 
 
-def raster(white: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def raster(white: np.ndarray, weights: np.ndarray, level: float = 0.0) -> np.ndarray:
     """Frame of noise with a power-law spectrum in the order of readout.
+
+    The noise does not stop between frames, so the frame's own level wanders too: it is given the
+    power of the lowest frequency that the frame resolves.
 
     Parameters
     ----------
@@ -80,6 +83,8 @@ def raster(white: np.ndarray, weights: np.ndarray) -> np.ndarray:
         Standard normal; a row of the frame takes so many pixel periods.
     weights : ndarray
         Of `raster_weights`.
+    level : float
+        Standard normal deviate of the frame's level.
 
     Returns
     -------
@@ -89,4 +94,5 @@ def raster(white: np.ndarray, weights: np.ndarray) -> np.ndarray:
     modes = np.zeros(white.size // 2 + 1, np.complex64)
     pairs = np.ascontiguousarray(white).reshape(-1)[: 2 * weights.size]
     np.multiply(pairs.view(np.complex64), weights, out=modes[1:])
+    modes[0] = np.sqrt(2.0) * weights[0] * level
     return fft.irfft(modes, n=white.size, norm="forward").reshape(white.shape)

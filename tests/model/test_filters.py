@@ -19,10 +19,10 @@ def around(function, footprint=RING):
     return ndimage.generic_filter(NOISE.astype(float), function, footprint=footprint, mode="mirror")
 
 
-@pytest.mark.parametrize("name", ["MEDIAN", "MEAN"])
+@pytest.mark.parametrize("name", ["MIDPOINT", "MEAN"])
 @pytest.mark.parametrize("both", [False, True])
 def test_outliers_are_replaced_by_the_neighbours_centre(name, both):
-    reference = around(np.median if name == "MEDIAN" else np.mean)
+    reference = around(np.median if name == "MIDPOINT" else np.mean)
     off = NOISE - reference
     outlying = np.abs(off) > 8.0 if both else off > 8.0
     assert outlying.sum() > 20
@@ -33,11 +33,16 @@ def test_outliers_are_replaced_by_the_neighbours_centre(name, both):
     )
 
 
+def test_median_is_a_rank_of_the_neighbours():
+    rank = ndimage.median_filter(NOISE, footprint=RING, mode="mirror")
+    np.testing.assert_array_equal(filters.neighbour_centre(NOISE, filters.MEDIAN), rank)
+
+
 def test_a_local_threshold_is_in_units_of_the_neighbours_spread():
     spread = around(np.ptp) / 2.847
     middle = around(np.median)
     expected = np.where(NOISE - middle > 4.0 * spread, middle, NOISE)
-    found = filters.replace_outliers(NOISE, 4.0, True, False, filters.MEDIAN)
+    found = filters.replace_outliers(NOISE, 4.0, True, False, filters.MIDPOINT)
     np.testing.assert_allclose(found, expected, atol=1e-3)
     deviates = RNG.normal(size=(8, 200_000))
     assert np.ptp(deviates, axis=0).mean() == pytest.approx(2.847, abs=5 * 0.82 / 447)
@@ -57,7 +62,7 @@ def test_ratio_rule_of_published_cameras(radius, footprint):
     high = around(np.max, footprint)
     hit = 2.0 * np.maximum(high - 90.0, 0) + 5.0 < NOISE - 90.0
     assert hit.sum() > 5
-    for name, centre in (("MEDIAN", np.median), ("MEAN", np.mean), ("EXTREME", np.max)):
+    for name, centre in (("MIDPOINT", np.median), ("MEAN", np.mean), ("EXTREME", np.max)):
         found = filters.replace_by_ratio(NOISE, 2.0, 5.0, 90.0, radius, getattr(filters, name))
         expected = np.where(hit, around(centre, footprint), NOISE)
         np.testing.assert_allclose(found, expected, atol=1e-3)

@@ -121,16 +121,10 @@ def _best_gain(counts: np.ndarray, first: int) -> float | None:
 def _offset(counts: np.ndarray, first: int, gain: float, level: int) -> float:
     """Whole code nearest to ``level`` about which the factor leads to the codes that are used."""
 
-    def misfit(offset: int) -> float:
-        reach = counts.size + abs(first - offset) + 3
-        inputs = np.arange(offset - reach, offset + reach)
-        codes = np.rint((inputs - offset) * gain + offset).astype(int) - first
-        ways = np.bincount(codes[(codes >= 0) & (codes < counts.size)], minlength=counts.size)
-        stray = counts[ways == 0].sum() / counts.sum()
-        return float(stray + np.mean(counts[ways > 0] == 0))
-
     near = sorted(range(level - _PHASES, level + _PHASES + 1), key=lambda b: abs(b - level))
-    return float(min(near, key=lambda b: round(misfit(b), 3)))
+    misfits = [_misfit(counts, first, gain, (b * (1.0 - gain) - first) % gain) for b in near]
+    least = min(misfits)
+    return float(next(b for b, m in zip(near, misfits, strict=True) if m <= least + 0.005))
 
 
 def _plain(gain: float, codes: int) -> list[float]:

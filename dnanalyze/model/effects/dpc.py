@@ -64,7 +64,9 @@ class Dpc(Effect):
     fraction: float = parameter(5e-4, "1", 1e-6, 0.05, "share of pixels on the list (static)")
     kind: str = choice("excess", "rule", "excess", "median", "clamp", "ratio", "static")
     sides: str = choice("hot", "which outliers", "hot", "both")
-    replacement: str = choice("median", "what of the neighbours takes its place", "median", "mean")
+    replacement: str = choice(
+        "median", "what of the neighbours takes its place", "median", "midpoint", "mean"
+    )
     unit: str = choice("DN", "of the threshold (median): DN, or neighbours' spread", "DN", "local")
     neighbours: int = choice(8, "how many are looked at (excess, clamp, ratio)", 8, 24)
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
@@ -93,7 +95,7 @@ class Dpc(Effect):
         from dnanalyze.model import filters
 
         threshold = self.value("threshold", site.point)
-        replacement = filters.MEAN if self.replacement == "mean" else filters.MEDIAN
+        replacement = getattr(filters, self.replacement.upper())
         both = self.sides == "both"
         radius = 1 if self.neighbours == 8 else 2
         if self.kind == "median":

@@ -78,7 +78,8 @@ class FlickerNoise(Effect):
             else:
                 white = site.moment.child("raster").normal(whole, period)
             weights = site.share("weights", lambda: pink.raster_weights(white.size, alpha))
-            return pink.raster(white, weights)
+            level = float(site.moment.child("level").normal(Window(0, 1, 0, 1), 1)[0, 0])
+            return pink.raster(white, weights, level)
 
         rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
         signal += rms * site.share(f"raster {site.frame}", make)[site.window.slices]

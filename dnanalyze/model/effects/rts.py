@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -27,7 +27,9 @@ class Rts(Effect):
         "between two levels: a random telegraph signal. The amplitude follows the dark current "
         "(proportional to exposure, Arrhenius), and so do the switching rates. A single trap in "
         "the source follower's channel does the same at the readout, whatever the exposure "
-        "(exposure: none, activation energy near 0). Over the frames such a pixel is bimodal: "
+        "(exposure: none, activation energy near 0); double sampling turns its two levels into three "
+        "about zero. Traps differ in energy, so the share of time in either level spreads over "
+        "pixels. Over the frames such a pixel is bimodal: "
         "its temporal variance is far above the others' and stays so, in any frames. Averaging "
         "or dark subtraction does not remove it; a map of blinking pixels does. Switching within "
         "an exposure is averaged by it and is not modelled."
@@ -70,16 +72,36 @@ class Rts(Effect):
     )
     exposure: str = choice("proportional", "step over exposure", "proportional", "none")
     polarity: str = choice(
-        "up", "steps up from the usual level, or half of the pixels down", "up", "both"
+        "up",
+        "steps up from the usual level; half of the pixels down; two levels about the pixel's "
+        "mean; or three levels -A, 0, A (double sampling)",
+        "up", "both", "centred", "three",
+    )  # fmt: skip
+    occupancies: str = choice(
+        "same", "occupancy the same in all blinking pixels, or uniform from 0 to 1", "same", "spread"
     )
+
+    def idle(self) -> tuple[str, ...]:
+        """The common occupancy, where each pixel has its own."""
+        return ("occupancy",) if self.occupancies == "spread" else ()
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the step to the blinking pixels that are in their upper level."""
         at, index, step = site.keep("steps", lambda: self._steps(site))
-        on = self._state(index, site)
-        rows, columns = np.divmod(at[on], site.window.shape[1])
-        signal[rows, columns] += step[on]
+        occupancy = self._occupancy(index, site)
+        level = self._state(index, site, "state", occupancy).astype(np.float32)
+        if self.polarity == "three":
+            level -= self._state(index, site, "second", occupancy)
+        elif self.polarity == "centred":
+            level -= occupancy
+        rows, columns = np.divmod(at, site.window.shape[1])
+        signal[rows, columns] += step * level
         return signal
+
+    def _occupancy(self, index: np.ndarray, site: Site) -> np.ndarray:
+        if self.occupancies == "spread":
+            return site.silicon.child("occupancy").uniform_at(index)
+        return np.full(index.size, self.value("occupancy", site.point), np.float32)
 
     def _steps(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Place in the window, index in the frame, and step (DN) of the blinking pixels."""
@@ -96,36 +118,40 @@ class Rts(Effect):
             step = np.log(p / u.reshape(-1)[at])  # a larger fraction lets in small steps first
         else:
             step = np.ones(at.size, np.float32)
-        if self.polarity == "both":
+        if self.polarity in ("both", "centred"):
             down = site.silicon.child("polarity").uniform_at(index) < 0.5
             step = np.where(down, -step, step)
         return at, index, (np.float32(scale) * step).astype(np.float32)
 
-    def _state(self, index: np.ndarray, site: Site) -> np.ndarray:
+    def _state(
+        self, index: np.ndarray, site: Site, name: str, occupancy: np.ndarray
+    ) -> np.ndarray:
         """Whether each pixel is in its upper level, as drawn at its latest renewal."""
         renew = 1.0 - np.exp(-1.0 / self.value("dwell_frames", site.point))
-        occupancy = self.value("occupancy", site.point)
         on = np.zeros(index.size, bool)
         open_ = np.arange(index.size)
         root = site.silicon.child("telegraph", repr(site.point))
         for n in range(site.frame, -1, -1):
             if n > 0:
-                new = root.child("renew", n).uniform_at(index[open_]) < renew
+                new = root.child(f"renew {name}", n).uniform_at(index[open_]) < renew
             else:
                 new = np.ones(open_.size, bool)
             done = open_[new]
-            on[done] = root.child("state", n).uniform_at(index[done]) < occupancy
+            on[done] = root.child(name, n).uniform_at(index[done]) < occupancy[done]
             open_ = open_[~new]
             if open_.size == 0:
                 break
         return on
 
     def variance(self, point: OperatingPoint) -> float:
-        """Over pixels and time, DN^2, at the reference: p o E[A^2] - (p o E[A])^2, upward steps."""
-        on = self.value("fraction", point) * self.value("occupancy", point)
-        square = 2.0 if self.amplitudes == "exponential" else 1.0
-        mean = 0.0 if self.polarity == "both" else on
-        return self.value("amplitude", point) ** 2 * (on * square - mean**2)
+        """Over pixels and time, DN^2, at the reference: of A s, s the level; A and s independent."""
+        o = self.value("occupancy", point)
+        mean, square = (0.5, 1 / 3) if self.occupancies == "spread" else (o, o**2)  # of o
+        level = {"centred": mean - square, "three": 2 * (mean - square)}.get(self.polarity, mean)
+        step2 = 2.0 if self.amplitudes == "exponential" else 1.0
+        p = self.value("fraction", point)
+        offset = p * mean if self.polarity == "up" else 0.0
+        return self.value("amplitude", point) ** 2 * (p * step2 * level - offset**2)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
@@ -155,5 +181,6 @@ class Rts(Effect):
             for law, (share, square) in shares.items():
                 p = fraction / (share**2 * square)
                 values = hints.clip(cls, fraction=p, amplitude=size * share, ea_ev=ea)
-                guesses.append(cls.from_plain({**values, "amplitudes": law, "exposure": exposure}))
+                made = cls.from_plain({**values, "amplitudes": law, "exposure": exposure})
+                guesses += [made, replace(made, polarity="centred", occupancies="spread")]
         return guesses

@@ -30,7 +30,7 @@ def around(image, function, size=3):
 
 @pytest.mark.parametrize("spacing", [1, 2])
 def test_median_rule_within_a_plane(spacing):
-    before, after = both(Dpc(6.0, kind="median", spacing=spacing))
+    before, after = both(Dpc(6.0, kind="median", replacement="midpoint", spacing=spacing))
     for dy in range(spacing):
         for dx in range(spacing):
             plane = before[dy::spacing, dx::spacing]
@@ -41,7 +41,7 @@ def test_median_rule_within_a_plane(spacing):
 
 @pytest.mark.parametrize("sides", ["hot", "both"])
 def test_excess_rule_is_held_against_the_extremes(sides):
-    before, after = both(Dpc(3.0, kind="excess", sides=sides))
+    before, after = both(Dpc(3.0, kind="excess", replacement="midpoint", sides=sides))
     high, low, middle = (around(before, f) for f in (np.max, np.min, np.median))
     hit = before > high + 3.0
     if sides == "both":
@@ -54,7 +54,7 @@ def test_clamp_and_ratio_with_24_neighbours():
     before, after = both(Dpc(0.01, kind="clamp", neighbours=24))
     high = around(before, np.max, 5)
     np.testing.assert_allclose(after, np.where(before > high + 0.01, high, before))
-    before, after = both(Dpc(1.0, 2.0, 64.0, kind="ratio"))
+    before, after = both(Dpc(1.0, 2.0, 64.0, kind="ratio", replacement="midpoint"))
     high, middle = around(before, np.max), around(before, np.median)
     hit = before - 64.0 > 2.0 * np.maximum(high - 64.0, 0.0) + 1.0
     assert hit.sum() > 10
@@ -79,7 +79,7 @@ def test_static_correction_replaces_the_brightest_of_the_silicon_at_every_settin
     changed = []
     for point in (POINT, OperatingPoint(65.0, 1.0, 1.0)):
         y = frames(*SENSOR, count=3, shape=SHAPE, point=point)
-        z = frames(*SENSOR, Dpc(fraction=0.002, kind="static"), count=3, shape=SHAPE, point=point)
+        z = frames(*SENSOR, Dpc(fraction=0.002, kind="static", replacement="midpoint"), count=3, shape=SHAPE, point=point)
         moved = np.any(z != y, axis=0)
         assert moved.sum() == round(0.002 * moved.size)
         np.testing.assert_allclose(z[:, moved][0], around(y[0], np.median)[moved], atol=1e-4)
