@@ -95,7 +95,12 @@ class Accumulated:
     @cached_property
     def pattern(self) -> np.ndarray:
         """F, the mean over the frames, DN; float32. It still holds 1/K of the temporal variance."""
-        return self.maps.mean()
+        return self.moments[0]
+
+    @cached_property
+    def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Mean, variance and lag-one sum of each pixel, see `PixelMaps.moments`."""
+        return self.maps.moments()
 
     @cached_property
     def pattern_ordered(self) -> Ordered:
@@ -163,7 +168,7 @@ class Accumulated:
     @cached_property
     def temporal_variance(self) -> np.ndarray | None:
         """Unbiased variance of each pixel over the frames, DN^2, float32; None for one frame."""
-        return self.maps.variance() if self.frames > 1 else None
+        return self.moments[1] if self.frames > 1 else None
 
     @cached_property
     def temporal_mean(self) -> float:

@@ -149,6 +149,19 @@ def seam_sums(y, past, centre, limit, hot, out):
 
 
 @njit(cache=True, nogil=True)
+def moments(total, square, lag, first, last, origin, count, mean, variance, lag_one):
+    """Mean, unbiased variance and lag-one sum of each pixel from its sums, see `PixelMaps`."""
+    k = np.float64(count)
+    for i in range(total.size):
+        t = total[i]
+        m = t / k
+        mean[i] = m + origin
+        variance[i] = max(square[i] - t * t / k, 0.0) / max(k - 1.0, 1.0)
+        ends = np.float64(first[i]) + np.float64(last[i]) - 2 * origin
+        lag_one[i] = lag[i] - m * (2 * t - ends) + (k - 1.0) * m * m
+
+
+@njit(cache=True, nogil=True)
 def tally(values, first, width, counts):
     """Count flat float32 ``values`` in equal bins; ``first`` is the centre of the first.
 

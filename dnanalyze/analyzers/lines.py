@@ -171,13 +171,13 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
         result.missing["lines"] = "the frame is too small for line noise"
         return
     single, (rows, columns) = _axis_powers(spectra.frame_power()), spectra.shape
-    mean = spectra.sum / spectra.frames
-    jumps = [_jump(mean.mean(axis=axis)) for axis in (0, 1)]
+    means = [spectra.sum.mean(axis=axis) / spectra.frames for axis in (0, 1)]
+    jumps = [_jump(each) for each in means]
     if acc.frames < 2:
         result.missing["lines"] = "one frame does not tell noise in time from a fixed pattern"
         repeats = [1.0, 1.0]
     else:
-        fixed = _image_axis_powers(mean)
+        fixed = _image_axis_powers(spectra.sum, spectra.frames, *means)
         k, own = acc.frames / (acc.frames - 1.0), acc.frames - 1.0
         temporal = tuple(np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True))
         repeats = [
@@ -209,16 +209,20 @@ def _axis_powers(power: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     return power[0, 1:], power[1 : rows // 2 + 1, 0], inner / ((rows - 1) * (half - 1.5))
 
 
-def _image_axis_powers(image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`_axis_powers` of an image, by one-dimensional transforms and Parseval's theorem."""
-    rows, columns = image.shape
-    by_column, by_row = image.mean(axis=0), image.mean(axis=1)
+def _image_axis_powers(
+    total: np.ndarray, frames: int, by_column: np.ndarray, by_row: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`_axis_powers` of the mean image, from its line means and by Parseval's theorem.
+
+    ``total`` is the sum over the frames.
+    """
+    rows, columns = total.shape
     middle = by_row.mean()
     on_columns = np.abs(np.fft.rfft(by_column - middle))[1:] ** 2 * (rows / columns)
     on_rows = np.abs(np.fft.rfft(by_row - middle))[1:] ** 2 * (columns / rows)
-    total = float(np.einsum("ij,ij->", image, image)) / image.size - middle**2
-    rest = total - by_column.var() - by_row.var()
-    return on_columns, on_rows, rest * image.size / ((rows - 1) * (columns - 1))
+    square = float(np.einsum("ij,ij->", total, total)) / frames**2 / total.size
+    rest = square - middle**2 - by_column.var() - by_row.var()
+    return on_columns, on_rows, rest * total.size / ((rows - 1) * (columns - 1))
 
 
 def _line_noise(

@@ -90,24 +90,28 @@ class PixelMaps:
         self.flush()
         return self.scalars
 
+    def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """`mean`, `variance` and `lag_one`, in one pass over the sums."""
+        from dnanalyze.analyzers import kernels
+
+        total, square, lag = self._arrays()[:3]
+        out = np.empty((3, self.plan.pixels), np.float32)
+        ends = self.head[0].ravel(), self.tail[-1].ravel()
+        kernels.moments(total, square, lag, *ends, self.origin, self.frames, *out)
+        mean = self.head[0] if self.frames == 1 else self._map(out[0])
+        return mean, self._map(out[1]), self._map(out[2])
+
     def mean(self) -> np.ndarray:
         """Mean over the frames, DN, float32."""
-        if self.frames == 1:
-            return self.head[0]
-        return self._map(self._arrays()[0] / self.frames + self.origin)
+        return self.moments()[0]
 
     def variance(self) -> np.ndarray:
-        """Unbiased variance over the frames, DN^2, float32."""
-        total, square = self._arrays()[:2]
-        k = self.frames
-        return self._map(np.maximum(square - total * total / k, 0.0) / (k - 1))
+        """Unbiased variance over the frames, DN^2, float32; 0 for one frame."""
+        return self.moments()[1]
 
     def lag_one(self) -> np.ndarray:
         """Autocovariance at one frame about the pixel's mean, times the frames, DN^2, float32."""
-        total, _, lag = self._arrays()[:3]
-        mean = total / self.frames
-        ends = self.head[0].ravel().astype(float) + self.tail[-1].ravel() - 2 * self.origin
-        return self._map(lag - mean * (2 * total - ends) + (self.frames - 1) * mean * mean)
+        return self.moments()[2]
 
     def extremes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Largest value of each pixel, DN, the frame that holds it, and the smallest value."""

@@ -56,6 +56,8 @@ class Spectra:
         if self.frames < 2:
             return None
         power = self.frame_power()
-        power -= power_of(self.sum / self.frames, self.shape)
+        mean = np.empty(self.shape, np.float32)
+        np.divide(self.sum, self.frames, out=mean, casting="same_kind")
+        power -= power_of(mean, self.shape)
         power *= self.frames / (self.frames - 1)
         return np.maximum(power, 0.0, out=power)

@@ -199,7 +199,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
         return
     k = acc.frames
     with np.errstate(divide="ignore", invalid="ignore"):
-        r1 = acc.maps.lag_one() / (variance * np.float32(k - 1))
+        r1 = acc.moments[2] / (variance * np.float32(k - 1))
     r1[~noisy] = -1.0 / k
     errors = QuantileErrors(acc.plan, (r1,), Ordered(r1), np.array([0.5]))
     drift = acc.drift_error(acc.temporal_mean) / math.sqrt(2)  # whole frames are one series
