@@ -1,4 +1,4 @@
-"""The commands of the README run, in its order, on a smaller sensor."""
+"""The commands of the README and of the first hour run, in their order, on a smaller sensor."""
 
 import shlex
 
@@ -20,16 +20,28 @@ def sensor_folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.slow
-def test_readme_commands_run(sensor_folder, capsys):
+def run_commands(page):
+    """Every command of the page that works on the folder ``sensor``, in its order."""
     from dnanalyze_cli.main import main
 
-    lines = [x for x in tree.command_lines(tree.ROOT / "README.md") if " sensor" in x]
+    lines = list(tree.command_lines(page))
     assert len(lines) >= 5
     for line in lines:
         assert main(shlex.split(line)[1:]) == 0, line
+
+
+def test_readme_commands_run(sensor_folder, capsys):
+    run_commands(tree.ROOT / "README.md")
+    assert "column_fpn" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_first_hour_commands_run(sensor_folder, capsys):
+    run_commands(tree.DOCS / "first-hour.md")
     shown = capsys.readouterr().out
     assert "column_fpn" in shown
+    assert (sensor_folder / "analyze.html").stat().st_size > 100_000
+    assert (sensor_folder / "targets.yaml").exists()
 
 
 @pytest.mark.slow
