@@ -22,6 +22,7 @@ class SharedAmplifier(Effect):
     sigma: float = parameter(1.0, "DN", 1e-3, 1e3, "standard deviation of the shared noise")
 
     def apply(self, signal, site):
+        """The signal with the shared noise, DN."""
         w = site.window  # any part of the frame: the numbers belong to the cell, not to the window
         cells = Window(w.top // 2, (w.bottom + 1) // 2, w.left // 2, (w.right + 1) // 2)
         noise = site.moment.child("cells").normal(cells, site.shape[1] // 2 + 1)
@@ -32,6 +33,7 @@ class SharedAmplifier(Effect):
 
     @classmethod
     def guess(cls, clues):
+        """sigma from the correlation of diagonal neighbours that the model lacks."""
         surplus = clues.measured("temporal_corr_11") - clues.simulated("temporal_corr_11")
         variance = np.nanmedian(8 * surplus * clues.measured("temporal_noise") ** 2)
         return [cls(float(np.sqrt(variance)))] if variance > 1e-4 else []
