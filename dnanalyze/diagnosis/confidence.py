@@ -45,9 +45,13 @@ def _dispersion(trials: Sequence[Trial]) -> float:
     return max(1.0, loss(left.test) / max(len(left.test), 1))
 
 
-def significant(found: Trial) -> bool:
-    """Whether the gain, on both halves, is beyond what a useless effect could reach by chance."""
-    return found.gain > NOTHING and found.fitted_gain > NOTHING
+def significant(found: Trial, error: float) -> bool:
+    """Whether an effect is worth adding to a model that stands at ``error``.
+
+    Its gain, on both halves, must be beyond what a useless effect could reach by chance, and the
+    pooled error of the unseen half must fall with it.
+    """
+    return found.gain > NOTHING and found.fitted_gain > NOTHING and found.error < error
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -121,8 +121,9 @@ def judge(
                 words,
             )
         )
-    missing = bool(tried) and significant(tried[0])
-    rest = adequacy(held, tried[0].state if missing else state)
+    best = next((t for t in tried if significant(t, error)), None)
+    missing = best is not None
+    rest = adequacy(held, best.state if best is not None else state)
     verdict = "missing" if missing else ("adequate" if rest.adequate else "unexplained")
     made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
     return replace(

@@ -114,13 +114,14 @@ def refine(
         open_to = candidates_of(state, known, [BASE, *exclude, *dropped])
         tried = trials(held, state, open_to, trying)
         added = sum(1 for s in steps[1:] if s.added not in EVERYDAY)
-        if not tried or not significant(tried[0]):
+        error = error_of(held, state)
+        best = next((t for t in tried if significant(t, error)), None)
+        if best is None:
             break
         if most_effects is not None and added >= most_effects:
             break
-        best = tried[0]
         state = _completed(held, best.state, best.effect)
-        note(Step(best.effect, error_of(held, state), float(confidences(tried)[0])))
+        note(Step(best.effect, error_of(held, state), float(confidences(tried)[tried.index(best)])))
         state, gone = _needless(held, state, keep=best.effect)
         for name in gone:
             dropped.add(name)

@@ -9,10 +9,10 @@ import numpy as np
 
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions
-from dnanalyze.fitting.least_squares import State, minimise, start, weights
+from dnanalyze.fitting.least_squares import State, converge, loss, start, weights
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import moments, paper_model
+from dnanalyze.fitting.start import moments, paper_models
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -82,15 +82,14 @@ def fit(
     """
     held = held or bench(design(captures))
     model = model or paper_start(held)
-    state = minimise(held, start(held, model, knobs_of(model, frozen)), 12, 0.003, tell)
+    state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
     return with_uncertainties(held, state, replicates)
 
 
 def paper_start(held: Bench) -> NoiseModel:
-    """The paper's model by moments of the measured train half."""
-    return paper_model(
-        moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
-    )
+    """The paper's model by moments of the measured train half, at the pedestal that suits it best."""
+    m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
+    return min(paper_models(m), key=lambda model: loss(held.z(model)[0]))
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:

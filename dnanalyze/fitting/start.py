@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import nnls
@@ -23,7 +23,8 @@ class Moments:
     """Mean and variances over the operating points, DN and DN^2, and what they say at a glance.
 
     ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are variances;
-    where a point has one frame, its whole variance counts as pattern.
+    a point with one frame cannot tell them apart: it is given the temporal variance of the other
+    points, or half of its own.
     """
 
     points: list[OperatingPoint]
@@ -54,10 +55,12 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
     """Read the moments off the statistics."""
     mean = readings.value("mean")
     frames = readings.frames
-    temporal = np.nan_to_num(readings.value("temporal_noise"), nan=0.0) ** 2
-    stack = readings.value("pattern_noise") ** 2 - temporal / frames
     single = readings.value("frame_noise_core") ** 2
-    pattern = np.where(frames > 1, np.maximum(stack, 1e-4), single)
+    seen = readings.value("temporal_noise_core") ** 2
+    usual = float(np.nanmedian(seen)) if np.isfinite(seen).any() else np.inf
+    temporal = np.where(np.isfinite(seen), seen, np.minimum(usual, single / 2))
+    stack = readings.value("pattern_noise") ** 2 - temporal / frames
+    pattern = np.maximum(np.where(frames > 1, stack, single - temporal), 1e-4 * single)
     pedestal = pedestal_guess(readings.points, mean, black_level)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
     return Moments(readings.points, pedestal, np.maximum(mean - pedestal, least), temporal, pattern)
@@ -121,8 +124,20 @@ def gaussian_model(m: Moments) -> NoiseModel:
     return NoiseModel((noise,), _table(m.points, m.pedestal + m.signal), m.reference)
 
 
-def paper_model(m: Moments) -> NoiseModel:
-    """The paper's model by moments, every parameter a table over the operating points."""
+def paper_models(m: Moments) -> list[NoiseModel]:
+    """The paper's model by moments, every parameter a table over the operating points.
+
+    Several, for pedestals farther and farther below the signal: the farther, the nearer the seed is to
+    a Gaussian. The series may not pin the pedestal, and then the shape has to.
+    """
+    sd = float(np.sqrt(np.min(m.total)))
+    return [
+        _paper(replace(m, pedestal=m.pedestal - shift, signal=m.signal + shift))
+        for shift in (0.0, sd, 5.0 * sd, 30.0 * sd)
+    ]
+
+
+def _paper(m: Moments) -> NoiseModel:
     spread = np.sqrt(np.log1p(np.minimum(m.pattern / m.signal**2, np.exp(6.0))))
     spread = np.maximum(spread, 0.02)
     square = m.signal**2 * np.exp(spread**2)
