@@ -1,4 +1,4 @@
-"""The error: how far a model is from the measurement, in units of what a second sensor would differ by."""
+"""The error: how far a model is from the measurement, in units of what a second sensor differs."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ def family_errors(z: np.ndarray, families: np.ndarray) -> dict[str, float]:
         Family of each.
     """
     z = np.clip(z, -SATURATION, SATURATION)
-    return {
-        str(f): float(np.sqrt(np.mean(z[families == f] ** 2))) for f in np.unique(families)
-    }
+    return {str(f): float(np.sqrt(np.mean(z[families == f] ** 2))) for f in np.unique(families)}
 
 
 def pooled(z: np.ndarray, families: np.ndarray) -> float:

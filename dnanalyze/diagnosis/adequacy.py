@@ -1,4 +1,4 @@
-"""Is anything left that the model does not explain? Calibrated on simulated sensors of the same make."""
+"""Is anything left that the model does not explain? Held against simulated sensors of its make."""
 
 from __future__ import annotations
 

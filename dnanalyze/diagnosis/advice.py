@@ -15,7 +15,8 @@ from dnanalyze.model.effect import Effect
 
 NOISE = 5.0  # loss below which a trial strength is called unseen
 STRENGTHS = (
-    "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step", "strength",
+    "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step",
+    "strength",
 )  # fmt: skip
 
 
@@ -44,13 +45,13 @@ class Limit:
         return f"{self.effect} with {self.parameter} below {self.value:.2g}{unit} would not be seen"
 
 
-def detection_limits(
-    held: Bench, state: State, known: dict[str, type[Effect]]
-) -> dict[str, str]:
+def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:
     """Detection limit of every effect that is not in the model, as sentences.
 
-    The strength at which the effect moves the statistics, beyond what the model's own parameters can
-    absorb, by what `significant` asks for. One simulation each, at the setting with the least noise,
+    The strength at which the effect moves the statistics, beyond what the model's own parameters
+    can
+    absorb, by what `significant` asks for. One simulation each, at the setting with the least
+    noise,
     followed along the power law by which such an effect shows.
     """
     noise = Readings(held.measured[0]).value("frame_noise_core")
@@ -67,7 +68,7 @@ def detection_limits(
             continue
         parameter, first = strength
         info = effect.parameters()[parameter]
-        made = state.model.with_effect(replace(effect(), **{parameter: first}))  # type: ignore[arg-type]
+        made = state.model.with_effect(replace(effect(), **{parameter: first}))
         shift = np.nan_to_num((small.coordinates(made)[0] - base) / small.train.floor)
         gain = loss(shift - free @ (free.T @ shift))
         power = 4.0 if info.unit.startswith("DN") else 2.0

@@ -9,8 +9,10 @@ import numpy as np
 from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import loss
 
-# The statistics are correlated, so a gain overstates the log likelihood ratio; the divisor and the gain
-# that "nothing is missing" is credited with were set on random virtual sensors, see docs/accuracy.md.
+# The statistics are correlated, so a gain overstates the log likelihood ratio; the divisor and the
+# gain
+# that "nothing is missing" is credited with were set on random virtual sensors, see
+# docs/accuracy.md.
 DEFLATION = 8.0
 NOTHING = 25.0
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion

@@ -7,7 +7,15 @@ from dataclasses import dataclass, field
 
 from dnanalyze.diagnosis.confidence import NOTHING, confidences, significant
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
-from dnanalyze.diagnosis.trial import candidates_of, error_of, judged, prospects, removal, settled, trials
+from dnanalyze.diagnosis.trial import (
+    candidates_of,
+    error_of,
+    judged,
+    prospects,
+    removal,
+    settled,
+    trials,
+)
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -23,7 +31,7 @@ from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, find
 
 @dataclass(frozen=True)
 class Step:
-    """One step: what was added (None: the starting model; "-name": taken out again) and the error after it."""
+    """What was added (None: the starting model; "-name": taken out again), and the error then."""
 
     added: str | None
     error: float
@@ -137,7 +145,8 @@ def _everyday(
 ) -> State:
     """Put in what every sensor has, one after another, and let what tables absorbed get its name.
 
-    The paper's tables over temperature give way to laws: a constant spread and kernel. All four are fitted
+    The paper's tables over temperature give way to laws: a constant spread and kernel. All four
+    are fitted
     together first; the models between are that fit with the later ones taken out.
     """
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor

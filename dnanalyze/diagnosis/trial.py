@@ -186,16 +186,16 @@ def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
 
 
 def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State:
-    """The best of an effect's kinds: each alternative to each of its choices, refitted from here."""
-    for choice, info in state.model.get(name).parameters().items():  # type: ignore[union-attr]
+    """The best of an effect's kinds: each alternative to its choices, refitted from here."""
+    for choice, info in _effect(state, name).parameters().items():
         if info.scale != "choice" or choice in UNTRIED:
             continue
-        effect = state.model.get(name)
+        effect = _effect(state, name)
         for other in info.choices:
             if other == getattr(effect, choice):
                 continue
             try:
-                model = state.model.with_effect(replace(effect, **{choice: other}))  # type: ignore[type-var]
+                model = state.model.with_effect(replace(effect, **{choice: other}))
             except InputError:
                 continue
             begun = start(bench, model, knobs_of(model), like=state)
@@ -205,6 +205,12 @@ def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State
             if ended.loss < state.loss - KIND_GAIN:
                 state = ended
     return state
+
+
+def _effect(state: State, name: str) -> Effect:
+    found = state.model.get(name)
+    assert found is not None
+    return found
 
 
 def removal(bench: Bench, state: State, name: str, iterations: int = 3) -> State:
@@ -217,6 +223,4 @@ def candidates_of(
     state: State, known: dict[str, type[Effect]], exclude: Sequence[str]
 ) -> dict[str, type[Effect]]:
     """Effects that are neither in the model nor excluded."""
-    return {
-        n: e for n, e in known.items() if n not in exclude and state.model.get(n) is None
-    }
+    return {n: e for n, e in known.items() if n not in exclude and state.model.get(n) is None}

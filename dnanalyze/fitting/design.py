@@ -17,7 +17,8 @@ MOST_FRAMES = 8
 class Design:
     """Settings and frames that enter, and the two halves of the field.
 
-    The fit sees ``train``, the left half; the error is measured on ``test``, the right half. Large-scale
+    The fit sees ``train``, the left half; the error is measured on ``test``, the right half.
+    Large-scale
     shading, which has only one realisation over the field, is split by a checkerboard of blocks.
     """
 
@@ -73,7 +74,7 @@ def design(
 
 
 def _spread(settings: tuple[Setting, ...], most: int) -> tuple[Setting, ...]:
-    """Settings far from one another in temperature and log exposure; those with frames to spare first."""
+    """Settings far apart in temperature and log exposure; those with frames to spare first."""
     if len(settings) <= most:
         return settings
     place = np.array([_place(s.point) for s in settings])
@@ -90,6 +91,8 @@ def _spread(settings: tuple[Setting, ...], most: int) -> tuple[Setting, ...]:
 
 
 def _place(point: OperatingPoint) -> tuple[float, float, float, float]:
-    exposure = np.log10(max(point.exposure_s or 1e-6, 1e-6)) if point.exposure_s is not None else 0.0
+    exposure = (
+        np.log10(max(point.exposure_s or 1e-6, 1e-6)) if point.exposure_s is not None else 0.0
+    )
     channel = float(sum(map(ord, point.channel or "")))
     return point.temperature_c or 0.0, exposure, float(point.gain or 0.0), channel

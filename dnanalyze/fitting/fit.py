@@ -87,15 +87,16 @@ def fit(
 
 
 def paper_start(held: Bench) -> NoiseModel:
-    """The paper's model by moments of the measured train half, at the pedestal that suits it best."""
+    """The paper's model by moments of the train half, at the pedestal that suits it best."""
     m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
     return min(paper_models(m), key=lambda model: loss(held.z(model)[0]))
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
-    """Errors and correlations from how the estimate scatters over simulated sensors of the same make.
+    """Errors and correlations from how the estimate scatters over simulated sensors of its make.
 
-    The estimate moves by G dz, G = (J'WJ)^-1 J'W. Both the measured and the simulated statistics scatter like
+    The estimate moves by G dz, G = (J'WJ)^-1 J'W. Both the measured and the simulated statistics
+    scatter like
     those of a replicate, so the covariance is twice that of G (replicate - mean).
     """
     knobs, here = state.knobs, positions(state.model, state.knobs)
@@ -132,7 +133,9 @@ def _doubts(
         if not seen[i]:
             sentences.append(f"{knob.name}: nothing in these captures depends on it")
         elif knob.log and spread[i] > VAGUE:
-            sentences.append(f"{knob.name}: not determined within a factor of {np.exp(min(spread[i], 50)):.3g}")
+            sentences.append(
+                f"{knob.name}: not determined within a factor of {np.exp(min(spread[i], 50)):.3g}"
+            )
     for i in range(len(knobs)):
         for j in range(i):
             if abs(correlations[i, j]) > ALIKE:

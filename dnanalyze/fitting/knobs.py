@@ -52,7 +52,7 @@ class Knob:
 
     @property
     def group(self) -> str:
-        """Rows of one table form a group: each moves other settings, so one simulation serves all."""
+        """Rows of a table form a group: each moves other settings, so one simulation serves."""
         return f"{self.effect}.{self.parameter}[]" if self.part.isdigit() else self.name
 
     def inside(self, position: float) -> float:
@@ -127,7 +127,7 @@ def turned(model: NoiseModel, knobs: Sequence[Knob], where: np.ndarray) -> Noise
     effects = []
     for effect in model.effects:
         new = {p: law for (e, p), law in changed.items() if e == effect.name}
-        effects.append(replace(effect, **new) if new else effect)  # type: ignore[arg-type]
+        effects.append(replace(effect, **new) if new else effect)
     return replace(model, effects=tuple(effects))
 
 

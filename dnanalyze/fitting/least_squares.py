@@ -1,7 +1,8 @@
 """Levenberg-Marquardt on simulated statistics, with few simulations.
 
 The derivative of a group of knobs costs one simulation; between iterations it is kept up to date by
-Broyden's rank-one formula instead of being taken anew. A pseudo-Huber loss keeps a few statistics that
+Broyden's rank-one formula instead of being taken anew. A pseudo-Huber loss keeps a few statistics
+that
 the model cannot reach from bending all others.
 """
 
@@ -143,9 +144,7 @@ def minimise(
         if expected < tolerance * state.loss + 0.5:
             break
         here = positions(state.model, state.knobs)
-        there = np.array(
-            [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
-        )
+        there = np.array([k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)])
         model = turned(state.model, state.knobs, there)
         train, test = bench.z(model)
         jacobian = _broyden(state.jacobian, train - state.train, there - here)

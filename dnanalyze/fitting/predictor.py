@@ -41,9 +41,7 @@ class Bench:
     def statistics(self, model: NoiseModel, errors: bool = False) -> list[Statistics]:
         """Statistics of both halves of a simulated capture set."""
         sensor = self.plan.captures.sensor
-        made = simulate(
-            model, self.plan.shape, self.plan.settings, "simulation", sensor, self.memo
-        )
+        made = simulate(model, self.plan.shape, self.plan.settings, "simulation", sensor, self.memo)
 
         def one(setting: Setting) -> list[Statistics]:
             alone = replace(made, settings=(setting,))

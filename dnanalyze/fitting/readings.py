@@ -39,7 +39,9 @@ class Readings:
 
     def value(self, name: str) -> np.ndarray:
         """A statistic over the points; NaN where a point lacks it."""
-        return np.array([_mean([s.values[name].value for s in p if name in s.values]) for p in self.planes])
+        return np.array(
+            [_mean([s.values[name].value for s in p if name in s.values]) for p in self.planes]
+        )
 
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A curve of one point; empty where it lacks it (first colour plane)."""

@@ -1,6 +1,7 @@
 """Low-order shading over the whole field, from one colour of a checkerboard of blocks.
 
-Shading has one realisation a sensor, so it cannot be split into halves of the field as the rest is: the fit
+Shading has one realisation a sensor, so it cannot be split into halves of the field as the rest
+is: the fit
 sees the even blocks of the whole field and is judged on the odd ones.
 """
 
@@ -51,8 +52,10 @@ def shading_values(
     Returns
     -------
     dict
-        shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the power of
-        the next orders: a random low-frequency field shows there, and a second sensor would draw it anew.
+        shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the
+        power of
+        the next orders: a random low-frequency field shows there, and a second sensor would draw
+        it anew.
     """
     if "block_means" not in left.curves or "block_means" not in right.curves:
         return {}

@@ -22,7 +22,8 @@ ROUNDING_VARIANCE = 1.0 / 12.0
 class Moments:
     """Mean and variances over the operating points, DN and DN^2, and what they say at a glance.
 
-    ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are variances;
+    ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are
+    variances;
     a point with one frame cannot tell them apart: it is given the temporal variance of the other
     points, or half of its own.
     """
@@ -69,7 +70,7 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
 def pedestal_guess(
     points: list[OperatingPoint], mean: np.ndarray, black_level: float | None
 ) -> float:
-    """Black level from the series: mean = pedestal + A t exp(-Ea/k (1/T - 1/T0)), best Ea on a grid.
+    """Black level from the series, mean = pedestal + A t exp(-Ea/k (1/T - 1/T0)), Ea on a grid.
 
     Parameters
     ----------
@@ -127,7 +128,8 @@ def gaussian_model(m: Moments) -> NoiseModel:
 def paper_models(m: Moments) -> list[NoiseModel]:
     """The paper's model by moments, every parameter a table over the operating points.
 
-    Several, for pedestals farther and farther below the signal: the farther, the nearer the seed is to
+    Several, for pedestals farther and farther below the signal: the farther, the nearer the seed
+    is to
     a Gaussian. The series may not pin the pedestal, and then the shape has to.
     """
     sd = float(np.sqrt(np.min(m.total)))
@@ -156,14 +158,17 @@ def _paper(m: Moments) -> NoiseModel:
 def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
     """The paper's seed with the four effects that every sensor has, by moments.
 
-    The seed's mean follows a table over temperature, its spread and kernel are constant; shot and read
+    The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
+    read
     noise are slope and intercept of temporal variance over signal, pixel offsets what remains of
     the pattern where there is no signal. ``bits`` are the converter's.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
     (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
-    (offsets, relative), _ = nnls(_two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight)
+    (offsets, relative), _ = nnls(
+        _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
+    )
     delta = math.sqrt(math.log1p(min(max(relative, 1e-3), 50.0)))
     lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
     reference = m.reference
@@ -181,7 +186,7 @@ def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
         known["read_noise"](sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01))),  # type: ignore[call-arg]
         known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
-        known["quantization"](bits=bits),
+        known["quantization"](bits=bits),  # type: ignore[call-arg]
     )
     return NoiseModel(effects, m.pedestal, reference)
 

@@ -33,7 +33,8 @@ class Target:
     coordinates : ndarray
         On the statistic's own scale.
     floor : ndarray
-        What two independent captures would differ by, on that scale: sqrt(2) times the standard error.
+        What two independent captures would differ by, on that scale: sqrt(2) times the standard
+        error.
     families : ndarray of str
     """
 
