@@ -1,8 +1,9 @@
 """What an effect is: parameters, its place in the signal chain, and one pure function.
 
-An effect is a frozen dataclass derived from `Effect`. Its fields, made with `parameter`, carry units, bounds
-and a default. ``apply`` takes the signal of a window of the frame and returns the changed signal. Up to
-the ``PEDESTAL`` the signal is in DN above the black level, after it in DN as recorded.
+An effect is a frozen dataclass derived from `Effect`. Its fields, made with `parameter`, carry
+units, bounds and a default. ``apply`` takes the signal of a window of the frame and returns the
+changed signal. Up to the ``PEDESTAL`` the signal is in DN above the black level, after it in DN as
+recorded.
 """
 
 from __future__ import annotations
@@ -95,7 +96,8 @@ class Site:
     frame : int
         Number of the frame in its setting, from 0.
     silicon, moment : Stream
-        Random numbers of this effect: the same in every frame of every setting, and new in each frame.
+        Random numbers of this effect: the same in every frame of every setting, and new in each
+        frame.
     keep : callable
         ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
     share : callable
@@ -103,8 +105,8 @@ class Site:
     field : callable
         ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
     calibration : callable
-        ``calibration(n)`` is frame n, whole, at the reference point as it is before this effect: what
-        a factory would have seen of this silicon. Negative n are frames of no capture.
+        ``calibration(n)`` is frame n, whole, at the reference point as it is before this effect:
+        what a factory would have seen of this silicon. Negative n are frames of no capture.
     """
 
     shape: tuple[int, int]
@@ -179,10 +181,10 @@ class Effect:
     """Base of all effects; see the module's text.
 
     Class attributes: ``name`` as in the catalogue; ``stage``; ``varies`` "fixed" or "temporal" or
-    "both" or "digital"; ``summary`` one line; ``physics`` the paragraph for the user: what it is, its
-    law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the statistics that it
-    moves most; ``confused_with`` {effect: what tells them apart}; ``reach`` pixels around the window
-    that it looks at; ``memory`` earlier frames that it looks at.
+    "both" or "digital"; ``summary`` one line; ``physics`` the paragraph for the user: what it is,
+    its law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the
+    statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
+    pixels around the window that it looks at; ``memory`` earlier frames that it looks at.
     """
 
     name: ClassVar[str] = ""
@@ -210,7 +212,8 @@ class Effect:
             for number in numbers:
                 if not info.lower <= number <= info.upper:
                     raise InputError(
-                        f"{where}: {number:g} {info.unit} is outside {info.lower:g} to {info.upper:g}"
+                        f"{where}: {number:g} {info.unit} is outside "
+                        f"{info.lower:g} to {info.upper:g}"
                     )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
@@ -227,7 +230,7 @@ class Effect:
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """First guesses of this effect from what the model leaves unexplained; empty: no sign of it.
+        """First guesses of this effect from what the model leaves unexplained; empty: no sign.
 
         Several where the effect has kinds (each is tried).
         """

@@ -75,8 +75,8 @@ def _sort(values: np.ndarray, count: int) -> None:
         values[j + 1] = v
 
 
-# MEDIAN is the upper of the two middle values, a rank, as hardware and rank filters take it; MIDPOINT
-# is the mean of the two; EXTREME caps.
+# MEDIAN is the upper of the two middle values, a rank, as hardware and rank filters take it;
+# MIDPOINT is the mean of the two; EXTREME caps.
 MEDIAN, MEAN, EXTREME, MIDPOINT = 0, 1, 2, 3
 
 
@@ -160,8 +160,9 @@ def replace_by_ratio(
 ) -> np.ndarray:
     """Replace where y - black > factor (largest neighbour - black) + threshold.
 
-    ``replacement``: ``MEDIAN``, ``MEAN`` or ``EXTREME`` (the largest) of the neighbours; ``radius`` as for
-    `replace_excess`. Where the largest neighbour is below black it counts as black.
+    ``replacement``: ``MEDIAN``, ``MEAN`` or ``EXTREME`` (the largest) of the neighbours;
+    ``radius`` as for `replace_excess`. Where the largest neighbour is below black it counts as
+    black.
     """
     rows, columns = image.shape
     result = image.copy()

@@ -66,7 +66,8 @@ class TableLaw:
 
     def at(self, point: OperatingPoint) -> float:
         """The entry of this point; else along 1/T between the entries that match in the rest."""
-        best, distance = [], math.inf
+        best: list[tuple[float | None, float]] = []
+        distance = math.inf
         for p, v in zip(self.points, self.values, strict=True):
             d = _mismatch(p, point)
             if d < distance:
@@ -80,7 +81,9 @@ class TableLaw:
             if t == point.temperature_c:
                 return v
         inverse = [-1.0 / (t + KELVIN) for t, _ in known]
-        return float(np.interp(-1.0 / (point.temperature_c + KELVIN), inverse, [v for _, v in known]))
+        return float(
+            np.interp(-1.0 / (point.temperature_c + KELVIN), inverse, [v for _, v in known])
+        )
 
     def to_plain(self) -> object:
         """As written in YAML: a list of rows."""

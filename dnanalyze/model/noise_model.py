@@ -82,7 +82,9 @@ class NoiseModel:
         }
 
 
-def model_from_plain(raw: Any, where: str, known: dict[str, type[Effect]] | None = None) -> NoiseModel:
+def model_from_plain(
+    raw: Any, where: str, known: dict[str, type[Effect]] | None = None
+) -> NoiseModel:
     """Build a model from what a YAML file holds.
 
     Parameters
@@ -112,7 +114,9 @@ def model_from_plain(raw: Any, where: str, known: dict[str, type[Effect]] | None
                 item = {item: {}}
             ((name, values),) = item.items()
             effects.append(find(name, known).from_plain(values or {}))
-        reference = OperatingPoint(**raw.get("reference", {"temperature_c": 25.0, "exposure_s": 1.0}))
+        reference = OperatingPoint(
+            **raw.get("reference", {"temperature_c": 25.0, "exposure_s": 1.0})
+        )
         pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
         return NoiseModel(tuple(effects), pedestal, reference, int(raw.get("seed", 0)))
     except InputError as error:

@@ -52,9 +52,13 @@ def test_a_local_threshold_is_in_units_of_the_neighbours_spread():
 def test_clamp_caps_at_the_largest_neighbour(radius, footprint):
     high, low = around(np.max, footprint), around(np.min, footprint)
     expected = np.where(high + 3.0 < NOISE, high, NOISE)
-    np.testing.assert_allclose(filters.replace_excess(NOISE, 3.0, False, radius, filters.EXTREME), expected)
+    np.testing.assert_allclose(
+        filters.replace_excess(NOISE, 3.0, False, radius, filters.EXTREME), expected
+    )
     expected = np.where(low - 3.0 > NOISE, low, expected)
-    np.testing.assert_allclose(filters.replace_excess(NOISE, 3.0, True, radius, filters.EXTREME), expected)
+    np.testing.assert_allclose(
+        filters.replace_excess(NOISE, 3.0, True, radius, filters.EXTREME), expected
+    )
 
 
 @pytest.mark.parametrize(("radius", "footprint"), [(1, RING), (2, FAR)])

@@ -62,7 +62,9 @@ def test_laws_survive_their_written_form(law):
     assert value_at(again, point) == value_at(law, point)
 
 
-@pytest.mark.parametrize("bad", [None, "x", True, float("nan"), {}, {"value": 1}, {"table": []}, []])
+@pytest.mark.parametrize(
+    "bad", [None, "x", True, float("nan"), {}, {"value": 1}, {"table": []}, []]
+)
 def test_what_is_no_law_is_refused_with_the_valid_forms(bad):
     with pytest.raises(InputError, match=r"x: .*give a number"):
         law_from_plain("x", bad)

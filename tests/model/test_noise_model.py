@@ -77,4 +77,6 @@ def test_missing_file_is_one_line(tmp_path):
 
 
 def test_plain_form_is_plain_yaml():
-    assert model_from_plain(yaml.safe_load(yaml.safe_dump(ordinary().to_plain())), "x") == ordinary()
+    assert (
+        model_from_plain(yaml.safe_load(yaml.safe_dump(ordinary().to_plain())), "x") == ordinary()
+    )

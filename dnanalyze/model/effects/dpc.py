@@ -95,7 +95,8 @@ class Dpc(Effect):
         from dnanalyze.model import filters
 
         threshold = self.value("threshold", site.point)
-        replacement = getattr(filters, self.replacement.upper())
+        rules = {"median": filters.MEDIAN, "midpoint": filters.MIDPOINT, "mean": filters.MEAN}
+        replacement = rules[self.replacement]
         both = self.sides == "both"
         radius = 1 if self.neighbours == 8 else 2
         if self.kind == "median":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -27,12 +27,12 @@ class Rts(Effect):
         "between two levels: a random telegraph signal. The amplitude follows the dark current "
         "(proportional to exposure, Arrhenius), and so do the switching rates. A single trap in "
         "the source follower's channel does the same at the readout, whatever the exposure "
-        "(exposure: none, activation energy near 0); double sampling turns its two levels into three "
-        "about zero. Traps differ in energy, so the share of time in either level spreads over "
-        "pixels. Over the frames such a pixel is bimodal: "
-        "its temporal variance is far above the others' and stays so, in any frames. Averaging "
-        "or dark subtraction does not remove it; a map of blinking pixels does. Switching within "
-        "an exposure is averaged by it and is not modelled."
+        "(exposure: none, activation energy near 0); double sampling turns its two levels into "
+        "three about zero. Traps differ in energy, so the share of time in either level spreads "
+        "over pixels. Over the frames such a pixel is bimodal: its temporal variance is far above "
+        "the others' and stays so, in any frames. Averaging or dark subtraction does not remove "
+        "it; a map of blinking pixels does. Switching within an exposure is averaged by it and is "
+        "not modelled."
     )
     formula: ClassVar[str] = (
         "h += A_i s_i(n) for a fraction p of the pixels; s = 1 with probability o, 0 else; drawn "
@@ -78,7 +78,10 @@ class Rts(Effect):
         "up", "both", "centred", "three",
     )  # fmt: skip
     occupancies: str = choice(
-        "same", "occupancy the same in all blinking pixels, or uniform from 0 to 1", "same", "spread"
+        "same",
+        "occupancy the same in all blinking pixels, or uniform from 0 to 1",
+        "same",
+        "spread",
     )
 
     def idle(self) -> tuple[str, ...]:
@@ -123,9 +126,7 @@ class Rts(Effect):
             step = np.where(down, -step, step)
         return at, index, (np.float32(scale) * step).astype(np.float32)
 
-    def _state(
-        self, index: np.ndarray, site: Site, name: str, occupancy: np.ndarray
-    ) -> np.ndarray:
+    def _state(self, index: np.ndarray, site: Site, name: str, occupancy: np.ndarray) -> np.ndarray:
         """Whether each pixel is in its upper level, as drawn at its latest renewal."""
         renew = 1.0 - np.exp(-1.0 / self.value("dwell_frames", site.point))
         on = np.zeros(index.size, bool)
@@ -144,7 +145,7 @@ class Rts(Effect):
         return on
 
     def variance(self, point: OperatingPoint) -> float:
-        """Over pixels and time, DN^2, at the reference: of A s, s the level; A and s independent."""
+        """Over pixels and time, DN^2, at the reference: of A s, A the step, s the level."""
         o = self.value("occupancy", point)
         mean, square = (0.5, 1 / 3) if self.occupancies == "spread" else (o, o**2)  # of o
         level = {"centred": mean - square, "three": 2 * (mean - square)}.get(self.polarity, mean)
@@ -181,6 +182,7 @@ class Rts(Effect):
             for law, (share, square) in shares.items():
                 p = fraction / (share**2 * square)
                 values = hints.clip(cls, fraction=p, amplitude=size * share, ea_ev=ea)
-                made = cls.from_plain({**values, "amplitudes": law, "exposure": exposure})
-                guesses += [made, replace(made, polarity="centred", occupancies="spread")]
+                chosen = {**values, "amplitudes": law, "exposure": exposure}
+                centred = {"polarity": "centred", "occupancies": "spread"}
+                guesses += [cls.from_plain(chosen), cls.from_plain({**chosen, **centred})]
         return guesses

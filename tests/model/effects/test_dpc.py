@@ -79,7 +79,13 @@ def test_static_correction_replaces_the_brightest_of_the_silicon_at_every_settin
     changed = []
     for point in (POINT, OperatingPoint(65.0, 1.0, 1.0)):
         y = frames(*SENSOR, count=3, shape=SHAPE, point=point)
-        z = frames(*SENSOR, Dpc(fraction=0.002, kind="static", replacement="midpoint"), count=3, shape=SHAPE, point=point)
+        z = frames(
+            *SENSOR,
+            Dpc(fraction=0.002, kind="static", replacement="midpoint"),
+            count=3,
+            shape=SHAPE,
+            point=point,
+        )
         moved = np.any(z != y, axis=0)
         assert moved.sum() == round(0.002 * moved.size)
         np.testing.assert_allclose(z[:, moved][0], around(y[0], np.median)[moved], atol=1e-4)
