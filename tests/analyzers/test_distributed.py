@@ -26,7 +26,7 @@ SHAPE = (48, 64)
 @pytest.fixture(scope="module")
 def cluster():
     with dask_distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None
+        n_workers=2, threads_per_worker=1, dashboard_address=":0"
     ) as made:
         yield made
 
@@ -109,7 +109,7 @@ def test_the_same_pixels_from_a_worker(cluster):
 def test_a_worker_that_dies_loses_nothing(folder):
     killed = []
     with dask_distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None
+        n_workers=2, threads_per_worker=1, dashboard_address=":0"
     ) as made:
         with dask_distributed.Client(made) as client:
             pids = list(client.run(os.getpid).values())

@@ -49,7 +49,7 @@ def test_readme_has_the_two_commands_as_the_ci_reads_them():
     install = "python3 -m venv .venv && .venv/bin/pip install -q . && .venv/bin/dnanalyze demo"
     tests = (
         "python3 -m venv .venv && .venv/bin/pip install -q -e '.[dev]' "
-        "&& .venv/bin/python -m pytest"
+        "&& .venv/bin/python -m pytest -n 2"
     )
     assert f"```sh\n{install}\n```" in text
     assert f"<!-- tests -->\n```sh\n{tests}\n```" in text
