@@ -41,6 +41,7 @@ _SAMPLE = 1 << 18  # pixels from which the spread of heavy tails is taken
 _COARSE = 0.16  # c/px; waves longer than this take a hit on several pixels for one
 _TILE = 4  # pixels along a side that are then taken together
 _PICTURE = 128  # largest side of the 2-D spectra kept for figures
+QUIET = 3.0  # robust sigmas beyond which a pixel counts as hit
 _CORNER_RISE = 2.0  # the corner frequency is where the power is this many times the white floor
 
 
@@ -89,6 +90,9 @@ def finish(acc: Accumulated) -> FamilyResult:
         if part.errors:
             _shape(part, result)
             _curves(part, result)
+    if acc.plan.errors:
+        quiet = reduce_power(power_of(_quiet(acc)), modes_of(acc.plan.shape))
+        _high_to_mid("frame_hf_mf_quiet", quiet, 1.0, result)
     return result
 
 
@@ -336,15 +340,34 @@ def _shape(part: _Part, result: FamilyResult) -> None:
         )
     else:
         result.values[f"{part.name}_corner_frequency"] = corner
+    _high_to_mid(f"{part.name}_hf_mf", part.reduced, part.repeats, result)
+
+
+def _high_to_mid(name: str, reduced: ReducedPower, repeats: float, result: FamilyResult) -> None:
+    """Power above .45 c/px over that from .03 to .12, off the axes (physics: the HF/MF ratio)."""
+    modes = reduced.modes
     bands = modes.bins(*HIGH_BAND), modes.bins(*MID_BAND)
-    counts = [float(n[band].sum()) for band in bands]
-    powers = [float(part.reduced.radial[band].sum()) for band in bands]
+    counts = [float(modes.count[band].sum()) * repeats for band in bands]
+    powers = [float(reduced.radial[band].sum()) for band in bands]
     if min(counts) > 0 and min(powers) > 0:
         ratio = (powers[0] / counts[0]) / (powers[1] / counts[1])
-        error = math.sqrt(1 / counts[0] + 1 / counts[1])
-        result.values[f"{part.name}_hf_mf"] = Value(ratio, error)
+        result.values[name] = Value(ratio, math.sqrt(1 / counts[0] + 1 / counts[1]))
     else:
-        result.missing[f"{part.name}_hf_mf"] = "no modes, or no power, in one of the two bands"
+        result.missing[name] = "no modes, or no power, in one of the two bands"
+
+
+def _quiet(acc: Accumulated) -> np.ndarray:
+    """The first frame less its median, with hits and their 8 neighbours taken out.
+
+    Hits that span pixels are smooth by themselves; what is left tells whether the noise is.
+    """
+    image = acc.end_frames[0] - np.float32(acc.plan.centre)
+    hit = np.abs(image) > QUIET * acc.plan.sigma
+    wide = hit.copy()
+    for axis in (0, 1):
+        before, after = np.roll(wide, 1, axis), np.roll(wide, -1, axis)
+        wide |= before | after
+    return np.where(wide, np.float32(0), image)
 
 
 def _slope(f: np.ndarray, power: np.ndarray, n: np.ndarray) -> Value | None:

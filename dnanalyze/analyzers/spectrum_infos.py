@@ -97,5 +97,12 @@ INFOS: tuple[StatisticInfo, ...] = (
     *_of_part("frame"),
     *_of_part("pattern"),
     *_of_part("temporal"),
+    _told(
+        "frame_hf_mf_quiet",
+        "1",
+        "high-to-mid-frequency ratio of the single frame without hits (3 robust sigma) and their "
+        "neighbours",
+        Scale.LOG,
+    ),
     *_nyquist(),
 )

@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.knobs import Knob, knobs_of, positions
-from dnanalyze.fitting.least_squares import State, converge, loss, start, weights
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
+from dnanalyze.fitting.least_squares import (
+    State,
+    converge,
+    derive,
+    longest,
+    loss,
+    start,
+    weights,
+)
+from dnanalyze.fitting.predictor import MEMO_BYTES, Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import moments, paper_models
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import Memo
 
 REPLICATES = 24
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
+DERIVATIVES = 40  # simulations for the last derivatives, shared by the groups of knobs
+CLEAR = 4.0  # least size of their steps, in floors: statistics that count pixels move by jumps
+STEPS, SMALL = 4, 0.05  # last steps at most; size at which they end, in standard errors
 VAGUE = 1.0  # standard error on a log scale from which a parameter is called undetermined
 
 
@@ -93,31 +105,94 @@ def paper_start(held: Bench) -> NoiseModel:
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
-    """Errors and correlations from how the estimate scatters over simulated sensors of its make.
+    """Free the estimate of its simulated sensor's luck; errors from its scatter over such sensors.
 
-    The estimate moves by G dz, G = (J'WJ)^-1 J'W. Both the measured and the simulated statistics
-    scatter like
-    those of a replicate, so the covariance is twice that of G (replicate - mean).
+    A simulated sensor scatters as much as the measured one, and so do its derivatives. How far the
+    one of the fit lies from the mean of itself and ``replicates`` others is taken off, and the
+    estimate moves to where G z = 0, G = (J'WJ)^-1 J'W. J is the mean over several sensors: noise
+    in it would shorten both the step and the errors. What scatters is one measured sensor and the
+    mean of replicates + 1 simulated ones: the covariance is 1 + 1 / (replicates + 1) times that of
+    G (replicate - mean).
     """
-    knobs, here = state.knobs, positions(state.model, state.knobs)
+    knobs = state.knobs
     covariance = np.full((len(knobs), len(knobs)), np.nan)
-    seen = np.linalg.norm(state.jacobian, axis=0) > 1e-3 if len(knobs) else np.empty(0, bool)
-    if replicates >= 2 and seen.any():
-        w = weights(state.train)
-        a = state.jacobian[:, seen] * w[:, None]
-        gain = np.linalg.pinv(a, rcond=1e-6) * w
-        drawn = [held.replicate(state.model, r)[0] for r in range(replicates)]
-        scatter = np.nan_to_num((np.array(drawn) - np.nanmean(drawn, axis=0)) / held.train.floor)
-        moved = scatter @ gain.T
-        covariance[np.ix_(seen, seen)] = 2.0 * moved.T @ moved / (replicates - 1)
-    spread = np.sqrt(np.diag(covariance)) if len(knobs) else np.empty(0)
+    if replicates < 2 or not knobs:
+        return _described(held, state, covariance, None)
+    drawn, jacobian = _redrawn(held, state, replicates)
+    seen = np.linalg.norm(jacobian, axis=0) > 1e-3
+    if not seen.any():
+        return _described(held, state, covariance, seen)
+    count = np.sum(np.isfinite(drawn), axis=0)
+    mean = np.where(count > 0, np.nansum(drawn, axis=0) / np.maximum(count, 1), np.nan)
+    share = 1.0 / (replicates + 1)
+    luck = np.nan_to_num((1.0 - share) * (held.coordinates(state.model)[0] - mean))
+    fair = replace(held, train=replace(held.train, coordinates=held.train.coordinates + luck))
+    here = replace(start(fair, state.model, knobs), jacobian=jacobian)
+    gain = np.zeros(jacobian.T.shape)
+    gain[seen] = _gain(here, seen)
+    moved = np.nan_to_num((drawn - mean) / held.train.floor) @ gain[seen].T
+    covariance[np.ix_(seen, seen)] = (1.0 + share) * moved.T @ moved / (replicates - 1)
+    found = _at_root(fair, here, gain, np.sqrt(np.diag(covariance)))
+    found = replace(found, train=found.train - luck / held.train.floor)
+    return _described(held, found, covariance, seen)
+
+
+def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates of other sensors of the same make, (sensors, numbers); mean derivatives."""
+    groups = len({k.group for k in state.knobs})
+    several = min(replicates, max(2, round(DERIVATIVES / groups)))
+    drawn = [held.replicate(state.model, r)[0] for r in range(several, replicates)]
+    jacobian, blank = np.zeros_like(state.jacobian), np.full_like(state.jacobian, np.nan)
+    for number in range(several):
+        other = replace(held, memo=Memo(MEMO_BYTES))
+        model = replace(state.model, seed=state.model.seed + 1 + number)
+        train, _ = other.coordinates(model)
+        drawn.append(train)
+        begun = replace(state, model=model, train=held.train.z(train), jacobian=blank)
+        jacobian += derive(other, begun, smallest=CLEAR).jacobian / several
+    return np.array(drawn), jacobian
+
+
+def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) -> State:
+    """Newton's steps by a gain that is kept, until they are small beside the errors.
+
+    They end where the loss, which the luck of one sensor's derivatives bends by about 1 a knob,
+    rises by more.
+    """
+    most = state.loss + len(state.knobs)
+    for _ in range(STEPS):
+        here = positions(state.model, state.knobs)
+        step = np.clip(-gain @ state.train, *longest(state.knobs, here))
+        if np.nanmax(np.abs(step) / spread) < SMALL:
+            break
+        there = [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
+        model = turned(state.model, state.knobs, np.array(there))
+        train, test = fair.z(model)
+        if loss(train) > most:
+            break
+        state = replace(state, model=model, train=train, test=test)
+    return state
+
+
+def _gain(state: State, seen: np.ndarray) -> np.ndarray:
+    """d knob / d number of the weighted least squares, (seen knobs, numbers)."""
+    w = weights(state.train)
+    a = state.jacobian[:, seen] * w[:, None]
+    size = np.linalg.norm(a, axis=0)  # the knobs' scales differ by orders of magnitude
+    return np.linalg.pinv(a / size, rcond=1e-6) / size[:, None] * w
+
+
+def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarray | None) -> Fit:
+    """The fit in plain units; ``seen``: which knobs move any number, None where not known."""
+    knobs, here = state.knobs, positions(state.model, state.knobs)
+    spread = np.sqrt(np.diag(covariance)) if knobs else np.empty(0)
     parameters = [
         Parameter(k.name, k.plain(x), _plain_error(k, x, s), k.unit)
         for k, x, s in zip(knobs, here, spread, strict=True)
     ]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlations = covariance / np.outer(spread, spread)
-    doubts = _doubts(knobs, spread, correlations, seen) if replicates >= 2 else []
+    doubts = [] if seen is None else _doubts(knobs, spread, correlations, seen)
     return Fit(state.model, parameters, correlations, doubts, held, state)
 
 

@@ -64,19 +64,27 @@ def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None
     return State(model, knobs, train, test, jacobian)
 
 
-def derive(bench: Bench, state: State, only: Callable[[Knob], bool] = lambda _: True) -> State:
-    """Take the derivatives that are not known yet, one simulation a group of knobs."""
+def derive(
+    bench: Bench,
+    state: State,
+    only: Callable[[Knob], bool] = lambda _: True,
+    smallest: float = SMALLEST,
+) -> State:
+    """Take the derivatives that are not known yet, one simulation a group of knobs.
+
+    Steps that move the numbers by less than ``smallest`` floors are taken anew, longer.
+    """
     jacobian = state.jacobian.copy()
     groups: dict[str, list[int]] = {}
     for i, knob in enumerate(state.knobs):
         if np.isnan(jacobian[:, i]).any() and only(knob):
             groups.setdefault(knob.group, []).append(i)
     for members in groups.values():
-        jacobian[:, members] = _difference(bench, state, members)
+        jacobian[:, members] = _difference(bench, state, members, smallest)
     return replace(state, jacobian=jacobian)
 
 
-def _difference(bench: Bench, state: State, members: list[int]) -> np.ndarray:
+def _difference(bench: Bench, state: State, members: list[int], smallest: float) -> np.ndarray:
     """Columns of one group, by a one-sided step that is sized to be seen but not large."""
     here = positions(state.model, state.knobs)
     step = np.array([_first_step(state.knobs[i], here[i]) for i in members])
@@ -97,7 +105,7 @@ def _difference(bench: Bench, state: State, members: list[int]) -> np.ndarray:
         taken = there[members] - here[members]
         for j, mask in enumerate(masks):
             columns[:, j] = np.where(mask, change, 0) / (taken[j] or 1.0)
-        factor = np.where(size < SMALLEST, 5.0, np.where(size > LARGEST, 0.2, 1.0))
+        factor = np.where(size < smallest, 5.0, np.where(size > LARGEST, 0.2, 1.0))
         if np.all(factor == 1.0):
             break
         step = step * factor
@@ -203,7 +211,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
         normal = scaled.T @ scaled + damping * np.eye(int(usable.sum()))
         step[:] = 0
         step[usable] = np.linalg.solve(normal, -scaled.T @ b) / size[usable]
-        step = np.clip(step, *_longest(state.knobs, here))
+        step = np.clip(step, *longest(state.knobs, here))
         held = np.array(
             [
                 (k.inside(x + s) == x and abs(s) > 0)
@@ -217,7 +225,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     return step, promised
 
 
-def _longest(knobs: Sequence[Knob], here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def longest(knobs: Sequence[Knob], here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Longest step: a factor of 4 on a log scale, .15 eV, or a few times a linear value."""
     reach = np.array(
         [

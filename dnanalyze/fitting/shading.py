@@ -64,15 +64,24 @@ def shading_values(
         return {}
     design, inverse, where, orders = _basis(*blocks.shape, parity)
     low = [k for k, o in enumerate(orders) if max(o) < ORDER]
-    next_up = [k for k, o in enumerate(orders) if max(o) >= ORDER]
     coefficient = inverse @ blocks.ravel()[where]
     residue = blocks.ravel()[where] - design @ coefficient
     freedom = max(1, len(where) - len(orders))
     white = residue @ residue / freedom / len(where)
-    next_power = np.mean(coefficient[next_up] ** 2) if next_up else white
-    se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
+    se = {}
+    for k in low:
+        # Rows and columns that vary at random show along their own axis only.
+        kind = _kind(orders[k])
+        alike = [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == kind]
+        next_power = np.mean(coefficient[alike] ** 2) if alike else white
+        se[k] = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
     return {
-        f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se, 1e-4))
+        f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se[k], 1e-4))
         for k in low
         if orders[k] != (0, 0)
     }
+
+
+def _kind(order: tuple[int, int]) -> str:
+    """Whether a cosine surface varies along rows, along columns, or both."""
+    return "both" if order[0] and order[1] else "columns" if order[1] else "rows"

@@ -40,11 +40,16 @@ def named(prefix: str, bands: Iterable[str]) -> tuple[str, ...]:
 
 
 def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:
-    """Whether one of the statistics is above (+1), below (-1) or off (0) the model anywhere."""
+    """Whether one of the statistics is above (+1), below (-1) or off (0) the model.
+
+    At one setting by ``level``, or at all of them together by as much (Stouffer's sum).
+    """
     for name in names:
         z = np.asarray(clues.z(name), float)
-        z = np.abs(z) if direction == 0 else direction * z
-        if np.any(z[np.isfinite(z)] > level):
+        z = z[np.isfinite(z)]
+        together = z.sum() / np.sqrt(max(z.size, 1))
+        z = np.append(z, together)
+        if np.any((np.abs(z) if direction == 0 else direction * z) > level):
             return True
     return False
 

@@ -293,3 +293,15 @@ def test_known_spectra_of_a_cooling_sensor(captures_root):
     curves = spectrum.finish(accumulated([frames["0072"], frames["0073"]])).curves
     strongest = np.argmax(curves["temporal_column_spectrum"])
     assert curves["column_spectrum_f"][strongest] == pytest.approx(1 / 3, abs=1e-3)
+
+
+def test_the_quiet_ratio_does_not_see_hits_that_span_pixels():
+    rng = np.random.default_rng(31)
+    (frame,) = white(rng, (256, 256), 1)
+    for r, c in rng.integers(2, 254, (300, 2)):
+        frame[r - 1 : r + 1, c - 1 : c + 1] += 60.0
+    found = values(spectrum, [frame])
+    assert found["frame_hf_mf"].value < 0.8
+    quiet = found["frame_hf_mf_quiet"]
+    # what is cut out is white too: the ratio of white noise is 1; 5 standard errors
+    assert abs(np.log(quiet.value)) < 5 * quiet.se

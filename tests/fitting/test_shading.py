@@ -1,0 +1,50 @@
+"""Low-order shading from one colour of a checkerboard."""
+
+import numpy as np
+
+from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.fitting.shading import shading_values
+from dnanalyze.loaders.captures import OperatingPoint
+
+
+def halves(blocks):
+    middle = blocks.shape[1] // 2
+    return [
+        SettingStatistics(OperatingPoint(), "", 4, (256, 128), {}, {"block_means": part})
+        for part in (blocks[:, :middle], blocks[:, middle:])
+    ]
+
+
+def cosine(i, j, shape=(16, 16)):
+    y = np.cos(np.pi * i * (np.arange(shape[0]) + 0.5) / shape[0]) * (np.sqrt(2) if i else 1)
+    x = np.cos(np.pi * j * (np.arange(shape[1]) + 0.5) / shape[1]) * (np.sqrt(2) if j else 1)
+    return np.outer(y, x)
+
+
+def test_a_surface_is_found_in_dn_rms_on_either_colour():
+    blocks = 64.0 + 0.7 * cosine(1, 2) - 0.3 * cosine(3, 0)
+    for parity in (0, 1):
+        found = shading_values(*halves(blocks), parity)
+        assert abs(found["shading_1_2"].value - 0.7) < 1e-9
+        assert abs(found["shading_3_0"].value + 0.3) < 1e-9
+        assert abs(found["shading_2_2"].value) < 1e-9
+
+
+def test_errors_are_those_of_white_blocks():
+    rng = np.random.default_rng(1)
+    made = [shading_values(*halves(rng.normal(size=(16, 16))), 0) for _ in range(300)]
+    for name in ("shading_1_0", "shading_2_3"):
+        values = np.array([m[name].value for m in made])
+        stated = np.mean([m[name].se for m in made])
+        # 300 deviates tell a spread within 4 %; the stated error also allows for power above white
+        assert 0.5 < values.std() / stated < 1.2
+
+
+def test_random_rows_do_not_pass_for_shading():
+    rng = np.random.default_rng(2)
+    pulls = []
+    for _ in range(200):
+        blocks = rng.normal(size=(16, 16)) * 0.1 + rng.normal(size=(16, 1))
+        found = shading_values(*halves(blocks), 0)
+        pulls.append(found["shading_1_0"].value / found["shading_1_0"].se)
+    assert np.std(pulls) < 1.2
