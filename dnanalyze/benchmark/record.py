@@ -188,18 +188,16 @@ def strengths(model: Any) -> list[Strength]:
 
 
 def _gain_of_model(result: Any) -> Figure:
-    shot = result.model.get("dark_shot_noise")
-    if shot is None:
+    if result.model.get("dark_shot_noise") is None:
         return ABSENT
-    value = shot.value("dn_per_e", result.model.reference)
     from dnanalyze.fitting.fit import with_uncertainties
 
     fitted = with_uncertainties(result.bench, result.state, 8)
-    errors = {p.name: p.se for p in fitted.parameters}
-    se = errors.get("dark_shot_noise.dn_per_e", math.nan)
-    if not (math.isfinite(se) and se < 0.5 * value):
+    found = {p.name: p for p in fitted.parameters}
+    gain = found.get("dark_shot_noise.dn_per_e")
+    if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
         return ABSENT
-    return Figure(value, se, "from the shot noise of the refined model")
+    return Figure(gain.value, gain.se, "from the shot noise of the refined model")
 
 
 def _filtered(

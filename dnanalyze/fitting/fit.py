@@ -27,8 +27,9 @@ from dnanalyze.model.simulate import Memo
 
 REPLICATES = 24
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
-DERIVATIVES = 40  # simulations for the last derivatives, shared by the groups of knobs
-CLEAR = 4.0  # least size of their steps, in floors: statistics that count pixels move by jumps
+DERIVATIVES = 40  # simulations for the last derivatives of few groups of knobs; many take 6 each
+CLEAR = 15.0  # wanted size of their steps, in floors: statistics that count pixels move by jumps
+LOWEST = 0.2  # floor of a number that hardly scatters, over the measured one
 STEPS, SMALL = 4, 0.05  # last steps at most; size at which they end, in standard errors
 VAGUE = 1.0  # standard error on a log scale from which a parameter is called undetermined
 
@@ -126,21 +127,33 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
     mean = np.where(count > 0, np.nansum(drawn, axis=0) / np.maximum(count, 1), np.nan)
     share = 1.0 / (replicates + 1)
     luck = np.nan_to_num((1.0 - share) * (held.coordinates(state.model)[0] - mean))
-    fair = replace(held, train=replace(held.train, coordinates=held.train.coordinates + luck))
+    scatter = np.nan_to_num(drawn - mean)
+    # The measured errors grow with the measured tails: weights by them would pull the tails down.
+    spread = np.sqrt(2.0 * np.sum(scatter**2, axis=0) / np.maximum(count - 1, 1))
+    floor = np.maximum(spread, LOWEST * held.train.floor)
+    fair = replace(
+        held,
+        train=replace(held.train, coordinates=held.train.coordinates + luck, floor=floor),
+    )
+    jacobian = jacobian * (held.train.floor / floor)[:, None]
     here = replace(start(fair, state.model, knobs), jacobian=jacobian)
     gain = np.zeros(jacobian.T.shape)
     gain[seen] = _gain(here, seen)
-    moved = np.nan_to_num((drawn - mean) / held.train.floor) @ gain[seen].T
+    moved = (scatter / floor) @ gain[seen].T
     covariance[np.ix_(seen, seen)] = (1.0 + share) * moved.T @ moved / (replicates - 1)
     found = _at_root(fair, here, gain, np.sqrt(np.diag(covariance)))
-    found = replace(found, train=found.train - luck / held.train.floor)
+    found = replace(
+        found,
+        train=(found.train * floor - luck) / held.train.floor,
+        jacobian=jacobian * (floor / held.train.floor)[:, None],
+    )
     return _described(held, found, covariance, seen)
 
 
 def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates of other sensors of the same make, (sensors, numbers); mean derivatives."""
     groups = len({k.group for k in state.knobs})
-    several = min(replicates, max(2, round(DERIVATIVES / groups)))
+    several = min(replicates, max(6, round(DERIVATIVES / groups)))
     drawn = [held.replicate(state.model, r)[0] for r in range(several, replicates)]
     jacobian, blank = np.zeros_like(state.jacobian), np.full_like(state.jacobian, np.nan)
     for number in range(several):

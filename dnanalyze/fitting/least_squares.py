@@ -72,7 +72,7 @@ def derive(
 ) -> State:
     """Take the derivatives that are not known yet, one simulation a group of knobs.
 
-    Steps that move the numbers by less than ``smallest`` floors are taken anew, longer.
+    A first step that moves the numbers by less than ``smallest`` floors is taken anew, longer.
     """
     jacobian = state.jacobian.copy()
     groups: dict[str, list[int]] = {}
@@ -93,7 +93,7 @@ def _difference(bench: Bench, state: State, members: list[int], smallest: float)
         for i in members
     ]
     columns = np.zeros((len(state.train), len(members)))
-    for _ in range(3):
+    for least in (smallest, SMALLEST, SMALLEST):
         there = here.copy()
         for i, h in zip(members, step, strict=True):
             there[i] = state.knobs[i].inside(here[i] + h)
@@ -105,7 +105,7 @@ def _difference(bench: Bench, state: State, members: list[int], smallest: float)
         taken = there[members] - here[members]
         for j, mask in enumerate(masks):
             columns[:, j] = np.where(mask, change, 0) / (taken[j] or 1.0)
-        factor = np.where(size < smallest, 5.0, np.where(size > LARGEST, 0.2, 1.0))
+        factor = np.where(size < least, 5.0, np.where(size > LARGEST, 0.2, 1.0))
         if np.all(factor == 1.0):
             break
         step = step * factor
