@@ -37,7 +37,7 @@ class Scale(StrEnum):
             return math.exp(min(coordinate, 700.0))
         if self is Scale.RATIO:
             return math.expm1(min(coordinate, 700.0))
-        return (max(coordinate, 0.0) / 2.0) ** 2 - 0.375
+        return max((max(coordinate, 0.0) / 2.0) ** 2 - 0.375, 0.0)
 
 
 @dataclass(frozen=True)
