@@ -18,19 +18,21 @@ NOTHING = 25.0
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion
 
 
-def confidences(trials: Sequence[Trial]) -> np.ndarray:
+def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     """Probability of each candidate, and of none of them in the last place.
 
     Parameters
     ----------
     trials : sequence of Trial
+    error : float
+        Of the model without any of them; what does not lower it gains nothing.
 
     Returns
     -------
     ndarray
         (candidates + 1,), sums to 1.
     """
-    gains = np.array([t.gain for t in trials] + [NOTHING])
+    gains = np.array([t.gain if t.error < error else min(t.gain, 0.0) for t in trials] + [NOTHING])
     weight = np.exp((gains - gains.max()) / (2.0 * DEFLATION * _dispersion(trials)))
     return weight / weight.sum()
 

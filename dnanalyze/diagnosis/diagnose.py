@@ -100,11 +100,11 @@ def judge(
 ) -> Diagnosis:
     """The verdict, with candidates in the order of what they explain."""
     error = error_of(held, state)
-    chances = confidences(tried)
-    kept = [t for t in tried if t.gain > 0]
+    chances = confidences(tried, error)
+    kept = [t for t in tried if t.gain > 0 and t.error < error]
     candidates = []
     for t, chance in zip(tried, chances, strict=False):
-        if t.gain <= 0:
+        if t.gain <= 0 or t.error >= error:
             continue
         against = kept[1] if t is kept[0] and len(kept) > 1 else kept[0]
         words = evidence_for(held, state, t.state, known[t.effect])

@@ -129,7 +129,13 @@ def refine(
         if most_effects is not None and added >= most_effects:
             break
         state = _completed(held, best.state, best.effect)
-        note(Step(best.effect, error_of(held, state), float(confidences(tried)[tried.index(best)])))
+        note(
+            Step(
+                best.effect,
+                error_of(held, state),
+                float(confidences(tried, error)[tried.index(best)]),
+            )
+        )
         state, gone = _needless(held, state, keep=best.effect)
         for name in gone:
             dropped.add(name)

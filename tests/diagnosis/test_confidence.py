@@ -1,0 +1,42 @@
+"""Confidences from gains on data that no fit saw."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.diagnosis.confidence import NOTHING, confidences, rivals, significant
+from dnanalyze.diagnosis.trial import Trial
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.model.noise_model import NoiseModel
+
+
+def made(effect: str, gain: float, error: float, left: float = 1.0) -> Trial:
+    z = np.full(400, left)
+    state = State(NoiseModel(()), [], z, z, np.zeros((400, 0)))
+    return Trial(effect, state, gain, gain, error)
+
+
+def test_they_sum_to_one_with_nothing_in_the_last_place():
+    chances = confidences([made("a", 300.0, 1.0), made("b", 80.0, 1.5)], 3.0)
+    assert chances.sum() == pytest.approx(1.0)
+    assert chances.argmax() == 0
+    assert chances[2] < chances[1] < chances[0]
+
+
+def test_a_small_gain_is_nothing_and_so_is_one_that_raises_the_error():
+    assert confidences([made("a", NOTHING / 5, 1.0)], 1.1)[1] > 0.5
+    worse = made("a", 500.0, 1.6)
+    assert confidences([worse], 1.5)[0] < 0.5
+    assert not significant(worse, 1.5)
+    assert significant(made("a", 500.0, 1.4), 1.5)
+
+
+def test_what_is_still_wrong_makes_gains_count_for_less():
+    sure = confidences([made("a", 300.0, 1.0), made("b", 200.0, 1.2)], 3.0)[0]
+    unsure = confidences([made("a", 300.0, 1.0, 8.0), made("b", 200.0, 1.2, 8.0)], 3.0)[0]
+    assert sure > 0.99
+    assert unsure < 0.9
+
+
+def test_a_near_rival_is_named():
+    best, near, far = made("a", 300.0, 1.0), made("b", 280.0, 1.0), made("c", 90.0, 1.4)
+    assert rivals(best, [best, near, far]) == ["b"]
