@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +21,7 @@ __all__ = ["INFOS", "finish"]
 PERIODS = {"column": (2, 3, 4, 8), "row": (2,)}
 TAPS = (2, 4, 8)
 OUTLIER_SIGMAS = 6.0
+LINE_CLIP = 4.0  # robust sigmas
 FEWEST = 16  # lines
 _MEDIAN_WINDOW = 15  # lines
 _TREND_WINDOW = (
@@ -165,14 +167,17 @@ def _kurtosis(x: np.ndarray) -> Value:
 
 
 def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
-    """Line noise against the pixels', and its correlation from line to line, from the spectra."""
+    """Line noise against the pixels', and its correlation from line to line."""
+    if acc.plan.errors:
+        _beyond("", acc.end_frames, acc.plan.sigma, result)
+        if acc.frames > 1:
+            _beyond("temporal_", acc.end_differences, acc.plan.difference_sigma, result)
     spectra: Spectra = acc.spectra
     if not spectra.useful:
         result.missing["lines"] = "the frame is too small for line noise"
         return
     single, (rows, columns) = _axis_powers(spectra.frame_power()), spectra.shape
     means = [spectra.sum.mean(axis=axis) / spectra.frames for axis in (0, 1)]
-    jumps = [_jump(each) for each in means]
     if acc.frames < 2:
         result.missing["lines"] = "one frame does not tell noise in time from a fixed pattern"
         repeats = [1.0, 1.0]
@@ -185,7 +190,7 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
             for s, t in zip(single[:2], temporal[:2], strict=True)
         ]
         for kind, power, length in (("column", temporal[0], rows), ("row", temporal[1], columns)):
-            _line_noise(f"temporal_{kind}", power, float(temporal[2]), length, own, 0.0, result)
+            _line_noise(f"temporal_{kind}", power, float(temporal[2]), length, own, result)
             value = _lag_one(power, own)
             if value is None:
                 why = f"the means of the {kind}s do not change in time"
@@ -193,13 +198,34 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
             else:
                 result.values[f"temporal_{kind}_lag1"] = value
     pixels = float(single[2])
-    _line_noise("column", single[0], pixels, rows, repeats[0], jumps[0], result)
-    _line_noise("row", single[1], pixels, columns, repeats[1], jumps[1], result)
+    _line_noise("column", single[0], pixels, rows, repeats[0], result)
+    _line_noise("row", single[1], pixels, columns, repeats[1], result)
 
 
-def _jump(means: np.ndarray) -> float:
-    """Squared step from the last line to the first, neighbours to a periodic spectrum."""
-    return float(means[0] - means[-1]) ** 2
+def _beyond(name: str, images: Sequence[np.ndarray], sigma: float, result: FamilyResult) -> None:
+    """Spread of line means over what the pixels explain, from differences of neighbouring lines.
+
+    The differences leave slow trends, which are shading, out. Pixels are clipped at a few robust
+    sigma: hot pixels and defect lines would otherwise make most of either side.
+    """
+    reach = np.float32(LINE_CLIP * sigma)
+    for kind, axis in (("column", 0), ("row", 1)):
+        ratios = []
+        for image in images:
+            middle = float(np.median(image))
+            clipped = np.clip(image - np.float32(middle), -reach, reach)
+            means = [clipped.mean(axis=a, dtype=np.float64) for a in (0, 1)]
+            pixels = float(clipped.var(dtype=np.float64)) - means[0].var() - means[1].var()
+            if pixels > 0 and means[axis].size > 2:
+                steps = np.diff(means[axis])
+                ratios.append(np.mean(steps**2) / 2 / (pixels / image.shape[axis]))
+        if not ratios or min(ratios) <= 0:
+            result.missing[f"{name}{kind}_noise"] = "the frames are constant"
+            continue
+        lines = images[0].shape[1 - axis]
+        # neighbouring differences share a line: the variance of their mean square is 3 / lines
+        error = 0.5 * math.sqrt(3.0 / lines)
+        result.values[f"{name}{kind}_noise"] = Value(math.sqrt(float(np.mean(ratios))), error)
 
 
 def _axis_powers(power: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -231,26 +257,18 @@ def _line_noise(
     pixels: float,
     length: int,
     repeats: float,
-    jump: float,
     result: FamilyResult,
 ) -> None:
-    """Differences of neighbouring line means over what pixels explain; and plain, in DN.
-
-    The differences leave slow trends, which are shading, out.
-    """
-    weight, cosine = _mode_weights(power.size)
-    steps = weight * (1 - cosine)
-    level, plain = float(steps @ power) / float(steps.sum()), float(weight @ power) / weight.sum()
-    level = max(level - jump * length / (4 * power.size), 0.0)
-    if not (pixels > 0 and level > 0):
-        result.missing[f"{name}_noise"] = "the frames are constant"
+    """Spread of the line means, and what the pixels explain of it, DN."""
+    weight, _ = _mode_weights(power.size)
+    plain = float(weight @ power) / weight.sum()
+    if not (pixels > 0 and plain > 0):
         return
 
     def error(weights: np.ndarray) -> float:
         squares = weights**2 * np.where(weight < 1, 2.0, 1.0)
         return 0.5 * math.sqrt(float(squares.sum()) / repeats) / float(weights.sum())
 
-    result.values[f"{name}_noise"] = Value(math.sqrt(level / pixels), error(steps))
     # a mode's own square stands for that of its mean, which is 1 + 1/repeats times smaller
     own = error(weight * power / plain) / math.sqrt(1 + 1 / repeats)
     result.values[f"{name}_mean_sd"] = Value(math.sqrt(plain / length), own)
