@@ -10,8 +10,9 @@ from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import loss
 
 # The statistics are correlated, so a gain overstates the log likelihood ratio: neighbouring
-# quantiles and bands move together, about eight at a time. "Nothing is missing" is credited with a gain that
-# noise does not reach. Both are reasoned; their calibration on random sensors is still to be made.
+# quantiles and bands move together, about eight at a time. "Nothing is missing" is credited with a
+# gain that noise does not reach. Both are reasoned; their calibration on random sensors is still to
+# be made.
 DEFLATION = 8.0
 NOTHING = 25.0
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion

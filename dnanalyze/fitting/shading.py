@@ -53,9 +53,8 @@ def shading_values(
     -------
     dict
         shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the
-        power of
-        the next orders: a random low-frequency field shows there, and a second sensor would draw
-        it anew.
+        power of the next orders of its kind: a random low-frequency field shows there, and a
+        second sensor would draw it anew.
     """
     if "block_means" not in left.curves or "block_means" not in right.curves:
         return {}
