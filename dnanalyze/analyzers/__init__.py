@@ -1,1 +1,1 @@
-"""."""
+"""Frames to Statistics in one streaming pass: one file a family of statistics."""

@@ -46,14 +46,6 @@ class SuppressionSeries:
     chi2_unfiltered: float
     chi2_crosstalk: float
 
-    @property
-    def rises(self) -> float:
-        """ln R at the warmest less that at the coldest, in standard errors: edge-preserving
-        filters.
-        """
-        gap = self.log_ratio[-1] - self.log_ratio[0]
-        return float(gap / np.hypot(self.se[0], self.se[-1]))
-
 
 def crosstalk_curve(power: np.ndarray, phi: float) -> np.ndarray:
     """ln R for total powers (any unit), of which the smallest is read noise alone."""

@@ -49,10 +49,8 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
     """Detection limit of every effect that is not in the model, as sentences.
 
     The strength at which the effect moves the statistics, beyond what the model's own parameters
-    can
-    absorb, by what `significant` asks for. One simulation each, at the setting with the least
-    noise,
-    followed along the power law by which such an effect shows.
+    can absorb, by what `significant` asks for. One simulation each, at the setting with the least
+    noise, followed along the power law by which such an effect shows.
     """
     noise = Readings(held.measured[0]).value("frame_noise_core")
     quietest = int(np.nanargmin(noise))

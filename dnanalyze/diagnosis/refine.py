@@ -151,9 +151,8 @@ def _everyday(
 ) -> State:
     """Put in what every sensor has, one after another, and let what tables absorbed get its name.
 
-    The paper's tables over temperature give way to laws: a constant spread and kernel. All four
-    are fitted
-    together first; the models between are that fit with the later ones taken out.
+    The paper's tables over temperature give way to laws: a constant spread and kernel. All four are
+    fitted together first; the models between are that fit with the later ones taken out.
     """
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     model = ordinary_model(moments(seen, sensor.black_level), converter_bits(seen, sensor.bits))

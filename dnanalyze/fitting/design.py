@@ -18,8 +18,8 @@ class Design:
     """Settings and frames that enter, and the two halves of the field.
 
     The fit sees ``train``, the left half; the error is measured on ``test``, the right half.
-    Large-scale
-    shading, which has only one realisation over the field, is split by a checkerboard of blocks.
+    Large-scale shading, which has only one realisation over the field, is split by a checkerboard
+    of blocks.
     """
 
     captures: CaptureSet

@@ -13,7 +13,6 @@ from dnanalyze.model.laws import ArrheniusLaw, Law, TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 
 PEDESTAL = "pedestal"
-EA_STEP_EV = 0.02
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 
 The derivative of a group of knobs costs one simulation; between iterations it is kept up to date by
 Broyden's rank-one formula instead of being taken anew. A pseudo-Huber loss keeps a few statistics
-that
-the model cannot reach from bending all others.
+that the model cannot reach from bending all others.
 """
 
 from __future__ import annotations

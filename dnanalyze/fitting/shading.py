@@ -1,8 +1,7 @@
 """Low-order shading over the whole field, from one colour of a checkerboard of blocks.
 
-Shading has one realisation a sensor, so it cannot be split into halves of the field as the rest
-is: the fit
-sees the even blocks of the whole field and is judged on the odd ones.
+Shading has one realisation a sensor, so it cannot be split into halves of the field as the rest is:
+the fit sees the even blocks of the whole field and is judged on the odd ones.
 """
 
 from __future__ import annotations

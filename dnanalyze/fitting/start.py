@@ -23,9 +23,8 @@ class Moments:
     """Mean and variances over the operating points, DN and DN^2, and what they say at a glance.
 
     ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are
-    variances;
-    a point with one frame cannot tell them apart: it is given the temporal variance of the other
-    points, or half of its own.
+    variances; a point with one frame cannot tell them apart: it is given the temporal variance of
+    the other points, or half of its own.
     """
 
     points: list[OperatingPoint]
@@ -128,9 +127,8 @@ def gaussian_model(m: Moments) -> NoiseModel:
 def paper_models(m: Moments) -> list[NoiseModel]:
     """The paper's model by moments, every parameter a table over the operating points.
 
-    Several, for pedestals farther and farther below the signal: the farther, the nearer the seed
-    is to
-    a Gaussian. The series may not pin the pedestal, and then the shape has to.
+    Several, for pedestals farther and farther below the signal: the farther, the nearer the seed is
+    to a Gaussian. The series may not pin the pedestal, and then the shape has to.
     """
     sd = float(np.sqrt(np.min(m.total)))
     return [
@@ -159,9 +157,8 @@ def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
     """The paper's seed with the four effects that every sensor has, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
-    read
-    noise are slope and intercept of temporal variance over signal, pixel offsets what remains of
-    the pattern where there is no signal. ``bits`` are the converter's.
+    read noise are slope and intercept of temporal variance over signal, pixel offsets what remains
+    of the pattern where there is no signal. ``bits`` are the converter's.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)

@@ -35,3 +35,12 @@ def test_raster_has_unit_variance_and_white_at_exponent_zero(shape):
     flat = made.reshape(400, -1)
     lag1 = np.mean(flat[:, 1:] * flat[:, :-1])
     assert abs(lag1) < 5 / np.sqrt(made.size) + 1 / count
+
+
+def test_the_level_of_a_frame_has_the_power_of_its_lowest_frequency():
+    weights = pink.raster_weights(64 * 64, 1.0)
+    white = np.zeros((64, 64), np.float32)
+    made = pink.raster(white, weights, 1.5)
+    # a mode k has variance 4 w^2 over its two sides; the level is one of two such sides
+    np.testing.assert_allclose(made, 1.5 * np.sqrt(2.0) * weights[0], rtol=1e-5)
+    assert abs(pink.raster(white, weights).max()) == 0

@@ -194,3 +194,18 @@ def test_blinking_is_guessed_from_the_noisiest_pixels():
     assert 10 < fixed.amplitude < 40
     assert fixed.fraction * fixed.amplitude**2 == pytest.approx(0.02 * 400, rel=0.05)
     assert fixed.exposure == "none"  # alike at both temperatures
+
+
+@pytest.mark.parametrize("polarity", ["up", "both", "centred", "three"])
+@pytest.mark.parametrize("occupancies", ["same", "spread"])
+def test_every_kind_of_blinking_has_the_variance_of_its_closed_form(polarity, occupancies):
+    p, a = 0.4, 20.0
+    effect = Rts(p, a, 0.3, 0.05, 0.0, "fixed", "none", polarity, occupancies)
+    y = frames(effect, (256, 256), 30)
+    # 26,000 blinking pixels: the mean of their squares, each below 400 DN^2, is known to .6 %
+    assert y.var() == pytest.approx(effect.variance(HERE), rel=0.04)
+    levels = {"up": 2, "both": 2, "centred": 2, "three": 3}[polarity]
+    seen = [np.unique(np.round(pixel, 3)).size for pixel in y.reshape(30, -1).T[:2000]]
+    assert max(seen) == levels
+    if polarity in ("centred", "three"):  # no fixed offset: 5 sigma of the mean over all
+        assert abs(y.mean()) < 5 * np.sqrt(effect.variance(HERE) / (y.size / 30))
