@@ -11,7 +11,7 @@ from dnanalyze.analyzers.level import floor
 from dnanalyze.analyzers.quantiles import Counted, Ordered
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.steps import pattern_steps
-from dnanalyze.analyzers.uncertainty import QuantileErrors, mean_error
+from dnanalyze.analyzers.uncertainty import QuantileErrors, block_sums, mean_error
 
 LEVELS = ("0.001", "0.01", "0.1", "0.25", "0.75", "0.9", "0.99", "0.999", "0.9999")
 TEMPORAL_LEVELS = ("0.001", "0.01", "0.99", "0.999")
@@ -161,14 +161,20 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
         out.missing["temporal_kurtosis"] = "there is no noise between the frames"
         return
     ratio = m4 / m2**2
-    influences = []
-    for each in differences if acc.plan.errors else ():
-        z2 = np.clip(each, -reach, reach)
-        z2 *= z2
-        z2 /= np.float32(m2)
-        influences.append(z2 * (z2 - np.float32(2 * ratio)))
-    se_kurtosis = mean_error(acc.plan, *influences, repeats=acc.difference_repeats)
-    out.values["temporal_kurtosis"] = Value(ratio - 3.0, max(se_kurtosis, 1e-4))
+    error = _kurtosis_error(acc, np.float32(reach), m2, ratio) if acc.plan.errors else 0.0
+    out.values["temporal_kurtosis"] = Value(ratio - 3.0, max(error, 1e-4))
+
+
+def _kurtosis_error(acc: Accumulated, reach: np.float32, m2: float, ratio: float) -> float:
+    """Standard error of m4 / m2^2 of the differences cut to +-reach."""
+    scale, twice = np.float32(1 / m2), np.float32(2 * ratio)
+
+    def influence(rows: np.ndarray) -> np.ndarray:
+        z2 = np.square(np.clip(rows, -reach, reach)) * scale
+        return z2 * (z2 - twice)
+
+    sums = [block_sums(acc.plan, influence, each) for each in acc.end_differences]
+    return mean_error(acc.plan, *sums, repeats=acc.difference_repeats)
 
 
 def power_means(law: Counted | np.ndarray) -> tuple[float, np.ndarray, int]:

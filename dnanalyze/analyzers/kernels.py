@@ -237,6 +237,14 @@ def sum_below(key, weight, thresholds, row_edges, column_edges, sums):
                     sums[a, b, k] += _sum_below(key[r, left:right], part, thresholds[k])
 
 
+@njit(cache=True, nogil=True)
+def add_blocks(values, column_edges, sums):
+    """Add the float32 ``values`` of one row band, (rows, columns), to the sums of its blocks."""
+    for r in range(values.shape[0]):
+        for b in range(column_edges.size - 1):
+            sums[b] += _sum(values[r, column_edges[b] : column_edges[b + 1]])
+
+
 @njit(cache=True, nogil=True, fastmath=FAST)
 def power_sums(values, centre):
     """Sums of the first eight powers of flat float32 ``values`` less ``centre``."""
@@ -254,6 +262,20 @@ def power_sums(values, centre):
         s7 += r * q * d
         s8 += r * r
     return s1, s2, s3, s4, s5, s6, s7, s8
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def products(a, b):
+    """Sums of a, b, a^2, b^2 and a b over flat float32 arrays."""
+    sa, sb, saa, sbb, sab = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(a.size):
+        x, y = np.float64(a[i]), np.float64(b[i])
+        sa += x
+        sb += y
+        saa += x * x
+        sbb += y * y
+        sab += x * y
+    return sa, sb, saa, sbb, sab
 
 
 @njit(cache=True, nogil=True)

@@ -9,7 +9,7 @@ import numpy as np
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
-from dnanalyze.analyzers.uncertainty import QuantileErrors, mean_error
+from dnanalyze.analyzers.uncertainty import QuantileErrors, block_sums, map_sums, mean_error
 
 RESOLUTION = 0.005  # DN, below which quantiles of codes are not told apart
 
@@ -83,8 +83,9 @@ def floor(acc: Accumulated) -> float:
 
 def _frames(acc: Accumulated, values: dict[str, Value]) -> None:
     drift = acc.drift_variance / acc.frames
-    mean = float(acc.pattern.mean(dtype=np.float64))
-    spatial = mean_error(acc.plan, acc.pattern)
+    sums = map_sums(acc.plan, acc.pattern)
+    mean = float(sums.sum()) / acc.plan.pixels
+    spatial = mean_error(acc.plan, sums)
     values["mean"] = Value(mean, max(math.sqrt(spatial**2 + drift), 0.1 * floor(acc)))
     errors = QuantileErrors(acc.plan, acc.end_frames, acc.values, CORE, acc.frames)
     middle, core = errors.of(np.stack([[0.0, 1.0, 0.0], SPREAD], axis=1))
@@ -107,18 +108,19 @@ def _temporal(acc: Accumulated, values: dict[str, Value]) -> None:
     assert variance is not None
     mean = acc.temporal_mean
     least = floor(acc) ** 2
+    error = mean_error(acc.plan, map_sums(acc.plan, variance)) if acc.plan.errors else 0.0
     if mean > 0:
-        relative = mean_error(acc.plan, variance) / mean
+        relative = error / mean
         se = max(math.hypot(relative, acc.drift_error(mean)) / 2, least / mean)
         values["temporal_noise"] = Value(math.sqrt(mean), se)
     if acc.plan.errors:
-        values["s2_temporal"] = Value(mean, max(mean_error(acc.plan, variance), least))
+        values["s2_temporal"] = Value(mean, max(error, least))
     quartiles = np.array([0.25, 0.75])
     errors = QuantileErrors(
         acc.plan, acc.end_differences, acc.differences, quartiles, acc.difference_repeats
     )
-    error = float(errors.of(np.array([-1.0, 1.0]))) / 1.349
-    values["temporal_noise_core"] = _log_core(acc.difference_sigma, error, acc, drift=True)
+    spread = float(errors.of(np.array([-1.0, 1.0]))) / 1.349
+    values["temporal_noise_core"] = _log_core(acc.difference_sigma, spread, acc, drift=True)
 
 
 def _pattern(acc: Accumulated, values: dict[str, Value]) -> None:
@@ -130,15 +132,18 @@ def _pattern(acc: Accumulated, values: dict[str, Value]) -> None:
     values["pattern_noise_core"] = _log_core(width, float(core), acc, drift=False)
     quartiles = float(quartiles) / acc.pattern_sigma
     clipped = acc.clipped_pattern
-    squares = (clipped - clipped.mean(dtype=np.float64).astype(np.float32)) ** 2
-    variance = float(squares.mean(dtype=np.float64))
+    middle = clipped.mean(dtype=np.float64).astype(np.float32)
+    squares = block_sums(acc.plan, lambda rows: np.square(rows - middle), clipped)
+    variance = float(squares.sum()) / acc.plan.pixels
     if variance > 0:
         # the cut moves with the robust sigma
         cut = CLIP * acc.pattern_sigma
         relative = 0.0
         if acc.plan.errors:
-            ends = np.mean(np.abs(clipped) >= np.float32(0.999 * cut)) * cut**2 / variance
-            relative = mean_error(acc.plan, squares) / variance / 2 + float(ends) * quartiles
+            limit = np.float32(0.999 * cut)
+            cut_off = np.count_nonzero((clipped >= limit) | (clipped <= -limit))
+            ends = cut_off / acc.plan.pixels * cut**2 / variance
+            relative = mean_error(acc.plan, squares) / variance / 2 + ends * quartiles
         values["pattern_noise"] = Value(math.sqrt(variance), max(relative, 1e-6))
 
 
@@ -152,8 +157,9 @@ def emva_split(acc: Accumulated) -> dict[str, Value]:
     stack = acc.temporal_mean / acc.frames
     column_means = pattern.mean(axis=0, dtype=np.float64)
     row_means = pattern.mean(axis=1, dtype=np.float64)
-    squares = (pattern - np.float32(row_means.mean())) ** 2
-    total = float(squares.mean(dtype=np.float64)) - stack
+    middle = np.float32(row_means.mean())
+    squares = block_sums(acc.plan, lambda rows: np.square(rows - middle), pattern)
+    total = float(squares.sum()) / acc.plan.pixels - stack
     total_se = mean_error(acc.plan, squares)
     out = {"dsnu_1288": _root(total, total_se)}
     size = rows * columns

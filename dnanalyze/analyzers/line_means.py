@@ -16,11 +16,11 @@ class LineMeans:
     variance: float
 
 
-def line_means(image: np.ndarray) -> LineMeans:
-    """Line means of a 2-D float32 image."""
+def line_means(image: np.ndarray, centre: float = 0.0, reach: float = np.inf) -> LineMeans:
+    """Line means of a 2-D float32 image less ``centre``, cut to +-reach."""
     from dnanalyze.analyzers import spectral_kernels as kernels
 
-    columns, rows, square = kernels.line_sums(image)
+    columns, rows, square = kernels.line_sums(image, np.float32(centre), np.float32(reach))
     columns, rows = columns / image.shape[0], rows / image.shape[1]
     return LineMeans(columns, rows, max(square / image.size - float(rows.mean()) ** 2, 0.0))
 

@@ -12,6 +12,7 @@ from scipy import special
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.line_means import line_means
 from dnanalyze.analyzers.lines_infos import INFOS
+from dnanalyze.analyzers.quantiles import median
 from dnanalyze.analyzers.spectra_accumulator import Spectra
 from dnanalyze.analyzers.spectral_modes import frame_repeats
 from dnanalyze.analyzers.statistics import Value
@@ -208,23 +209,20 @@ def _beyond(name: str, images: Sequence[np.ndarray], sigma: float, result: Famil
     The differences leave slow trends, which are shading, out. Pixels are clipped at a few robust
     sigma: hot pixels and defect lines would otherwise make most of either side.
     """
-    reach = np.float32(LINE_CLIP * sigma)
+    measured = [line_means(image, median(image), LINE_CLIP * sigma) for image in images]
     for kind, axis in (("column", 0), ("row", 1)):
         ratios = []
-        for image in images:
-            middle = float(np.median(image))
-            clipped = np.clip(image - np.float32(middle), -reach, reach)
-            means = [clipped.mean(axis=a, dtype=np.float64) for a in (0, 1)]
-            pixels = float(clipped.var(dtype=np.float64)) - means[0].var() - means[1].var()
+        for lines in measured:
+            means = (lines.columns, lines.rows)
+            pixels = lines.variance - means[0].var() - means[1].var()
             if pixels > 0 and means[axis].size > 2:
                 steps = np.diff(means[axis])
-                ratios.append(np.mean(steps**2) / 2 / (pixels / image.shape[axis]))
+                ratios.append(np.mean(steps**2) / 2 / (pixels / means[1 - axis].size))
         if not ratios or min(ratios) <= 0:
             result.missing[f"{name}{kind}_noise"] = "the frames are constant"
             continue
-        lines = images[0].shape[1 - axis]
         # neighbouring differences share a line: the variance of their mean square is 3 / lines
-        error = 0.5 * math.sqrt(3.0 / lines)
+        error = 0.5 * math.sqrt(3.0 / images[0].shape[1 - axis])
         result.values[f"{name}{kind}_noise"] = Value(math.sqrt(float(np.mean(ratios))), error)
 
 

@@ -20,6 +20,12 @@ def _interval(tight: float, level: float, step: float) -> float:
     return max(tight, resolution) / IQR_SIGMA
 
 
+def median(sample: np.ndarray) -> float:
+    """Middle of a sample of any shape, or of its two middle values."""
+    flat = np.sort(sample, axis=None)  # which is vectorised, as selecting is not
+    return float(flat[(flat.size - 1) // 2 : flat.size // 2 + 1].mean())
+
+
 class Ordered:
     """A sample in order.
 
@@ -50,13 +56,27 @@ class Ordered:
         upto = np.searchsorted(s, value, "right")
         return value.astype(float) + self.step * ((place - below) / (upto - below) - 0.5)
 
-    def share_below(self, value: float | np.ndarray) -> np.ndarray:
-        """Distribution function at ``value``."""
-        return np.searchsorted(self.sorted, value, "left") / self.sorted.size
+    def count_below(self, value: float | np.ndarray) -> np.ndarray:
+        """Number of the sample below ``value``."""
+        return np.searchsorted(self.sorted, self._at_least(value), "left")
 
     def count_above(self, value: float | np.ndarray) -> np.ndarray:
         """Number of the sample above ``value``."""
-        return self.sorted.size - np.searchsorted(self.sorted, value, "right")
+        limit = -self._at_least(-np.asarray(value))
+        return self.sorted.size - np.searchsorted(self.sorted, limit, "right")
+
+    def share_below(self, value: float | np.ndarray) -> np.ndarray:
+        """Distribution function at ``value``."""
+        return self.count_below(value) / self.sorted.size
+
+    def _at_least(self, value: float | np.ndarray) -> np.ndarray:
+        """The smallest number of the sample's type that is not below ``value``.
+
+        In another type a search would first copy the whole sample.
+        """
+        value, kind = np.asarray(value, float), self.sorted.dtype.type
+        near = value.astype(kind)
+        return np.where(near < value, np.nextafter(near, kind(np.inf)), near)
 
     def robust_sigma(self) -> float:
         """Interquartile range / 1.349; never 0."""

@@ -97,15 +97,18 @@ def search(power, columns, reach, guard, lowest):
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
-def line_sums(image):
-    """Sums of each column and of each row, and the sum of squares, float64."""
+def line_sums(image, centre, reach):
+    """Sums of each column and of each row, and the sum of squares, float64.
+
+    Of the float32 image less ``centre``, cut to +-reach.
+    """
     by_column = np.zeros(image.shape[1])
     by_row = np.zeros(image.shape[0])
     square = 0.0
     for i in range(image.shape[0]):
         total, squares = 0.0, 0.0
         for j in range(image.shape[1]):
-            y = np.float64(image[i, j])
+            y = np.float64(min(max(image[i, j] - centre, -reach), reach))
             by_column[j] += y
             total += y
             squares += y * y

@@ -9,6 +9,7 @@ import numpy as np
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import (
+    block_sums,
     clustered_variance,
     counts_below,
     mean_residuals,
@@ -218,11 +219,13 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
         out.values["hot_repeat"] = Value(share, 0.5 / (pixels + 2))
         return
     pairs = [acc.maps.head] if acc.frames == 2 else [acc.maps.head, acc.maps.tail]
-    sides = []
-    for first, second in pairs:
-        hot = first > np.float32(acc.maps.hot_limit)
-        lasting = hot & (second > np.float32(acc.maps.hot_limit))
-        sides.append(mean_residuals(acc.plan, lasting - np.float32(share) * hot))
+    limit, part = np.float32(acc.maps.hot_limit), np.float32(share)
+
+    def influence(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        hot = first > limit
+        return (hot & (second > limit)) - part * hot
+
+    sides = [mean_residuals(acc.plan, block_sums(acc.plan, influence, *pair)) for pair in pairs]
     se = math.sqrt(float(repeated_variance(sides, acc.frames - 1))) * acc.plan.pixels / pixels
     out.values["hot_repeat"] = Value(share, max(se, 0.5 / (pixels + 2)))
 

@@ -7,10 +7,12 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.quantiles import Ordered, Tied
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.analyzers.uncertainty import (
     QuantileErrors,
+    block_sums,
     clustered_variance,
     counts_below,
     mean_error,
@@ -118,26 +120,33 @@ def _pattern_correlation(acc: Accumulated, out: FamilyResult) -> None:
     """Pooled over the pairs of successive frames, each with its own mean taken off."""
     scalars, n = acc.maps.frame_scalars(), acc.plan.pixels
     mean, square = scalars[:, 0] / n, scalars[:, 1] / n
-    variance = square - mean**2
+    variance = np.maximum(square - mean**2, 0.0)
     cross = scalars[1:, 2] / n - mean[1:] * mean[:-1]
-    scale = float(np.sum(np.sqrt(np.maximum(variance[1:] * variance[:-1], 0.0))))
+    scale = float(np.sum(np.sqrt(variance[1:] * variance[:-1])))
     if scale <= 0:
         out.missing["pattern_correlation"] = "the frames are constant"
         return
     r = float(cross.sum()) / scale
     error = 0.0
     if acc.plan.errors:
-        a, b = (_standardised(acc, frame) for frame in acc.end_frames)
-        error = mean_error(acc.plan, a * b - np.float32(r / 2) * (a * a + b * b))
+        centre, reach = np.float32(acc.plan.centre), np.float32(CLIP * acc.plan.sigma)
+
+        def standardised(rows: np.ndarray, n: int) -> np.ndarray:
+            z = np.clip(rows - centre, -reach, reach)
+            z -= np.float32(mean[n])
+            z *= np.float32(1 / max(math.sqrt(variance[n]), 1e-30))
+            return z
+
+        def influence(first: np.ndarray, last: np.ndarray) -> np.ndarray:
+            return correlation_influence(standardised(first, 0), standardised(last, -1), r)
+
+        error = mean_error(acc.plan, block_sums(acc.plan, influence, *acc.end_frames))
     out.values["pattern_correlation"] = Value(r, max(error, 1e-6))
 
 
-def _standardised(acc: Accumulated, frame: np.ndarray) -> np.ndarray:
-    reach = np.float32(6 * acc.plan.sigma)
-    z = np.clip(frame - np.float32(acc.plan.centre), -reach, reach)
-    z -= z.mean(dtype=np.float64).astype(np.float32)
-    z /= np.float32(max(float(np.sqrt(np.mean(z * z, dtype=np.float64))), 1e-30))
-    return z
+def correlation_influence(a: np.ndarray, b: np.ndarray, r: float) -> np.ndarray:
+    """What each pair of standardised values, float32, adds to their correlation r."""
+    return a * b - np.float32(r / 2) * (a * a + b * b)
 
 
 def _variances(acc: Accumulated, out: FamilyResult) -> None:
@@ -209,24 +218,27 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
 
 def _blinking(acc: Accumulated, out: FamilyResult) -> None:
     """Correlation over pixels of squared differences of two disjoint sets of frame pairs."""
+    from dnanalyze.analyzers import kernels
+
     a, b = acc.maps.pair_squares()
     if acc.plan.errors:
         scale = np.float32(2 * acc.difference_sigma**2)
         pairs = [len(range(start, acc.frames, 4)) for start in (1, 3)]
         far = [x > 10 * scale * n for x, n in zip((a, b), pairs, strict=True)]
-        out.values["blinking_count"] = Value(float(np.sum(far[0] & far[1])), 1.0)
-    z = []
-    for x in (a, b):
-        each = x - x.mean(dtype=np.float64).astype(np.float32)
-        sd = math.sqrt(float(np.mean(each * each, dtype=np.float64)))
-        if sd == 0:
-            out.missing["blink_repeat"] = "there is no noise between the frames"
-            return
-        each /= np.float32(sd)
-        z.append(each)
-    r = float(np.mean(z[0] * z[1], dtype=np.float64))
+        out.values["blinking_count"] = Value(float(np.count_nonzero(far[0] & far[1])), 1.0)
+    sums = np.array(kernels.products(a.ravel(), b.ravel())) / acc.plan.pixels
+    mean, sd = sums[:2], np.sqrt(np.maximum(sums[2:4] - sums[:2] ** 2, 0.0))
+    if sd.min() <= 1e-6 * mean.max():
+        out.missing["blink_repeat"] = "there is no noise between the frames"
+        return
+    r = float((sums[4] - mean[0] * mean[1]) / (sd[0] * sd[1]))
     error = 0.0
     if acc.plan.errors:
-        influence = z[0] * z[1] - np.float32(r / 2) * (z[0] ** 2 + z[1] ** 2)
-        error = mean_error(acc.plan, influence)
+        shift, rate = mean.astype(np.float32), (1 / sd).astype(np.float32)
+
+        def influence(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+            z = (one - shift[0]) * rate[0], (other - shift[1]) * rate[1]
+            return correlation_influence(*z, r)
+
+        error = mean_error(acc.plan, block_sums(acc.plan, influence, a, b))
     out.values["blink_repeat"] = Value(r, max(error, 1e-4))

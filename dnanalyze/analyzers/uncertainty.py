@@ -8,8 +8,10 @@ crossings.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,9 +47,27 @@ def sums_below(
     return out
 
 
-def mean_residuals(plan: Plan, weight: np.ndarray) -> np.ndarray:
-    """What each block adds to the error of the mean of ``weight``, (row bands, column bands)."""
-    sums = sums_below(plan, weight, weight)[..., 0]
+def block_sums(plan: Plan, of: Callable[..., np.ndarray], *maps: np.ndarray) -> np.ndarray:
+    """Sums over each block of a function of maps, (row bands, column bands).
+
+    ``of`` is called with the same rows of each map, (rows, columns), and gives float32 of that
+    shape. It sees one row band at a time: what it works out stays in the cache.
+    """
+    from dnanalyze.analyzers import kernels
+
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1))
+    for sums, (top, bottom) in zip(out, pairwise(plan.row_edges), strict=True):
+        kernels.add_blocks(of(*(each[top:bottom] for each in maps)), plan.column_edges, sums)
+    return out
+
+
+def map_sums(plan: Plan, each: np.ndarray) -> np.ndarray:
+    """Sums over each block of a map, (row bands, column bands)."""
+    return block_sums(plan, lambda rows: rows, each)
+
+
+def mean_residuals(plan: Plan, sums: np.ndarray) -> np.ndarray:
+    """What each block adds to the error of the mean over all pixels, from the block sums."""
     return (sums - plan.block_pixels * (sums.sum() / plan.pixels)) / plan.pixels
 
 
@@ -103,14 +123,14 @@ def repeated_variance(sides: list[np.ndarray], repeats: float) -> np.ndarray:
     return np.asarray(blocks + bands)
 
 
-def mean_error(plan: Plan, *influences: np.ndarray, repeats: float = 1.0) -> float:
-    """Standard error of the mean of a per-pixel map, (rows, columns) float32.
+def mean_error(plan: Plan, *sums: np.ndarray, repeats: float = 1.0) -> float:
+    """Standard error of the mean over all pixels of a map, from its `block_sums`.
 
-    With two maps (of two frames) and ``repeats``, that of the mean over so many frames.
+    With those of two maps (of two frames) and ``repeats``, that of the mean over so many frames.
     """
     if not plan.errors:
         return 0.0
-    sides = [mean_residuals(plan, influence) for influence in influences]
+    sides = [mean_residuals(plan, each) for each in sums]
     return float(np.sqrt(repeated_variance(sides, repeats)))
 
 
@@ -184,6 +204,6 @@ class QuantileErrors:
         if not self.plan.errors:
             return np.zeros(self.probabilities.size)
         mean = float(sample.mean(dtype=np.float64))
-        residual = mean_residuals(self.plan, sample)[..., None] / mean
+        residual = mean_residuals(self.plan, map_sums(self.plan, sample))[..., None] / mean
         scale = self._slopes / np.maximum(np.abs(self.values), 1e-30)
         return np.sqrt(clustered_variance(self._shares[0] * scale + residual))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dnanalyze.analyzers.quantiles import Counted, Ordered, Tied
+from dnanalyze.analyzers.quantiles import Counted, Ordered, Tied, median
 
 P = np.array([0.001, 0.05, 0.25, 0.5, 0.84, 0.99])
 
@@ -34,6 +34,23 @@ def test_continuous_quantiles_are_numpys():
     sample = np.random.default_rng(3).normal(size=1001)
     expected = np.quantile(sample, P, method="hazen")
     np.testing.assert_allclose(Ordered(sample).quantile(P), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1, 2, 1001, 1002])
+def test_median_is_numpys(size):
+    sample = np.random.default_rng(4).normal(size=size).astype(np.float32)
+    assert median(sample) == np.median(sample)
+
+
+def test_limits_of_counts_are_not_rounded_to_single_precision():
+    low, high = np.float32(1), np.nextafter(np.float32(1), np.float32(2))
+    law = Ordered(np.array([low, high, high], np.float32))
+    between = float(low) + 1e-9  # nearer to the lower one
+    for limit in (between, np.float64(between), np.array([between])):
+        assert law.count_below(limit) == 1
+        assert law.count_above(limit) == 2
+    assert law.count_below(float(high)) == 1
+    assert law.count_above(float(low)) == 2
 
 
 def test_tied_quantiles_lie_between_the_values():
