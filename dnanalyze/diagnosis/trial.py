@@ -18,7 +18,10 @@ from dnanalyze.model.noise_model import NoiseModel
 
 MOST_REFITS = 5
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
+LEAST = 6.0  # and the least promise; what chance promises is several times as much
+BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
+SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 KIND_GAIN = 4.0  # fall of the loss that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
@@ -152,26 +155,29 @@ def trials(
     seen = prospects(bench, state, known, tell)
     if not seen:
         return []
-    least = max(WORTH * seen[0].promise, 1.0)
+    least = max(WORTH * seen[0].promise, LEAST)
     best: dict[str, Trial] = {}
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
-        made = judged(bench, state, p.effect, refitted(bench, p.model, state, iterations))
+        bold = p.promise > BOLD
+        made = judged(bench, state, p.effect, refitted(bench, p.model, state, iterations, bold))
         if p.effect not in best or made.state.loss < best[p.effect].state.loss:
             best[p.effect] = made
     return sorted(best.values(), key=lambda t: -t.gain)
 
 
-def refitted(bench: Bench, model: NoiseModel, like: State, iterations: int) -> State:
+def refitted(bench: Bench, model: NoiseModel, like: State, iterations: int, bold: bool) -> State:
     """Refit a model from its present parameters, with what is known of a like one.
 
-    Where it begins farther off than the like one stands, it bends the statistics too much for their
-    derivatives to carry over (a filter, a gain): they are taken anew, and more steps allowed.
+    A refit that can no longer come below the like one is given up. An effect that bends the
+    statistics much (a filter, a gain) begins farther off than the like one stands, and the others'
+    derivatives do not carry over: if ``bold``, they are taken anew, and more steps allowed.
     """
     begun = start(bench, model, knobs_of(model), like=like)
-    if begun.loss > like.loss:
-        unknown = np.full_like(begun.jacobian, np.nan)
-        return minimise(bench, replace(begun, jacobian=unknown), 3 * iterations)
-    return minimise(bench, begun, iterations)
+    ended = minimise(bench, begun, iterations, below=like.loss)
+    if bold and begun.loss > like.loss < ended.loss + SURE:
+        unknown = np.full_like(ended.jacobian, np.nan)
+        return minimise(bench, replace(ended, jacobian=unknown), 3 * iterations, below=like.loss)
+    return ended
 
 
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:

@@ -7,6 +7,7 @@ that the model cannot reach from bending all others.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +18,10 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.noise_model import NoiseModel
 
 HUBER = 6.0
-SMALLEST, LARGEST = 2.0, 400.0  # useful size of a derivative step, in floors (Euclidean)
+HOPE = 3.0  # times its promise, what the steps after a step may still bring
+# Useful size of a derivative step, in floors (Euclidean). Pixels that cross a code's edge jump, and
+# the statistics with them, by some floors together however short the step: less would be lost in it.
+SMALLEST, LARGEST = 12.0, 400.0
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ def _difference(bench: Bench, state: State, members: list[int], smallest: float)
         for i in members
     ]
     columns = np.zeros((len(state.train), len(members)))
-    for least in (smallest, SMALLEST, SMALLEST):
+    for least in (smallest, SMALLEST / 2, SMALLEST / 4):
         there = here.copy()
         for i, h in zip(members, step, strict=True):
             there[i] = state.knobs[i].inside(here[i] + h)
@@ -104,7 +108,8 @@ def _difference(bench: Bench, state: State, members: list[int], smallest: float)
         taken = there[members] - here[members]
         for j, mask in enumerate(masks):
             columns[:, j] = np.where(mask, change, 0) / (taken[j] or 1.0)
-        factor = np.where(size < least, 5.0, np.where(size > LARGEST, 0.2, 1.0))
+        longer = np.clip(1.5 * least / np.maximum(size, 1e-9), 2.0, 8.0)
+        factor = np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))
         if np.all(factor == 1.0):
             break
         step = step * factor
@@ -127,6 +132,7 @@ def minimise(
     iterations: int = 8,
     tolerance: float = 0.01,
     tell: Callable[[State], None] = lambda _: None,
+    below: float = math.inf,
 ) -> State:
     """Move the knobs until the loss no longer falls.
 
@@ -141,6 +147,8 @@ def minimise(
         Stop when a step is expected to lower the loss by less than this share of it.
     tell : callable
         Called with every state that is better.
+    below : float
+        Loss that must be reached: give up once even steps of `HOPE` times their promise would not.
     """
     if not state.knobs:
         return state
@@ -148,7 +156,7 @@ def minimise(
     damping, stale = 1e-2, False
     for _ in range(iterations):
         step, expected = _step(state, damping)
-        if expected < tolerance * state.loss + 0.5:
+        if expected < tolerance * state.loss + 0.5 or state.loss - HOPE * expected > below:
             break
         here = positions(state.model, state.knobs)
         there = np.array([k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)])
