@@ -22,7 +22,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, loss, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import converter_bits, moments, ordinary_model
+from dnanalyze.fitting.start import converter_bits, moments, ordinary_model, partly_named
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -113,7 +113,7 @@ def refine(
     state = minimise(held, start(held, begun, knobs_of(begun)))
     note(Step(None, error_of(held, state)))
     if all(begun.get(name) is None for name in EVERYDAY):
-        state = _everyday(held, state, exclude, note)
+        state = _everyday(held, exclude, note)
     dropped: set[str] = set()
     while True:
         if until_error is not None and steps[-1].error <= until_error:
@@ -147,24 +147,22 @@ def refine(
 
 
 def _everyday(
-    held: Bench, paper: State, exclude: Sequence[str], note: Callable[[Step], None]
+    held: Bench, exclude: Sequence[str], note: Callable[[Step], None]
 ) -> State:
-    """Put in what every sensor has, one after another, and let what tables absorbed get its name.
+    """Put in what every sensor has, and let what the paper's tables absorbed get its name.
 
-    The paper's tables over temperature give way to laws: a constant spread and kernel. All four are
-    fitted together first; the models between are that fit with the later ones taken out.
+    All four are fitted together, beside a seed of constant spread and kernel. The models on the
+    way there are that fit with the effects named so far; the paper's sigma makes the other noise.
     """
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
-    model = ordinary_model(moments(seen, sensor.black_level), converter_bits(seen, sensor.bits))
+    found = moments(seen, sensor.black_level)
+    model = ordinary_model(found, converter_bits(seen, sensor.bits))
     for name in exclude:
         model = model.without(name)
     full = converge(held, start(held, model, knobs_of(model)))
     names = [n for n in EVERYDAY if n not in exclude]
     for count in range(1, len(names)):
-        part = full.model
-        for name in names[count:]:
-            part = part.without(name)
-        state = minimise(held, start(held, part, knobs_of(part), like=full), 2)
+        state = start(held, partly_named(found, full.model, names[:count]), [])
         note(Step(names[count - 1], error_of(held, state)))
     note(Step(names[-1], error_of(held, full)))
     return full

@@ -157,26 +157,31 @@ def trials(
         return []
     least = max(WORTH * seen[0].promise, LEAST)
     best: dict[str, Trial] = {}
+    most = 0.0
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
-        bold = p.promise > BOLD
-        made = judged(bench, state, p.effect, refitted(bench, p.model, state, iterations, bold))
+        if p.effect in best and best[p.effect].fitted_gain > SURE:
+            continue
+        wanted = state.loss - WORTH * most
+        made = judged(bench, state, p.effect, refitted(bench, p, state, wanted, iterations))
         if p.effect not in best or made.state.loss < best[p.effect].state.loss:
             best[p.effect] = made
+        most = max(most, made.fitted_gain)
     return sorted(best.values(), key=lambda t: -t.gain)
 
 
-def refitted(bench: Bench, model: NoiseModel, like: State, iterations: int, bold: bool) -> State:
-    """Refit a model from its present parameters, with what is known of a like one.
+def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iterations: int) -> State:
+    """Refit a prospect from its first guess, with what is known of the model without it.
 
-    A refit that can no longer come below the like one is given up. An effect that bends the
-    statistics much (a filter, a gain) begins farther off than the like one stands, and the others'
-    derivatives do not carry over: if ``bold``, they are taken anew, and more steps allowed.
+    A refit that can no longer reach the ``wanted`` loss is given up. An effect that bends the
+    statistics much (a filter, a gain) begins farther off than the model without it stands, and the
+    others' derivatives do not carry over: if it promises much they are taken anew, and more steps
+    allowed.
     """
-    begun = start(bench, model, knobs_of(model), like=like)
-    ended = minimise(bench, begun, iterations, below=like.loss)
-    if bold and begun.loss > like.loss < ended.loss + SURE:
+    begun = start(bench, seen.model, knobs_of(seen.model), like=like)
+    ended = minimise(bench, begun, iterations, below=wanted)
+    if seen.promise > BOLD and begun.loss > like.loss < ended.loss + SURE:
         unknown = np.full_like(ended.jacobian, np.nan)
-        return minimise(bench, replace(ended, jacobian=unknown), 3 * iterations, below=like.loss)
+        return minimise(bench, replace(ended, jacobian=unknown), 3 * iterations, below=wanted)
     return ended
 
 

@@ -96,7 +96,7 @@ def _difference(bench: Bench, state: State, members: list[int], smallest: float)
         for i in members
     ]
     columns = np.zeros((len(state.train), len(members)))
-    for least in (smallest, SMALLEST / 2, SMALLEST / 4):
+    for least in (smallest, SMALLEST / 4, SMALLEST / 8):
         there = here.copy()
         for i, h in zip(members, step, strict=True):
             there[i] = state.knobs[i].inside(here[i] + h)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,11 +12,12 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.laws import TableLaw, arrhenius
+from dnanalyze.model.laws import TableLaw, arrhenius, value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
+SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
 
 
 @dataclass(frozen=True)
@@ -186,6 +188,37 @@ def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
         known["quantization"](bits=bits),  # type: ignore[call-arg]
     )
     return NoiseModel(effects, m.pedestal, reference)
+
+
+def partly_named(m: Moments, model: NoiseModel, names: Sequence[str]) -> NoiseModel:
+    """A fitted ordinary model before its temporal effects have their names.
+
+    Parameters
+    ----------
+    m : Moments
+    model : NoiseModel
+    names : sequence of str
+        Effects that are named. What noise the others would add, the paper's sigma adds in their
+        place, by a table over the operating points.
+    """
+    base = model.get("convolved_lognormal")
+    assert base is not None
+    gain = np.array([p.gain / model.reference.gain if p.gain and model.reference.gain else 1.0
+                     for p in m.points])  # fmt: skip
+    pedestal = np.array([value_at(model.pedestal, p) for p in m.points])
+    signal = np.maximum(m.pedestal + m.signal - pedestal, 1e-3 * np.sqrt(m.total))
+    rest = m.temporal.copy()
+    for e in model.effects:
+        if e.name == "dark_shot_noise" and e.name in names:
+            rest -= [e.value("dn_per_e", p) for p in m.points] * gain * signal
+        elif e.name == "read_noise" and e.name in names:
+            rest -= np.array([e.variance(p) for p in m.points]) * gain**2  # type: ignore[attr-defined]
+    rest = np.maximum(rest, SCRAP * m.temporal)
+    delta = np.array([base.value("delta", p) for p in m.points])
+    sigma = np.sqrt(rest / (9.0 * signal**2 * np.exp(delta**2)))
+    base = replace(base, sigma=_table(m.points, np.clip(sigma, 1e-6, 1e5)))  # type: ignore[call-arg]
+    named = tuple(e for e in model.effects if e.name in names)
+    return replace(model, effects=(base, *named))
 
 
 def _two(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray:

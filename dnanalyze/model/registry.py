@@ -13,7 +13,7 @@ from pathlib import Path
 from dnanalyze.errors import InputError
 from dnanalyze.model.effect import Effect
 
-EVERYDAY = ("dark_shot_noise", "read_noise", "pixel_fpn", "quantization")
+EVERYDAY = ("read_noise", "pixel_fpn", "dark_shot_noise", "quantization")
 BASE = "convolved_lognormal"
 
 
