@@ -8,9 +8,18 @@ The kernels are imported when first drawn from: the compiler is slow to import.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import wraps
+from typing import TYPE_CHECKING, Any, TypeVar
+
 import numpy as np
 
 from dnanalyze.loaders.captures import Window
+
+if TYPE_CHECKING:
+    from dnanalyze.model.telegraph import Telegraph
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
@@ -58,6 +67,20 @@ def uniform_at(key: int, index: np.ndarray) -> np.ndarray:
     return np.minimum(unit, np.float32(1 - 2.0**-24))
 
 
+def _recordable(function: _Function) -> _Function:
+    """A signal that is only recorded (`dnanalyze.model.gpu.tape`) notes the call instead."""
+
+    @wraps(function)
+    def call(signal: Any, *arguments: Any) -> Any:
+        note = getattr(signal, "note", None)
+        if note is not None:
+            return note(function.__name__, *arguments)
+        return function(signal, *arguments)
+
+    return call  # type: ignore[return-value]
+
+
+@_recordable
 def add_normal(
     signal: np.ndarray, scale: float, key: int, window: Window, width: int
 ) -> np.ndarray:
@@ -69,6 +92,7 @@ def add_normal(
     return signal
 
 
+@_recordable
 def add_scaled_normal(
     signal: np.ndarray,
     offset: np.ndarray,
@@ -88,6 +112,7 @@ def add_scaled_normal(
     return signal
 
 
+@_recordable
 def counts(signal: np.ndarray, dn_per_e: float, key: int, window: Window, width: int) -> np.ndarray:
     """K Pois(max(signal, 0)/K) + min(signal, 0), K = ``dn_per_e``; in place if possible."""
     from dnanalyze.model import kernels
@@ -114,6 +139,7 @@ def lognormal(
     return mean, norm
 
 
+@_recordable
 def add_lognormal(
     signal: np.ndarray,
     mu: float,
@@ -134,6 +160,7 @@ def add_lognormal(
     return signal
 
 
+@_recordable
 def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.ndarray:
     """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated."""
     from dnanalyze.model import kernels
@@ -142,6 +169,36 @@ def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.
     out = np.empty_like(signal)
     kernels.share_with_neighbours(signal, np.float32(edge), np.float32(corner), out)
     return out
+
+
+@_recordable
+def add_telegraph(
+    signal: np.ndarray,
+    at: np.ndarray,
+    step: np.ndarray,
+    states: Sequence[Telegraph],
+    below: np.ndarray | None = None,
+) -> np.ndarray:
+    """``signal`` + ``step`` (s1 - s2 ... - ``below``) in a few pixels, in place.
+
+    Parameters
+    ----------
+    signal : ndarray of float32
+    at : ndarray of int
+        The pixels' places in the signal, in the order of its rows.
+    step, below : ndarray of float32
+        One a pixel.
+    states : sequence of Telegraph
+        s1, s2, ..., each 0 or 1.
+    """
+    level = states[0].state().astype(np.float32)
+    for other in states[1:]:
+        level -= other.state()
+    if below is not None:
+        level -= below
+    rows, columns = np.divmod(at, signal.shape[1])
+    signal[rows, columns] += step * level
+    return signal
 
 
 def _ready(signal: np.ndarray) -> np.ndarray:

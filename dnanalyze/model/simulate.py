@@ -102,7 +102,7 @@ class Simulator:
                 if not chain or chain[0].stage > Stage.PEDESTAL
                 else 0
             )
-            return np.full(window.shape, level, np.float32)
+            return self._level(window, float(level))
         effect = chain[count - 1]
         grown = window.grown(effect.reach, self.shape)
         if effect.memory:
@@ -126,6 +126,10 @@ class Simulator:
         if effect.stage < Stage.PEDESTAL and last_before:
             signal = signal + np.float32(self._pedestal(point))
         return signal
+
+    def _level(self, window: Window, level: float) -> np.ndarray:
+        """The signal before the first effect."""
+        return np.full(window.shape, level, np.float32)
 
     def _remembered(
         self, count: int, chain: list[Effect], point: OperatingPoint, number: int, window: Window
@@ -174,6 +178,7 @@ def simulate(
     sensor: Sensor | None = None,
     memo: Memo | None = None,
     threads: int = 1,
+    device: str = "cpu",
 ) -> CaptureSet:
     """A capture set whose frames are drawn when they are read.
 
@@ -192,15 +197,19 @@ def simulate(
         Where random fields are kept between calls.
     threads : int
         That share a frame; the pixels do not depend on it.
-    """
-    simulator = Simulator(model, shape, memo or Memo())
-    if threads > 1:
-        simulator = replace(simulator, _maps=Memo(_room(model, shape)))
+    device : str
+        "cpu", or "cuda" for a GPU; the pixels do not depend on it beyond rounding.
 
-    def draw(point: OperatingPoint, number: int, window: Window | None) -> np.ndarray:
-        if threads == 1:
-            return simulator.frame(point, number, window)
-        return bands.drawn(simulator, point, number, window or Window.whole(shape), threads)
+    Raises
+    ------
+    InputError
+        The device is unknown or not to be had.
+    """
+    draw = (
+        _drawn_by_threads(model, shape, memo or Memo(), threads)
+        if device == "cpu"
+        else _drawn_on(device, model, shape)
+    )
 
     def frame(point: OperatingPoint, number: int) -> Frame:
         return Frame(
@@ -215,6 +224,35 @@ def simulate(
     return CaptureSet(name, sensor or Sensor(shape), made)
 
 
+_Draw = Callable[[OperatingPoint, int, Window | None], np.ndarray]
+
+
+def _drawn_by_threads(model: NoiseModel, shape: tuple[int, int], memo: Memo, threads: int) -> _Draw:
+    simulator = Simulator(model, shape, memo)
+    if threads == 1:
+        return simulator.frame
+    simulator = replace(simulator, _maps=Memo(room(model, shape)))
+
+    def draw(point: OperatingPoint, number: int, window: Window | None) -> np.ndarray:
+        return bands.drawn(simulator, point, number, window or Window.whole(shape), threads)
+
+    return draw
+
+
+def _drawn_on(device: str, model: NoiseModel, shape: tuple[int, int]) -> _Draw:
+    """Whole frames on a device, the latest kept for the windows that follow."""
+    from dnanalyze.model.gpu.device import named
+    from dnanalyze.model.gpu.render import Renderer
+
+    renderer, latest = Renderer(model, shape, named(device)), Memo()
+
+    def draw(point: OperatingPoint, number: int, window: Window | None) -> np.ndarray:
+        frame = latest.get((point, number), lambda: renderer.host(point, number))
+        return frame[(window or Window.whole(shape)).slices].copy()
+
+    return draw
+
+
 def simulate_frames(
     model: NoiseModel,
     shape: tuple[int, int],
@@ -224,7 +262,9 @@ def simulate_frames(
     threads: int | None = None,
     rows: int | None = None,
     bits: int = 16,
-) -> Iterator[np.ndarray]:
+    device: str = "cpu",
+    batch: int = 32,
+) -> Iterator[Any]:
     """Frames as codes, one after another; the pixels depend neither on threads nor on bands.
 
     Parameters
@@ -241,19 +281,33 @@ def simulate_frames(
         Rows of the bands in which a frame is drawn.
     bits : int
         Values are rounded and cut to 0 .. 2^bits - 1; 8 at most give uint8, else uint16.
+    device : str
+        "cpu", or "cuda" for a GPU: the frames are CuPy arrays and stay there.
+    batch : int
+        Frames that a GPU draws at a time; ``threads`` and ``rows`` are the CPU's.
 
     Yields
     ------
     ndarray of uint16 or uint8
         (rows, columns); each a new array.
+
+    Raises
+    ------
+    InputError
+        The device is unknown or not to be had.
     """
-    room = _room(model, shape)
-    simulator = Simulator(model, shape, Memo(room), Memo(room))
+    if device != "cpu":
+        from dnanalyze.model.gpu.device import named
+        from dnanalyze.model.gpu.render import Renderer
+
+        return Renderer(model, shape, named(device), bits).stream(point, numbers, batch)
+    size = room(model, shape)
+    simulator = Simulator(model, shape, Memo(size), Memo(size))
     threads = threads or len(os.sched_getaffinity(0))
     rows = rows or bands.band_rows(model, shape[1])
     return bands.stream(simulator, point, numbers, threads, rows, bits)
 
 
-def _room(model: NoiseModel, shape: tuple[int, int]) -> int:
+def room(model: NoiseModel, shape: tuple[int, int]) -> int:
     """Bytes for the fixed fields of a setting: to forget one would mean to make it every frame."""
     return MAPS * 4 * shape[0] * shape[1] * max(1, len(model.effects))

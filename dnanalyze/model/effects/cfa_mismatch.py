@@ -50,13 +50,16 @@ class CfaMismatch(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the block."""
+        signal += site.keep("map", lambda: self._map(site))
+        return signal
+
+    def _map(self, site: Site) -> np.ndarray:
         u, v, uv = (
             np.float32(self.value(n, site.point) * site.gain_ratio) for n in ("u", "v", "uv")
         )
         column = (1 - 2 * (site.column_index % 2)).astype(np.float32)
         row = (1 - 2 * (site.row_index % 2)).astype(np.float32)
-        signal += (u * column)[None, :] + np.outer(row, v + uv * column)
-        return signal
+        return (u * column)[None, :] + np.outer(row, v + uv * column)
 
     def variance(self, point: OperatingPoint) -> float:
         """u^2 + v^2 + uv^2, DN^2."""

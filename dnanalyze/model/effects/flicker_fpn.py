@@ -74,8 +74,8 @@ class FlickerFpn(Effect):
                 white = stream.normal(whole, site.shape[1])
             return pink.field(white, self.value("alpha", site.point))
 
-        rms = self.value("rms", site.point) * site.gain_ratio
-        signal += np.float32(rms) * site.share("field", make)[site.window.slices]
+        rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
+        signal += site.keep("map", lambda: rms * site.share("field", make)[site.window.slices])
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

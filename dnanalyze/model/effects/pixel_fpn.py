@@ -54,7 +54,7 @@ class PixelFpn(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
-        signal += sigma * site.fixed_normal()
+        signal += site.keep("map", lambda: sigma * site.fixed_normal())
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

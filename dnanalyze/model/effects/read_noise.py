@@ -67,8 +67,10 @@ class ReadNoise(Effect):
         key = site.moment.child("").key
         if spread == 0:
             return draws.add_normal(signal, sigma, key, site.window, site.shape[1])
-        each = site.keep("spread", lambda: np.exp(spread * (site.fixed_normal() - spread)))
-        signal += np.float32(sigma) * each * site.normal()
+        each = site.keep(
+            "map", lambda: np.float32(sigma) * np.exp(spread * (site.fixed_normal() - spread))
+        )
+        signal += each * site.normal()
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

@@ -8,10 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
+from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import shows
+from dnanalyze.model.telegraph import Telegraph
 
 
 @dataclass(frozen=True)
@@ -90,24 +91,21 @@ class Rts(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the step to the blinking pixels that are in their upper level."""
-        at, index, step = site.keep("steps", lambda: self._steps(site))
-        occupancy = self._occupancy(index, site)
-        level = self._state(index, site, "state", occupancy).astype(np.float32)
-        if self.polarity == "three":
-            level -= self._state(index, site, "second", occupancy)
-        elif self.polarity == "centred":
-            level -= occupancy
-        rows, columns = np.divmod(at, site.window.shape[1])
-        signal[rows, columns] += step * level
-        return signal
+        at, index, step, occupancy = site.keep("steps", lambda: self._steps(site))
+        renew = 1.0 - np.exp(-1.0 / self.value("dwell_frames", site.point))
+        root = site.silicon.child("telegraph", repr(site.point))
+        names = ("state", "second") if self.polarity == "three" else ("state",)
+        states = [Telegraph(root, n, site.frame, index, occupancy, renew) for n in names]
+        below = occupancy if self.polarity == "centred" else None
+        return draws.add_telegraph(signal, at, step, states, below)
 
     def _occupancy(self, index: np.ndarray, site: Site) -> np.ndarray:
         if self.occupancies == "spread":
             return site.silicon.child("occupancy").uniform_at(index)
         return np.full(index.size, self.value("occupancy", site.point), np.float32)
 
-    def _steps(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Place in the window, index in the frame, and step (DN) of the blinking pixels."""
+    def _steps(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Place in the window, index in the frame, step (DN), occupancy of the blinking pixels."""
         u = site.fixed_uniform("where")
         p = np.float32(self.value("fraction", site.point))
         at = np.flatnonzero(u < p)
@@ -124,25 +122,8 @@ class Rts(Effect):
         if self.polarity in ("both", "centred"):
             down = site.silicon.child("polarity").uniform_at(index) < 0.5
             step = np.where(down, -step, step)
-        return at, index, (np.float32(scale) * step).astype(np.float32)
-
-    def _state(self, index: np.ndarray, site: Site, name: str, occupancy: np.ndarray) -> np.ndarray:
-        """Whether each pixel is in its upper level, as drawn at its latest renewal."""
-        renew = 1.0 - np.exp(-1.0 / self.value("dwell_frames", site.point))
-        on = np.zeros(index.size, bool)
-        open_ = np.arange(index.size)
-        root = site.silicon.child("telegraph", repr(site.point))
-        for n in range(site.frame, -1, -1):
-            if n > 0:
-                new = root.child(f"renew {name}", n).uniform_at(index[open_]) < renew
-            else:
-                new = np.ones(open_.size, bool)
-            done = open_[new]
-            on[done] = root.child(name, n).uniform_at(index[done]) < occupancy[done]
-            open_ = open_[~new]
-            if open_.size == 0:
-                break
-        return on
+        step = (np.float32(scale) * step).astype(np.float32)
+        return at, index, step, self._occupancy(index, site)
 
     def variance(self, point: OperatingPoint) -> float:
         """Over pixels and time, DN^2, at the reference: of A s, A the step, s the level."""

@@ -42,7 +42,8 @@ class StuckPixels(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Overwrite the stuck pixels."""
-        stuck = site.fixed_uniform() < self.value("fraction", site.point)
+        fraction = self.value("fraction", site.point)
+        stuck = site.keep("map", lambda: site.fixed_uniform() < fraction)
         signal[stuck] = np.float32(self.value("code", site.point))
         return signal
 

@@ -1,0 +1,1 @@
+"""Simulation on a CUDA device: an effect's own code, recorded, becomes one kernel."""
