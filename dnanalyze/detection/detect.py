@@ -58,7 +58,6 @@ def detect(
         tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
         effect=effect_of(kind, found, evidence) if found else {},
         series=series,
-        scatters={e.point.label(): e.scatter for e in evidence if e.view == "frame"},
     )
 
 

@@ -8,9 +8,14 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.detection.evidence import ViewEvidence
+from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
+from dnanalyze.detection.questions import Asked
 from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.results import FilterEstimate, TailBound
 from dnanalyze.detection.verdict import CAUSES, Answer
+
+REPLACEMENTS = {"mean": "mean", "median": "midpoint", "fifth": "median"}  # of 8 values
+QUIET = 4.0  # neighbours' maximum above the base, in units of the noise, where none is hot
 
 
 def estimate(kind: str, flags: list[Answer], evidence: list[ViewEvidence]) -> FilterEstimate:
@@ -28,9 +33,13 @@ def estimate(kind: str, flags: list[Answer], evidence: list[ViewEvidence]) -> Fi
 
 
 def _view(flags: list[Answer]) -> str:
-    """Where it is stronger: in the frame, or within the colours."""
+    """Where it is stronger: in the frame, or within the colours.
+
+    Neighbours of one colour are among the 24 of the frame, so a cap to these caps some of those.
+    """
+    capped = [a for a in flags if a.asked.test == "cap_to_neighbours"]
     score = {"frame": 0.0, "planes": 0.0}
-    for a in flags:
+    for a in capped or flags:
         e = a.asked
         score[e.evidence.view] += min(e.effect / e.limit, 50.0) if np.isfinite(e.limit) else 0.0
     return max(score, key=lambda v: score[v])
@@ -41,8 +50,6 @@ def _correction(
 ) -> FilterEstimate:
     mine = [a for a in flags if a.asked.evidence.view == view and a.asked.test in CAUSES] or flags
     tests = {t: [a.asked for a in mine if a.asked.test == t] for t in CAUSES}
-    capped = tests["cap_to_neighbours"]
-    dynamic, ratio = tests["dynamic_threshold"], tests["ratio_rule"]
     found = [e.replaced for e in evidence if e.view == view and e.replaced is not None]
     rule, ppm = None, None
     if tests["static_replacement"]:
@@ -51,25 +58,68 @@ def _correction(
     base = FilterEstimate(
         "static", view, replacement=rule, site_ppm=ppm, from_temperature_c=coldest
     )
-    if capped:
-        neighbours = int(min(a.at for a in capped))
+    if tests["cap_to_neighbours"]:
+        neighbours = min(a.neighbours for a in tests["cap_to_neighbours"])
         return replace(base, subkind="clamp", threshold_dn=0.0, neighbours=neighbours)
-    if dynamic and (not ratio or _steadier(dynamic, ratio)):
-        units = [a.evidence.noise for a in dynamic]
-        bounds = np.array([a.at for a in dynamic])
-        return replace(
-            base, subkind="dynamic", threshold_dn=float(np.median(bounds)),
-            threshold_sigma=float(np.median(bounds / units)), neighbours=8,
-        )  # fmt: skip
-    if ratio:
-        factor = float(np.median([a.at for a in ratio]))
-        return replace(base, subkind="ratio", ratio=factor, neighbours=8)
+    cut = [a for t in ("dynamic_threshold", "ratio_rule", "ratio_and_threshold") for a in tests[t]]
+    if cut:
+        neighbours = min(a.neighbours for a in cut)
+        views = {id(a.evidence): a.evidence for a in cut if a.neighbours == neighbours}
+        return _cut(base, list(views.values()), neighbours, tests["dynamic_threshold"])
     if tests["static_replacement"] and _grows(found, rule):
         level, noise = _highest(mine)
+        neighbours = 24 if rule == "mean of 24" else 8
         return replace(
-            base, subkind="dynamic", threshold_dn=level, threshold_sigma=level / noise, neighbours=8
-        )
+            base, subkind="dynamic", threshold_dn=level, threshold_sigma=level / noise,
+            neighbours=neighbours,
+        )  # fmt: skip
     return base
+
+
+def _cut(
+    base: FilterEstimate, views: list[ViewEvidence], neighbours: int, dynamic: list[Asked]
+) -> FilterEstimate:
+    """The line x = slope max + bound that nothing crosses, both above the base level."""
+    out = [e.above8 if neighbours == 8 else e.above24 for e in views]
+    lines = [_line(o, e.noise) for o, e in zip(out, views, strict=True)]
+    slope = float(np.quantile([a for a, _ in lines], 0.5, method="lower"))
+    if slope <= 1:
+        units = np.array([a.evidence.noise for a in dynamic] or [e.noise for e in views])
+        bounds = np.array([a.at for a in dynamic] or [b for _, b in lines])
+        return replace(
+            base, subkind="dynamic", threshold_dn=float(np.median(bounds)),
+            threshold_sigma=float(np.median(bounds / units)), neighbours=neighbours,
+        )  # fmt: skip
+    level = min(o.base for o in out)
+    lowered = [  # a bound above one base is another above a lower one
+        b - (slope - 1) * (o.base - level)
+        for (a, b), o in zip(lines, out, strict=True)
+        if a == slope
+    ]
+    return replace(
+        base, subkind="ratio", ratio=slope, threshold_dn=max(0.0, float(np.median(lowered))),
+        level_dn=level, neighbours=neighbours,
+    )  # fmt: skip
+
+
+def _line(out: StandingOut, noise: float) -> tuple[float, float]:
+    """Slope and bound of the rule (DN above the base).
+
+    Below the rule's own slope the bound falls as fast as the hottest survivors' neighbours are
+    hot; above it only as fast as neighbours rise above the base by noise.
+    """
+    bounds = np.array([_end(top) for top in out.sloped])
+    for k in range(len(SLOPES) - 1):
+        fall = (bounds[k] - bounds[k + 1]) / (SLOPES[k + 1] - SLOPES[k])
+        if fall <= QUIET * noise + 0.12 * abs(bounds[k]) / (SLOPES[k + 1] - SLOPES[k]):
+            return SLOPES[k], float(bounds[k])
+    return SLOPES[-1], float(bounds[-1])
+
+
+def _end(top: Excess) -> float:
+    """The bound beyond which (almost) nothing is left, DN."""
+    some = np.flatnonzero(top.own > 0.02 * np.maximum(top.control, top.frames))
+    return float(top.bounds[min(int(some[-1]) + 1 if some.size else 0, top.bounds.size - 1)])
 
 
 def _highest(flags: list[Answer]) -> tuple[float, float]:
@@ -78,17 +128,11 @@ def _highest(flags: list[Answer]) -> tuple[float, float]:
     """
     ends = []
     for e in {id(a.asked.evidence): a.asked.evidence for a in flags}.values():
-        empty = np.flatnonzero(e.top8.own < 0.5 * e.top8.frames)
-        k = int(empty[0]) if empty.size else e.top8.bounds.size - 1
-        ends.append((max(float(e.top8.bounds[k]), e.step), e.noise))
+        top = e.above8.difference
+        empty = np.flatnonzero(top.own < 0.5 * top.frames)
+        k = int(empty[0]) if empty.size else top.bounds.size - 1
+        ends.append((max(float(top.bounds[k]), e.step), e.noise))
     return min(ends)
-
-
-def _steadier(dynamic: list[Any], ratio: list[Any]) -> bool:
-    """A rule by difference explains what is flagged at more settings, or as surely as a ratio."""
-    return (len(dynamic), -sum(np.log(a.p + 1e-300) for a in dynamic)) >= (
-        len(ratio), -sum(np.log(a.p + 1e-300) for a in ratio),
-    )  # fmt: skip
 
 
 def _grows(found: list[Any], rule: str | None) -> bool:
@@ -140,12 +184,14 @@ def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) ->
             plain["range"] = round(3 * min(e.noise for e in evidence), 3)
         return {"denoise": plain}
     plain = {"spacing": spacing}
-    replacement = "mean" if (found.replacement or "").startswith("mean") else "median"
+    replacement = REPLACEMENTS.get((found.replacement or "").split(" of")[0], "median")
     if found.subkind == "clamp":
         plain |= {"kind": "clamp", "threshold": 0.01, "neighbours": found.neighbours or 8}
     elif found.subkind == "ratio":
         plain |= {
-            "kind": "ratio", "factor": round(found.ratio or 2.0, 3), "threshold": 0.01,
+            "kind": "ratio", "factor": round(found.ratio or 2.0, 3),
+            "threshold": round(max(found.threshold_dn or 0.0, 0.01), 3),
+            "black": round(found.level_dn or 0.0, 3),
             "neighbours": found.neighbours or 8, "replacement": replacement,
         }  # fmt: skip
     elif found.subkind == "static":
@@ -156,7 +202,10 @@ def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) ->
         }  # fmt: skip
     else:
         threshold = found.threshold_dn or 4 * float(np.median([e.noise for e in evidence]))
-        plain |= {"kind": "median", "threshold": round(threshold, 3), "replacement": replacement}
+        plain |= {
+            "kind": "excess", "threshold": round(threshold, 3),
+            "neighbours": found.neighbours or 8, "replacement": replacement,
+        }  # fmt: skip
     return {"dpc": plain}
 
 
@@ -171,8 +220,9 @@ def tail_bounds(found: FilterEstimate, evidence: list[ViewEvidence]) -> tuple[Ta
         if e.view != found.view or e.replaced is None or not e.replaced.tried:
             continue
         level = found.threshold_dn or 4 * e.noise
-        k = min(int(np.searchsorted(e.top8.bounds, level)), e.top8.bounds.size - 1)
-        seen = 1e6 * e.top8.own[k] / (e.top8.frames * e.replaced.tried)
+        top = e.above8.difference
+        k = min(int(np.searchsorted(top.bounds, level)), top.bounds.size - 1)
+        seen = 1e6 * top.own[k] / (top.frames * e.replaced.tried)
         surplus = np.maximum(e.replaced.own - e.replaced.control, 0)
         sites = float(surplus.max())
         upper = seen + 1e6 * (sites + 2 * np.sqrt(sites + 1)) / e.replaced.tried

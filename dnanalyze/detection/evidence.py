@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
-from dnanalyze.detection.excess import Excess, Scatter, excess, scatter, without_transients
+from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
 from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading
 from dnanalyze.detection.memory import Autocorrelation, autocorrelation
 from dnanalyze.detection.rank import Exceedance, exceedance
@@ -48,10 +48,8 @@ class ViewEvidence:
         hot pixels.
     spectrum, correlation, texture
         Of the noise.
-    top8, top24 : Excess
-        Above the largest of 8, of 24 neighbours, DN.
-    ratio8, ratio24 : Excess
-        As ratios above the median.
+    above8, above24 : StandingOut
+        Above the largest of 8, of 24 neighbours.
     replaced : Replaced, optional
         For 3 frames or more.
     memory : Autocorrelation, optional
@@ -60,8 +58,6 @@ class ViewEvidence:
         Equality with the right neighbour, with one farther away, pixels.
     rows : RowPhase, optional
         Of the whole frame only.
-    scatter : ndarray
-        2-D histogram of pixel against its neighbours' maximum, see ``excess.scatter``.
     """
 
     view: str
@@ -77,15 +73,12 @@ class ViewEvidence:
     spectrum: OctaveSpectrum
     correlation: LagCorrelation
     texture: Texture
-    top8: Excess
-    top24: Excess
-    ratio8: Excess
-    ratio24: Excess
+    above8: StandingOut
+    above24: StandingOut
     replaced: Replaced | None
     memory: Autocorrelation | None
     equal: tuple[float, float, int]
     rows: RowPhase | None
-    scatter: Scatter
 
 
 def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
@@ -103,9 +96,6 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     clipped = _clipped_share(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
 
-    top8, ratio8 = _excess(clean, 1, noise, ceiling)
-    top24, ratio24 = _excess(clean, 2, noise, ceiling)
-
     return ViewEvidence(
         view,
         group.point,
@@ -120,15 +110,12 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
         octave_spectrum(images),
         lag_correlation(images),
         texture(images),
-        top8,
-        top24,
-        ratio8,
-        ratio24,
+        _standing_out(clean, 1, noise, ceiling),
+        _standing_out(clean, 2, noise, ceiling),
         _replaced(parts, noise),
         _memory(parts) if group.repeats else None,
         equal_neighbours(parts[0].raw),
         row_phase(images) if view == "frame" else None,
-        scatter(parts[0].raw[0], noise),
     )
 
 
@@ -144,11 +131,11 @@ def _recorded(parts: list[Plane]) -> Exceedance:
     return exceedance(np.stack(frames))
 
 
-def _excess(
+def _standing_out(
     stacks: list[np.ndarray], reach: int, noise: float, ceiling: float
-) -> tuple[Excess, Excess]:
-    found = [excess(s, reach, noise, ceiling) for s in stacks]
-    return sum((f[0] for f in found[1:]), found[0][0]), sum((f[1] for f in found[1:]), found[0][1])
+) -> StandingOut:
+    found = [standing_out(s, reach, noise, ceiling) for s in stacks]
+    return sum(found[1:], found[0])
 
 
 def _ceiling(stack: np.ndarray) -> float:

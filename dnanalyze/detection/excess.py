@@ -1,15 +1,15 @@
 """How far pixels stand out of their neighbours: a dynamic correction leaves a cliff.
 
 A dynamic corrector, a clamp and a ratio rule all forbid a pixel to stand out of its *own*
-neighbours by
-more than some bound, and know nothing of neighbours elsewhere. So the excess x - max(neighbours)
-is held
-against the excess of the same pixels over rings of neighbours a few pixels away (the control).
-Where
-pixels are exchangeable at that scale the control is no more frequent, whatever the marginal; above
-the
-threshold of a corrector only the control has any. The control takes the larger of two rings on
-opposite sides, so that a gradient cannot feed it.
+neighbours by more than some bound, and know nothing of neighbours elsewhere. So the excess
+x - max(neighbours) is held against the excess of the same pixels over rings of neighbours a few
+pixels away (the control). Where pixels are exchangeable at that scale the control is no more
+frequent, whatever the marginal; above the threshold of a corrector only the control has any. The
+control takes the larger of two rings on opposite sides, so that a gradient cannot feed it.
+
+A rule x > a max + b has its sharp edge in x - a max. With a slope that is too small what survives
+beside hot neighbours blurs the edge; with one that is too large it stays sharp, since max is never
+far below the median. So a few slopes find every such rule, and the least sharp one is its own.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ import numpy as np
 from numba import njit
 
 CONTROLS = ((0, 8), (8, 0))  # and opposite: same row or column, same colour
-RATIOS = np.geomspace(1.0, 20.0, 36)  # crosstalk of 2 % forbids ratios above 42 by itself
 LADDER = np.concatenate([np.arange(0, 8, 0.25), np.geomspace(8, 4000, 64)])  # in units of the noise
+RATIOS = np.geomspace(1.0, 20.0, LADDER.size)  # crosstalk of 2 % forbids more than 42 by itself
+SLOPES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+RATIO = 0.0
 
 
 @dataclass(frozen=True)
@@ -52,38 +54,35 @@ class Excess:
 
 @njit(cache=True, nogil=True)
 def _survival(
-    frame: np.ndarray, top: np.ndarray, reach: int, shifts: np.ndarray,
-    bounds: np.ndarray, base: float, ratio: bool, floor: float, ceiling: float,
+    frame: np.ndarray, top: np.ndarray, reach: int, shifts: np.ndarray, rules: np.ndarray,
+    bounds: np.ndarray, base: float, floor: float, ceiling: float,
 ) -> np.ndarray:  # fmt: skip
-    """Histogram over ``bounds`` of the excess (or ratio) over own and displaced maxima."""
+    """Histograms over ``bounds`` of what each rule bounds, of own and displaced maxima.
+
+    The pixels looked at lie ``floor`` above ``base``. A rule is a slope a of x - a max, both above
+    ``base``; ``RATIO`` stands for x / max.
+    """
     h, w = frame.shape
-    n = bounds.size
-    found = np.zeros((2, n + 1), np.float64)
+    found = np.zeros((rules.size, 2, bounds.shape[1] + 1), np.float64)
     margin = reach + np.abs(shifts).max()
     weight = 1.0 / shifts.shape[0]
     for y in range(margin, h - margin):
         for x in range(margin, w - margin):
-            v = frame[y, x]
-            if v >= ceiling or v - base < floor:
+            v = frame[y, x] - base
+            if v < floor or frame[y, x] >= ceiling:
                 continue
             for s in range(-1, shifts.shape[0]):
                 if s < 0:
-                    m = top[y - reach, x - reach]
+                    m = top[y - reach, x - reach] - base
                 else:
                     oy, ox = shifts[s]
-                    m = max(
-                        top[y + oy - reach, x + ox - reach], top[y - oy - reach, x - ox - reach]
-                    )
-                if ratio:
-                    e = (v - base) / max(m - base, floor / 4)
-                else:
-                    e = v - m
-                if e > bounds[0]:
-                    k = np.searchsorted(bounds, e)  # bounds below e: 0 .. k - 1
-                    if s < 0:
-                        found[0, k] += 1
-                    else:
-                        found[1, k] += weight
+                    one = top[y + oy - reach, x + ox - reach]
+                    m = max(one, top[y - oy - reach, x - ox - reach]) - base
+                for k in range(rules.size):
+                    e = v / max(m, floor / 4) if rules[k] == RATIO else v - rules[k] * m
+                    if e > bounds[k, 0]:  # bounds below e: 0 .. n - 1
+                        n = np.searchsorted(bounds[k], e)
+                        found[k, min(s + 1, 1), n] += 1.0 if s < 0 else weight
     return found
 
 
@@ -99,10 +98,42 @@ def without_transients(stack: np.ndarray, noise: float, sigmas: float = 6.0) -> 
     return np.where(np.abs(stack - middle) > np.float32(sigmas * noise), middle, stack)
 
 
-def excess(
+@dataclass(frozen=True)
+class StandingOut:
+    """How far pixels stand out of the largest of their neighbours, in three ways.
+
+    Parameters
+    ----------
+    neighbours : int
+        8 or 24.
+    difference : Excess
+        x - max, DN, of pixels above the frame's median.
+    ratio : Excess
+        (x - median) / (max - median), of pixels 6 units above the median.
+    sloped : tuple of Excess
+        (x - median) - a (max - median), DN, of the same pixels, for each a of ``SLOPES``.
+    base : float
+        Median of the frames, DN.
+    """
+
+    neighbours: int
+    difference: Excess
+    ratio: Excess
+    sloped: tuple[Excess, ...]
+    base: float
+
+    def __add__(self, other: StandingOut) -> StandingOut:
+        sloped = tuple(a + b for a, b in zip(self.sloped, other.sloped, strict=True))
+        return StandingOut(
+            self.neighbours, self.difference + other.difference, self.ratio + other.ratio, sloped,
+            min(self.base, other.base),
+        )  # fmt: skip
+
+
+def standing_out(
     stack: np.ndarray, reach: int, unit: float, ceiling: float = np.inf
-) -> tuple[Excess, Excess]:
-    """Own and control counts over a stack of frames as recorded: of the excess, and of the ratio.
+) -> StandingOut:
+    """Own and control counts over a stack of frames as recorded.
 
     Parameters
     ----------
@@ -114,68 +145,31 @@ def excess(
         Noise, DN, by which the ladder of bounds is scaled.
     ceiling : float
         Pixels at or above are saturated and left out.
-
-    Returns
-    -------
-    above, ratio : Excess
-        Bounds on x - max in DN; on (x - median) / (max - median) of pixels 6 units above the
-        median.
     """
-    from dnanalyze.detection.neighbours import ring_extremes
+    from dnanalyze.detection.neighbours import ring_maximum
 
-    bounds = (LADDER * unit, RATIOS)
-    counts = [np.zeros((2, b.size + 1)) for b in bounds]
+    ladder = LADDER * unit
+    plain = np.array([1.0]), ladder[None], 0.0
+    hot = (
+        np.array([RATIO, *SLOPES]),
+        np.concatenate([RATIOS[None], np.tile(ladder, (len(SLOPES), 1))]),
+        6.0 * unit,
+    )
+    counts = [np.zeros((len(rules), 2, LADDER.size + 1)) for rules, _, _ in (plain, hot)]
+    bases = []
     for frame in stack:
-        top, _ = ring_extremes(frame, reach)
-        base = float(np.median(frame[::5, ::5]))
-        for is_ratio in (False, True):
-            floor = 6 * unit if is_ratio else -np.inf
-            counts[is_ratio] += _survival(
-                frame,
-                top,
-                reach,
-                np.array(CONTROLS),
-                bounds[is_ratio],
-                base,
-                is_ratio,
-                floor,
-                ceiling,
+        top = ring_maximum(frame, reach)
+        bases.append(float(np.median(frame[::5, ::5])))
+        for count, (rules, bounds, floor) in zip(counts, (plain, hot), strict=True):
+            count += _survival(
+                frame, top, reach, np.array(CONTROLS), rules, bounds, bases[-1], floor, ceiling
             )
-    above = [c[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:] for c in counts]
-    difference, ratio = (
-        Excess(b, a[0], a[1], len(stack)) for b, a in zip(bounds, above, strict=True)
+    above = [count[..., ::-1].cumsum(axis=-1)[..., ::-1][..., 1:] for count in counts]
+    found = [
+        Excess(bounds[k], own_and_control[k, 0], own_and_control[k, 1], len(stack))
+        for own_and_control, (rules, bounds, _) in zip(above, (plain, hot), strict=True)
+        for k in range(rules.size)
+    ]
+    return StandingOut(
+        (2 * reach + 1) ** 2 - 1, found[0], found[1], tuple(found[2:]), float(np.median(bases))
     )
-    return difference, ratio
-
-
-@dataclass(frozen=True)
-class Scatter:
-    """A pixel against the largest of its 8 neighbours, both above the median.
-
-    Parameters
-    ----------
-    counts : ndarray
-        (bins, bins): pixel value by neighbours' maximum.
-    edges : ndarray
-        (bins + 1,), DN above the median.
-    """
-
-    counts: np.ndarray
-    edges: np.ndarray
-
-
-def scatter(frame: np.ndarray, unit: float, bins: int = 64) -> Scatter:
-    """Histogram that practitioners know: unfiltered, hot pixels make a vertical arm."""
-    from dnanalyze.detection.neighbours import ring_extremes
-
-    top, _ = ring_extremes(frame, 1)
-    base = float(np.median(frame[::5, ::5]))
-    inner = frame[1:-1, 1:-1] - base
-    reach = max(12 * unit, float(np.quantile(inner[::3, ::3], 0.9995)))
-    edges = np.linspace(-4 * unit, reach, bins + 1)
-    counts, _, _ = np.histogram2d(
-        np.clip(inner.ravel(), edges[0], edges[-1]),
-        np.clip((top - base).ravel(), edges[0], edges[-1]),
-        bins=(edges, edges),
-    )
-    return Scatter(counts.astype(np.int64), edges)

@@ -7,18 +7,19 @@ import numpy as np
 
 def robust_sd(values: np.ndarray) -> float:
     """Standard deviation of the core of a distribution: 1.4826 median |x - median|."""
-    return _centre_and_sd(values)[1]
+    return centre_and_sd(values)[1]
 
 
-def _centre_and_sd(values: np.ndarray) -> tuple[float, float]:
-    sample = values.reshape(-1)[:: max(1, values.size // 32_768)]
-    middle = np.median(sample)
-    return float(middle), float(1.4826 * np.median(np.abs(sample - middle)))
+def centre_and_sd(values: np.ndarray, sample: int = 32_768) -> tuple[float, float]:
+    """Median and robust standard deviation, of about ``sample`` of the values."""
+    some = values.reshape(-1)[:: max(1, values.size // sample)]
+    middle = np.median(some)
+    return float(middle), float(1.4826 * np.median(np.abs(some - middle)))
 
 
 def clipped(image: np.ndarray, sigmas: float = 3.0) -> np.ndarray:
     """Values beyond ``sigmas`` robust sd pulled in, about the median."""
-    middle, sd = _centre_and_sd(image)
+    middle, sd = centre_and_sd(image, 8192)
     return np.clip(image, np.float32(middle - sigmas * sd), np.float32(middle + sigmas * sd))
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize
 
-from dnanalyze.detection.flatten import robust_sd, without_lines, without_tones
+from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
 
 LEAST_PIXELS = 200
 
@@ -45,21 +45,20 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         return None
     pattern_here = np.where(ordinary, pattern, np.float32(0))
     power = float((pattern_here * pattern_here).mean())
-    first = second = None
+    second = None
     squares = np.zeros_like(mean)
     products = np.zeros_like(mean)
     for frame in stack:
         d = frame - mean
-        d = d - np.median(d)
+        d = d - np.float32(centre_and_sd(d, 8192)[0])
         slope = np.float32(float((d * pattern_here).mean()) / power) if power else np.float32(0)
-        reach = np.float32(4 * robust_sd(d - slope * pattern))
+        reach = np.float32(4 * centre_and_sd(d - slope * pattern, 8192)[1])
         d = without_lines(d - slope * pattern)
         tones = np.clip(d, -reach, reach)
         d = d - (tones - without_tones(tones))
         squares = squares + d * d
         if second is not None:
             products = products + d * second
-        first = d if first is None else first
         second = d
     typical = np.median(squares)
     if typical <= 0:

@@ -7,27 +7,19 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def ring_extremes(image: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
-    """Largest and smallest of the (2 reach + 1)^2 - 1 neighbours; each (rows - 2r, columns -
-    2r).
-    """
+def ring_maximum(image: np.ndarray, reach: int) -> np.ndarray:
+    """Largest of the (2 reach + 1)^2 - 1 neighbours; (rows - 2r, columns - 2r)."""
     h, w = image.shape
     top = np.empty((h - 2 * reach, w - 2 * reach), image.dtype)
-    low = np.empty_like(top)
     for y in range(reach, h - reach):
         for x in range(reach, w - reach):
-            most = -np.inf
-            least = np.inf
+            most = image[y - 1, x]
             for dy in range(-reach, reach + 1):
                 for dx in range(-reach, reach + 1):
-                    if dy == 0 and dx == 0:
-                        continue
-                    v = image[y + dy, x + dx]
-                    most = max(most, v)
-                    least = min(least, v)
+                    if dy != 0 or dx != 0:
+                        most = max(most, image[y + dy, x + dx])
             top[y - reach, x - reach] = most
-            low[y - reach, x - reach] = least
-    return top, low
+    return top
 
 
 @njit(cache=True, nogil=True)

@@ -15,12 +15,14 @@ from scipy import stats
 
 from dnanalyze.detection.correlation import CrosstalkBound, largest_crosstalk, shot_share
 from dnanalyze.detection.evidence import ViewEvidence
-from dnanalyze.detection.excess import Excess
+from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
 from dnanalyze.detection.replaced import RULES
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ABRUPT = 8.0  # a threshold empties the tail at once: this much from half the bound to the bound
+ASKED_SLOPES = (2.0, 4.0)
+WHOLE = 0.5  # of the tail is left at half the bound
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
@@ -38,6 +40,7 @@ class Asked:
     limit: float
     words: str
     at: float = np.nan  # threshold, ratio or rule that the answer points to
+    neighbours: int = 8
 
 
 def one_sided(value: float, se: float) -> float:
@@ -143,14 +146,16 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
 def standing_out(e: ViewEvidence) -> list[Asked]:
     """Does something keep pixels from standing out of their neighbours?"""
     asked = []
-    for count, top, ratio in ((8, e.top8, e.ratio8), (24, e.top24, e.ratio24)):
-        asked.append(_cap(e, count, top))
-        asked.append(_cliff(e, count, top, "dynamic_threshold"))
-        asked.append(_cliff(e, count, ratio, "ratio_rule"))
+    for out in (e.above8, e.above24):
+        asked.append(_cap(e, out))
+        asked.append(_cliff(e, out, out.difference, "dynamic_threshold"))
+        asked.append(_cliff(e, out, out.ratio, "ratio_rule"))
+        asked.append(_slope(e, out))
     return [a for a in asked if a is not None]
 
 
-def _cap(e: ViewEvidence, count: int, top: Excess) -> Asked | None:
+def _cap(e: ViewEvidence, out: StandingOut) -> Asked | None:
+    top, count = out.difference, out.neighbours
     control = float(top.control[0]) / top.frames
     own = float(top.own[0]) / top.frames
     if control < 20:
@@ -160,11 +165,11 @@ def _cap(e: ViewEvidence, count: int, top: Excess) -> Asked | None:
         1 - own / control, 0.9,
         f"{own:.0f} pixels a frame stand above the largest of their {count} neighbours where "
         f"{control:.0f} stand above rings elsewhere: values are capped to the neighbours'",
-        count,
+        0.0, count,
     )  # fmt: skip
 
 
-def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
+def _cliff(e: ViewEvidence, out: StandingOut, top: Excess, test: str) -> Asked | None:
     control, own = top.control / top.frames, top.own / top.frames
     enough = control >= LEAST_SITES
     if test == "dynamic_threshold":  # beyond, saturated charge spills over and hides the difference
@@ -178,9 +183,40 @@ def _cliff(e: ViewEvidence, count: int, top: Excess, test: str) -> Asked | None:
     return Asked(
         test, "dpc", e, min(1.0, float(p[j]) * 8), 1 - below, 0.97,
         f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of "
-        f"their {count} neighbours, {control[j]:.0f} were expected from rings elsewhere",
-        _edge(top, own, control, j),
+        f"their {out.neighbours} neighbours, {control[j]:.0f} were expected from rings elsewhere",
+        edge(top, j), out.neighbours,
     )  # fmt: skip
+
+
+def _slope(e: ViewEvidence, out: StandingOut) -> Asked | None:
+    """Rules of a ratio and a threshold together: 2 times the largest of 24 plus 400, say.
+
+    A corrector replaces a pixel but not its fainter hot neighbour, which then stands alone; so
+    something is left beyond the bound, and the tail at half of it is what it is held against. Hits
+    span pixels and would thin the tail likewise: asked only where they are taken out.
+    """
+    best: Asked | None = None
+    for a in ASKED_SLOPES if e.frames >= 3 else ():
+        top = out.sloped[SLOPES.index(a)]
+        control, own = top.control / top.frames, top.own / top.frames
+        left = own / np.maximum(control, 1e-9)
+        half = left[np.searchsorted(top.bounds, top.bounds / 2)]
+        fit = (control >= LEAST_SITES) & (half > WHOLE) & (top.bounds >= 8 * e.noise)
+        fit &= top.bounds <= HIGHEST_THRESHOLD * e.noise
+        whole = np.minimum(half, 1.0)
+        p = np.where(fit, stats.poisson.cdf(np.floor(own), 0.5 * whole * control), 1.0)
+        j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
+        found = Asked(
+            "ratio_and_threshold", "dpc", e, min(1.0, float(p[j]) * 8 * len(ASKED_SLOPES)),
+            1 - float(left[j] / whole[j]) if fit[j] else 0.0, 0.75,
+            f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} DN above {a:g} times "
+            f"the largest of their {out.neighbours} neighbours, {control[j]:.0f} were expected "
+            "from rings elsewhere",
+            edge(top, j), out.neighbours,
+        )  # fmt: skip
+        if best is None or found.p < best.p:
+            best = found
+    return best
 
 
 def _abrupt(top: Excess) -> np.ndarray:
@@ -194,10 +230,10 @@ def _abrupt(top: Excess) -> np.ndarray:
     return left[half] > ABRUPT * left
 
 
-def _edge(top: Excess, own: np.ndarray, control: np.ndarray, j: int) -> float:
-    """The smallest bound beyond which (almost) nothing is left."""
-    empty = own <= 0.02 * control
-    while j > 0 and empty[j - 1] and control[j - 1] > 0:
+def edge(top: Excess, j: int) -> float:
+    """The smallest bound beyond which (almost) nothing is left, from the ``j``-th down."""
+    empty = top.own <= 0.02 * top.control
+    while j > 0 and empty[j - 1] and top.control[j - 1] > 0:
         j -= 1
     return float(top.bounds[j])
 

@@ -1,10 +1,10 @@
 """Pixels that are in every frame what their neighbours say: replaced, site by site.
 
-For each way in which correctors interpolate (means and medians of 2, 4 or 8 neighbours, copies), a
-site
-matches where the residual stays within one step in all frames though the pixel itself varies.
-The control counts matches with the same interpolation of a ring a few pixels away, which has
-the same noise, rounding, clipping and line structure, so that no model of the noise is needed.
+For each way in which correctors interpolate (means and medians of 2, 4, 8 or 24 neighbours,
+copies), a site matches where the residual stays within one step in all frames though the pixel
+itself varies. The control counts matches with the same interpolation of a ring a few pixels away,
+which has the same noise, rounding, clipping and line structure, so that no model of the noise is
+needed.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from numba import njit
 RULES = (
     "mean of 4", "mean of 8", "mean of left and right", "mean of above and below",
     "median of 8", "fifth of 8", "median of 4", "largest of 8", "copy of a neighbour",
+    "mean of 24",
 )  # fmt: skip
 CONTROLS = np.array([(0, 4), (4, 0)])  # along the row, along the column
 
@@ -45,7 +46,14 @@ class Replaced:
 
 
 @njit(cache=True, nogil=True)
-def _references(f: np.ndarray, y: int, x: int, out: np.ndarray, ring: np.ndarray) -> None:
+def _references(
+    f: np.ndarray, y: int, x: int, v: float, reach: float, out: np.ndarray, ring: np.ndarray
+) -> None:
+    """What each rule but the last makes of the ring around (y, x), into ``out``.
+
+    Medians of 8 are worked out only where ``v`` may be one: no more than 4 of the ring lie
+    farther than ``reach`` below it, or above; elsewhere they are infinite.
+    """
     up, down, left, right = f[y - 1, x], f[y + 1, x], f[y, x - 1], f[y, x + 1]
     ring[0] = f[y - 1, x - 1]
     ring[1] = up
@@ -56,30 +64,45 @@ def _references(f: np.ndarray, y: int, x: int, out: np.ndarray, ring: np.ndarray
     ring[6] = down
     ring[7] = f[y + 1, x + 1]
     cross = up + down + left + right
+    total = 0.0
+    below = above = 0
+    top = ring[0]
+    for i in range(8):
+        total += ring[i]
+        below += ring[i] < v - reach
+        above += ring[i] > v + reach
+        top = max(top, ring[i])
     out[0] = cross / 4
-    out[1] = ring[:8].sum() / 8
+    out[1] = total / 8
     out[2] = (left + right) / 2
     out[3] = (up + down) / 2
+    out[4] = out[5] = np.inf
     out[6] = (cross - max(up, down, left, right) - min(up, down, left, right)) / 2
+    out[7] = top
+    if below > 4 or above > 4:
+        return
     for i in range(1, 8):  # insertion sort
-        v = ring[i]
+        w = ring[i]
         j = i - 1
-        while j >= 0 and ring[j] > v:
+        while j >= 0 and ring[j] > w:
             ring[j + 1] = ring[j]
             j -= 1
-        ring[j + 1] = v
+        ring[j + 1] = w
     out[4] = (ring[3] + ring[4]) / 2
     out[5] = ring[4]
-    out[7] = ring[7]
 
 
 @njit(cache=True, nogil=True)
 def _match(
-    stack: np.ndarray, shifts: np.ndarray, step: float, slack: float, least: float, limit: int
-):
-    """Matches of each rule; own ring first, then the displaced ones."""
+    stack: np.ndarray, squares: np.ndarray, shifts: np.ndarray,
+    step: float, slack: float, least: float, limit: int,
+):  # fmt: skip
+    """Matches of each rule; own ring first, then the displaced ones.
+
+    ``squares``: sums over 5x5 pixels.
+    """
     frames, h, w = stack.shape
-    rules = 9
+    rules = 10
     counts = np.zeros((shifts.shape[0], rules), np.int64)
     sites = np.empty((limit, 3), np.int64)
     found = 0
@@ -89,7 +112,7 @@ def _match(
     copies = np.empty(4, np.bool_)
     ref = np.empty(rules)
     ring = np.empty(8)
-    margin = 1 + np.abs(shifts).max()
+    margin = 2 + np.abs(shifts).max()
     tried = 0
     for y in range(margin, h - margin):
         for x in range(margin, w - margin):
@@ -106,10 +129,11 @@ def _match(
                 for k in range(frames):
                     v = stack[k, y, x]
                     f = stack[k]
-                    _references(f, oy, ox, ref, ring)
+                    _references(f, oy, ox, v, step + slack, ref, ring)
+                    ref[9] = (squares[k, oy, ox] - f[oy, ox]) / 24
                     some = False
-                    for r in range(8):
-                        if not alive[r]:
+                    for r in range(rules):
+                        if not alive[r] or r == 8:
                             continue
                         d = v - ref[r]
                         low[r] = min(low[r], d)
@@ -143,6 +167,24 @@ def _match(
     return counts, sites[:found], tried
 
 
+@njit(cache=True, nogil=True)
+def _sums(stack: np.ndarray) -> np.ndarray:
+    """Of 5x5 pixels around each; exact for integers below 2^19; zero near the edges."""
+    frames, h, w = stack.shape
+    rows = np.empty((h, w), np.float32)
+    total = np.zeros_like(stack)
+    for k in range(frames):
+        f = stack[k]
+        for y in range(h):
+            for x in range(2, w - 2):
+                rows[y, x] = f[y, x - 2] + f[y, x - 1] + f[y, x] + f[y, x + 1] + f[y, x + 2]
+        for y in range(2, h - 2):
+            for x in range(2, w - 2):
+                column = rows[y - 2, x] + rows[y - 1, x] + rows[y, x]
+                total[k, y, x] = column + rows[y + 1, x] + rows[y + 2, x]
+    return total
+
+
 def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
     """Look for replaced sites in the raw frames of one plane.
 
@@ -158,5 +200,5 @@ def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
     slack = 1e-3 * (step or noise)
     shifts = np.concatenate([[(0, 0)], CONTROLS])
     least = max(2 * step, 0.1 * noise)
-    counts, sites, tried = _match(stack, shifts, step, slack, least, 1 << 16)
+    counts, sites, tried = _match(stack, _sums(stack), shifts, step, slack, least, 1 << 16)
     return Replaced(counts[0], counts[1:].max(axis=0), sites, tried)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.detection.excess import Scatter
 from dnanalyze.detection.series import SuppressionSeries
 
 
@@ -73,8 +72,10 @@ class FilterEstimate:
     view : str
         "frame", or "planes": it works within a colour.
     threshold_dn, threshold_sigma, ratio : float, optional
-        Of a dynamic correction: the excess above the neighbours' maximum, or the ratio to it, from
-        which no pixel stands out.
+        Of a dynamic correction: the excess above the neighbours' maximum, or above ``ratio`` times
+        it, from which no pixel stands out.
+    level_dn : float, optional
+        From where a ratio is measured, DN.
     neighbours : int, optional
         8 or 24.
     replacement : str, optional
@@ -92,6 +93,7 @@ class FilterEstimate:
     threshold_dn: float | None = None
     threshold_sigma: float | None = None
     ratio: float | None = None
+    level_dn: float | None = None
     neighbours: int | None = None
     replacement: str | None = None
     site_ppm: float | None = None
@@ -149,8 +151,6 @@ class Detection:
         empty for none.
     series : SuppressionSeries, optional
         Suppression of high frequencies over temperature, for the figure.
-    scatters : dict
-        Setting's label to the histogram of a pixel against its neighbours' maximum, for the figure.
     """
 
     filtered: bool
@@ -164,7 +164,6 @@ class Detection:
     tail: tuple[TailBound, ...] = ()
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
-    scatters: dict[str, Scatter] = field(default_factory=dict)
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report; numbers finite or null."""

@@ -15,7 +15,10 @@ from dnanalyze.detection.questions import Asked
 from dnanalyze.loaders.captures import OperatingPoint
 
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
-CAUSES = ("cap_to_neighbours", "dynamic_threshold", "ratio_rule", "static_replacement")
+CAUSES = (
+    "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
+    "static_replacement",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
