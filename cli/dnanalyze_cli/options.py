@@ -47,6 +47,15 @@ Tolerance = Annotated[
         help="Frames within so many C share an operating point; default 1.5.",
     ),
 ]
+Channel = Annotated[
+    str | None,
+    typer.Option(
+        "--channel",
+        metavar="NAME",
+        rich_help_panel=_READING,
+        help="Only this HDR readout channel; default: all.",
+    ),
+]
 EffectFiles = Annotated[
     list[Path] | None,
     typer.Option(

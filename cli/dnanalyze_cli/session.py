@@ -15,6 +15,8 @@ from dnanalyze.report.files import atomic_write, check_output
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from dnanalyze.fitting.least_squares import State
+    from dnanalyze.fitting.predictor import Bench
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.effect import Effect
     from dnanalyze.model.noise_model import NoiseModel
@@ -32,7 +34,8 @@ class Progress:
     def __call__(self, done: float = 0, total: float | None = None) -> None:
         """So much of the total is done."""
         if self.bars:
-            self.bars.update(self.task, completed=done, total=total)
+            count = "" if total is None else f"{done:.0f} of {total:.0f}"
+            self.bars.update(self.task, completed=done, total=total, count=count)
 
     def now(self, text: str) -> None:
         """What is going on, beside the bar."""
@@ -43,6 +46,32 @@ class Progress:
         """A line that stays, above the bar."""
         if self.bars:
             self.bars.console.print(text, highlight=False)
+
+    def bench(self, captures: CaptureSet) -> Bench:
+        """The captures read once, frame by frame in sight."""
+        from dnanalyze.fitting.design import design
+        from dnanalyze.fitting.predictor import bench
+
+        plan = design(captures)
+        if self.bars:
+            from dnanalyze_cli.watched import watched
+
+            self.now("Reading")
+            plan = replace(plan, captures=watched(plan.captures, self))
+        held = bench(plan)
+        self(0, None)
+        self.now("Fitting")
+        return held
+
+    def fitting(self, held: Bench) -> Callable[[State], None]:
+        """What a fit calls with every better state: its error, beside the bar."""
+        from dnanalyze.comparator.error import pooled
+
+        def tell(state: State) -> None:
+            error = pooled(state.test, held.test.families)
+            self.now(f"Fitting, error {error:.3g}")
+
+        return tell
 
 
 @dataclass
@@ -62,7 +91,9 @@ class Session:
     effects: tuple[Path, ...] = ()
     quiet: bool = False
     cache: bool = True
+    channel: str | None = None
     console: Console = field(init=False)
+    _told: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         from rich.console import Console
@@ -77,13 +108,20 @@ class Session:
         if self.console.width > 110:
             self.console.width = 110
 
-    def load(self, config: Path | None = None, tolerance_c: float | None = None) -> CaptureSet:
-        """The captures; what the loader had to assume is said on stderr."""
+    def load(
+        self,
+        config: Path | None = None,
+        tolerance_c: float | None = None,
+        channel: str | None = None,
+    ) -> CaptureSet:
+        """The captures, or one channel of them; what had to be assumed is said on stderr."""
         from dnanalyze.analyzers.cache import default_folder
         from dnanalyze.loaders import load
 
         assert self.captures is not None
         found = load(self.captures, config=config, tolerance_c=tolerance_c)
+        if channel is not None:
+            found, self.channel = found.channel(channel), channel
         if self.cache and (folder := default_folder()):
             found = found.cached(str(folder))
         for note in found.notes:
@@ -108,7 +146,17 @@ class Session:
     def seeded(
         self, captures: CaptureSet, model: NoiseModel | None, seed: int | None
     ) -> NoiseModel | None:
-        """The model with this seed; without a model the paper's, as a fit begins."""
+        """The model with this seed; without a model the paper's, as a fit begins.
+
+        Raises
+        ------
+        InputError
+            Captures of a channel that the model does not know.
+        """
+        if model is not None:
+            from dnanalyze.model.channels import require
+
+            require(model, captures.channels)
         if seed is None:
             return model
         if model is None:
@@ -135,18 +183,18 @@ class Session:
         """Say so once where loops are compiled: the first run after an install waits for it."""
         from numba.core import event
 
-        told: list[str] = []
-
         class Listener(event.Listener):
             def on_start(self, event: object) -> None:
-                if not told:
-                    told.append("note: compiling for this machine; only the first run does")
-                    say(told[0])
+                tell()
 
             def on_end(self, event: object) -> None:
                 pass
 
-        say = self.say
+        def tell() -> None:
+            if not self._told:
+                self._told = True
+                self.say("note: compiling for this machine; only the first run does")
+
         with event.install_listener("numba:compile", Listener()):
             yield
 
@@ -158,9 +206,14 @@ class Session:
         from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
         from rich.progress import Progress as Bars
 
-        columns = (TextColumn("{task.description}"), BarColumn(28), TimeElapsedColumn())
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(28),
+            TextColumn("{task.fields[count]}"),
+            TimeElapsedColumn(),
+        )
         with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
-            yield Progress(bars, bars.add_task(text, total=None))
+            yield Progress(bars, bars.add_task(text, total=None, count=""))
 
     def write(
         self,
@@ -172,6 +225,8 @@ class Session:
         """Write what was asked for; everything is made before the first file appears."""
         from dnanalyze.report.plain import to_json
 
+        if self.channel is not None:
+            content = {**content, "channel": self.channel}
         made: list[tuple[Path, str]] = []
         if self.output and model:
             made.append((self.output, model()))

@@ -86,7 +86,7 @@ def benchmark(
     Parameters
     ----------
     captures : sequence of CaptureSet
-        Two or more.
+        Two or more; the readout channels of one count as sensors of their own.
     temperatures : sequence of float
         Where to compare, C; by default inside what all have measured.
     quick : bool
@@ -99,14 +99,22 @@ def benchmark(
     InputError
         Fewer than two capture sets.
     """
-    if len(captures) < 2:
-        raise InputError("benchmark: name two capture folders or more")
-    names = unique_names([c.name for c in captures])
+    parts = [part for c in captures for part in by_channel(c)]
+    if len(parts) < 2:
+        raise InputError("benchmark: name two capture folders or more, or one of several channels")
+    names = unique_names([c.name for c in parts])
     made = [
         record(name, c.name, c, quick=quick, tell=tell)
-        for name, c in zip(names, captures, strict=True)
+        for name, c in zip(names, parts, strict=True)
     ]
     return side_by_side(made, temperatures)
+
+
+def by_channel(captures: CaptureSet) -> list[CaptureSet]:
+    """Each readout channel, named after it; captures without channels as they are."""
+    if not captures.channels:
+        return [captures]
+    return [replace(captures.channel(c), name=f"{captures.name} {c}") for c in captures.channels]
 
 
 def unique_names(folders: Sequence[str]) -> list[str]:

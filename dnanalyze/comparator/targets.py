@@ -143,6 +143,24 @@ class Targets(BaseModel):
     false_failures: Annotated[float, Field(gt=0, lt=1)] | None = None
     targets: tuple[Target, ...] = Field(min_length=1)
 
+    def of_channel(self, name: str) -> Targets:
+        """Those that hold at one readout channel; errors over several channels are left out.
+
+        Raises
+        ------
+        InputError
+            None does.
+        """
+        named = {t.at.channel for t in self.targets} - {None}
+        kept = tuple(
+            t for t in self.targets
+            if t.at.channel == name or (t.at.channel is None and not (t.error and named - {name}))
+        )  # fmt: skip
+        if not kept:
+            valid = ", ".join(sorted(str(n) for n in named))
+            raise InputError(f"no target holds at channel {name!r}; they name {valid}")
+        return self.model_copy(update={"targets": kept})
+
 
 def load_targets(path: Path) -> Targets:
     """Read a targets file (YAML).

@@ -4,6 +4,7 @@ Nothing here uses ``dnanalyze.model``: where the two agree, they agree by physic
 code. It feeds the ``demo`` command, the hidden-effect tests and the benchmark.
 """
 
+from dnanalyze.demo.channels import Channel, generate_channels
 from dnanalyze.demo.folder import write_folder
 from dnanalyze.demo.hidden import LEVELS
 from dnanalyze.demo.sensor import VirtualSensor, draw_sensor
@@ -14,9 +15,11 @@ __all__ = [
     "EFFECTS",
     "LEVELS",
     "OUTSIDE",
+    "Channel",
     "VirtualSensor",
     "draw_sensor",
     "generate",
+    "generate_channels",
     "resolve",
     "truth",
     "write_folder",

@@ -14,7 +14,7 @@ from typing import Any
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
 
-COLUMNS = ("file", "temperature_c", "exposure_s", "gain")
+COLUMNS = ("file", "temperature_c", "exposure_s", "gain", "channel")
 
 
 def write_folder(captures: CaptureSet, path: Path, truth: Mapping[str, Any] | None = None) -> Path:
@@ -50,7 +50,7 @@ def write_folder(captures: CaptureSet, path: Path, truth: Mapping[str, Any] | No
                 file.parent.mkdir(parents=True, exist_ok=True)
                 tifffile.imwrite(file, frame.read())
                 p = frame.point
-                table.writerow([frame.name, p.temperature_c, p.exposure_s, p.gain])
+                table.writerow([frame.name, p.temperature_c, p.exposure_s, p.gain, p.channel])
         draft.chmod(0o755)  # mkdtemp makes it private
         os.rename(draft, path)
     except BaseException:

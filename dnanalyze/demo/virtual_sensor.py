@@ -33,6 +33,7 @@ def generate(
     temperatures: Sequence[float] | None = None,
     frames: int = 6,
     seed: int = 0,
+    first: int = 0,
 ) -> CaptureSet:
     """Dark frames of a sensor, 12-bit codes in uint16, held in memory.
 
@@ -55,6 +56,8 @@ def generate(
         Frames at each temperature.
     seed : int
         Names the silicon and the moments.
+    first : int
+        Number of the first setting: settings of other numbers are other moments.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def generate(
     hottest = _rate_map(rate, steps, sensor, sensor.hottest_c)
     chosen = sensor.temperatures_c if temperatures is None else temperatures
     settings = []
-    for number, celsius in enumerate(chosen):
+    for number, celsius in enumerate(chosen, first):
         point = OperatingPoint(float(celsius), sensor.exposure_s, 1.0)
         charge = _rate_map(rate, steps, sensor, celsius) * sensor.exposure_s
         codes = _expose(sensor, charge, offset, hottest, steps, celsius, frames, (seed, number))

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from dnanalyze.errors import InputError
+
 
 @dataclass(frozen=True)
 class OperatingPoint:
@@ -210,6 +212,29 @@ class CaptureSet:
     def select(self, keep: Callable[[OperatingPoint], bool]) -> CaptureSet:
         """The settings whose operating point passes ``keep``."""
         return replace(self, settings=tuple(s for s in self.settings if keep(s.point)))
+
+    @property
+    def channels(self) -> list[str]:
+        """HDR readout channels, in order; empty where the operating points name none."""
+        names = dict.fromkeys(s.point.channel for s in self.settings)
+        return [n for n in names if n is not None]
+
+    def channel(self, name: str) -> CaptureSet:
+        """What one readout channel saw.
+
+        Raises
+        ------
+        InputError
+            No frames of that channel; the line gives those that there are.
+        """
+        if name not in self.channels:
+            valid = (
+                f"valid: {', '.join(self.channels)}"
+                if self.channels
+                else ("its frames name none; the column 'channel' of manifest.csv does")
+            )
+            raise InputError(f"{self.name}: no channel {name!r}; {valid}")
+        return self.select(lambda point: point.channel == name)
 
     def cached(self, folder: str | None) -> CaptureSet:
         """The same captures, their statistics kept in this folder; None keeps none."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -215,74 +215,6 @@ def channel_point(point: OperatingPoint, use: ChannelUse) -> OperatingPoint:
     """Where a channel is when the combined frame is at ``point``."""
     seconds = None if point.exposure_s is None else point.exposure_s * use.exposure
     return replace(point, channel=use.channel, exposure_s=seconds)
-
-
-def merged(models: Mapping[str, NoiseModel], temperatures: Sequence[float]) -> NoiseModel:
-    """One model of all channels, from a model each: every parameter a table over channels.
-
-    An effect that a channel lacks stands at its weakest there. The silicon streams carry no
-    channel, so that what belongs to the pixel is shared.
-
-    Parameters
-    ----------
-    models : mapping
-        Channel to its model.
-    temperatures : sequence of float
-        C, at which parameters that run with temperature are stated.
-
-    Raises
-    ------
-    InputError
-        A choice (a word) of an effect that differs between channels.
-    """
-    first = next(iter(models.values()))
-    kinds = {e.name: type(e) for m in models.values() for e in m.effects}
-    effects = tuple(
-        _merged_effect(name, kind, models, temperatures) for name, kind in kinds.items()
-    )
-    pedestal = _table([(c, m, m.pedestal) for c, m in models.items()], temperatures)
-    reference = replace(first.reference, channel=None)
-    return NoiseModel(effects, pedestal, reference, first.seed)
-
-
-def _merged_effect(
-    name: str, kind: type[Effect], models: Mapping[str, NoiseModel], temperatures: Sequence[float]
-) -> Effect:
-    values: dict[str, Any] = {}
-    for key, info in kind.parameters().items():
-        own = {c: m.get(name) for c, m in models.items()}
-        if info.scale == "choice":
-            words = {getattr(e, key) for e in own.values() if e is not None}
-            if len(words) > 1:
-                raise InputError(
-                    f"{name}.{key} differs between channels: {', '.join(map(str, sorted(words)))}"
-                )
-            values[key] = words.pop()
-            continue
-        weakest = info.lower if info.scale == "log" else min(max(0.0, info.lower), info.upper)
-        laws = [
-            (c, models[c], getattr(e, key) if e is not None else weakest) for c, e in own.items()
-        ]
-        values[key] = _table(laws, temperatures)
-    return kind(**values)
-
-
-def _table(laws: Sequence[tuple[str, NoiseModel, Any]], temperatures: Sequence[float]) -> TableLaw:
-    """Rows over channels, and over temperatures where a law runs with them."""
-    from dnanalyze.model.laws import value_at
-
-    points: list[OperatingPoint] = []
-    values: list[float] = []
-    for channel, model, law in laws:
-        if isinstance(law, (int, float)):
-            points.append(OperatingPoint(channel=channel))
-            values.append(float(law))
-            continue
-        for celsius in temperatures:
-            at = replace(model.reference, temperature_c=celsius, channel=channel)
-            points.append(OperatingPoint(celsius, channel=channel))
-            values.append(value_at(law, at))
-    return TableLaw(tuple(points), tuple(values))
 
 
 @dataclass(frozen=True)

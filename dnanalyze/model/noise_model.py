@@ -31,12 +31,16 @@ class NoiseModel:
         Where amplitudes that follow temperature, exposure or gain are stated.
     seed : int
         Names the virtual sensor: its silicon and its moments.
+    references : tuple of OperatingPoint
+        Where those of a readout channel are stated that has a reference of its own (a short
+        exposure).
     """
 
     effects: tuple[Effect, ...]
     pedestal: Law = 0.0
     reference: OperatingPoint = OperatingPoint(25.0, 1.0, 1.0)
     seed: int = 0
+    references: tuple[OperatingPoint, ...] = ()
 
     def __post_init__(self) -> None:
         names = self.names
@@ -48,6 +52,10 @@ class NoiseModel:
     def names(self) -> list[str]:
         """Effect names in the order given."""
         return [e.name for e in self.effects]
+
+    def reference_of(self, channel: str | None) -> OperatingPoint:
+        """Where the amplitudes of a channel are stated."""
+        return next((r for r in self.references if r.channel == channel), self.reference)
 
     @property
     def chain(self) -> list[Effect]:
@@ -71,15 +79,21 @@ class NoiseModel:
 
     def to_plain(self) -> dict[str, Any]:
         """As written in YAML."""
+        own = {"references": [_plain_point(r) for r in self.references]} if self.references else {}
         return {
             "schema": SCHEMA,
             "pedestal": self.pedestal.to_plain()
             if hasattr(self.pedestal, "to_plain")
             else self.pedestal,
-            "reference": {k: v for k, v in vars(self.reference).items() if v is not None},
+            "reference": _plain_point(self.reference),
+            **own,
             "seed": self.seed,
             "effects": [{e.name: e.to_plain()} for e in self.effects],
         }
+
+
+def _plain_point(point: OperatingPoint) -> dict[str, Any]:
+    return {k: v for k, v in vars(point).items() if v is not None}
 
 
 def model_from_plain(
@@ -104,7 +118,7 @@ def model_from_plain(
     known = catalogue() if known is None else known
     if not isinstance(raw, dict) or not isinstance(raw.get("effects"), list):
         raise InputError(f"{where}: not a model file; it needs 'effects', a list")
-    extra = set(raw) - {"schema", "pedestal", "reference", "seed", "effects", "fit"}
+    extra = set(raw) - {"schema", "pedestal", "reference", "references", "seed", "effects", "fit"}
     if extra:
         raise InputError(f"{where}: unknown key {sorted(extra)[0]!r} in a model file")
     try:
@@ -118,7 +132,8 @@ def model_from_plain(
             **raw.get("reference", {"temperature_c": 25.0, "exposure_s": 1.0})
         )
         pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
-        return NoiseModel(tuple(effects), pedestal, reference, int(raw.get("seed", 0)))
+        own = tuple(OperatingPoint(**r) for r in raw.get("references", ()))
+        return NoiseModel(tuple(effects), pedestal, reference, int(raw.get("seed", 0)), own)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     except (TypeError, ValueError, AttributeError):

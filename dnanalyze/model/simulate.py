@@ -117,7 +117,7 @@ class Simulator:
 
         def calibration(n: int) -> np.ndarray:
             whole = Window.whole(self.shape)
-            return self._after(count - 1, chain, self.model.reference, n, whole)
+            return self._after(count - 1, chain, self.model.reference_of(point.channel), n, whole)
 
         signal = effect.apply(signal, self._site(effect, point, number, grown, calibration))
         if effect.reach:
@@ -165,7 +165,7 @@ class Simulator:
             return self._maps.once((effect.name, point, name), make)
 
         return Site(
-            self.shape, window, point, self.model.reference, number,
+            self.shape, window, point, self.model.reference_of(point.channel), number,
             root.child("silicon"), moment, keep, draw, calibration, share,
         )  # fmt: skip
 

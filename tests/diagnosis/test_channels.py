@@ -10,7 +10,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "model"))
 import hdr_sensor
 
-from dnanalyze.diagnosis.channels import channels_of, refine_channels
+from dnanalyze.diagnosis.channels import by_channel, refine_channels
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -50,4 +50,4 @@ def test_what_belongs_to_the_pixel_is_shared():
 def test_captures_without_channels_are_refused_in_one_line():
     one = hdr_sensor.captures((16, 16), frames=2).select(lambda p: p.channel == "hcg_long")
     with pytest.raises(InputError, match=r"one channel; two or more .* column 'channel'"):
-        channels_of(one)
+        by_channel(one)

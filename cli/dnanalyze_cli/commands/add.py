@@ -9,6 +9,7 @@ import typer
 
 from dnanalyze_cli.options import (
     Captures,
+    Channel,
     Config,
     EffectFiles,
     Json,
@@ -36,6 +37,7 @@ def add(
     report: Report = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
@@ -47,7 +49,7 @@ def add(
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents
-    from dnanalyze_cli import show
+    from dnanalyze_cli import over_channels, show
 
     if not Path(captures).exists() and Path(effect).exists():  # `add EFFECT CAPTURES` reads as well
         captures, effect = effect, captures
@@ -65,11 +67,23 @@ def add(
     known = session.known()
     find(effect, known)
     own = session.model(model)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     own = session.seeded(found, own, seed)
-    with session.progress(f"Adding {effect}"):
-        own = own or fit(found, replicates=0).model
-        result = run(found, effect, own, known=known)
+    if len(found.channels) > 1:
+        from dnanalyze.diagnosis.channels import add_channels
+
+        over_channels.refine(
+            session,
+            found,
+            lambda tell: add_channels(found, effect, own, known=known, tell=tell),
+        )
+        return
+    with session.progress(f"Adding {effect}") as progress:
+        held = progress.bench(found)
+        if own is None:
+            own = fit(found, replicates=0, held=held, tell=progress.fitting(held)).model
+        progress.now(f"Adding {effect}")
+        result = run(found, effect, own, known=known, held=held)
     show.refinement(session.console, found, result, output)
 
     def page() -> str:

@@ -6,6 +6,7 @@ from contextlib import suppress
 
 from dnanalyze_cli.options import (
     Captures,
+    Channel,
     Config,
     Csv,
     Json,
@@ -25,6 +26,7 @@ def analyze(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     scheduler: Scheduler = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
@@ -38,7 +40,7 @@ def analyze(
     from dnanalyze_cli import show
 
     session = Session("analyze", captures, json, report, csv, quiet=quiet, cache=not no_cache)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     with session.progress("Analyzing") as tick:
         statistics = run(found, progress=tick, scheduler=scheduler)
         if found.source and found.source.cache:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import Config, Csv, Json, NoCache, Quiet, Report, Tolerance
+from dnanalyze_cli.options import Channel, Config, Csv, Json, NoCache, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
 
@@ -31,6 +31,7 @@ def benchmark(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
@@ -39,14 +40,12 @@ def benchmark(
     from dnanalyze.report import benchmark as results
     from dnanalyze_cli import show_benchmark
 
-    if len(folders) < 2:
-        raise InputError("benchmark: name two capture folders or more")
     temperatures = _temperatures(at)
     sessions = [
         Session("benchmark", f, json, report, csv, quiet=quiet, cache=not no_cache) for f in folders
     ]
     session = sessions[0]
-    found = [s.load(config, tolerance_c) for s in sessions]
+    found = [s.load(config, tolerance_c, channel) for s in sessions]
     with session.progress("Comparing sensors") as progress:
         result = run(found, temperatures=temperatures, quick=quick, tell=progress.now)
     show_benchmark.result(session.console, result)

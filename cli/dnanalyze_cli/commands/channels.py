@@ -7,8 +7,10 @@ from dnanalyze_cli.options import (
     Config,
     EffectFiles,
     Json,
+    Model,
     ModelOut,
     Quiet,
+    Report,
     Tolerance,
 )
 from dnanalyze_cli.session import Session
@@ -16,51 +18,32 @@ from dnanalyze_cli.session import Session
 
 def channels(
     captures: Captures,
+    model: Model = None,
     output: ModelOut = None,
     json: Json = None,
+    report: Report = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
     """Refine each HDR channel; what is the pixel's, what the readout's; one model (-o)."""
-    from rich.text import Text
-
-    from dnanalyze.diagnosis.channels import refine_channels
-    from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report import capture
-    from dnanalyze.report.plain import document
-    from dnanalyze.report.words import listing, number, sentence
+    from dnanalyze.diagnosis.channels import by_channel, refine_channels
+    from dnanalyze_cli import over_channels
 
     session = Session(
-        "channels", captures, json, output=output, effects=tuple(effects or ()), quiet=quiet
-    )
-    known = session.known()
-    found = session.load(config, tolerance_c)
-    with session.progress("Refining") as progress:
-        result = refine_channels(found, known=known, tell=progress.now)
-    session.console.print(Text(capture.one_line(found), style="dim"))
-    for finding in result.findings:
-        session.console.print(Text(sentence(finding), style="bold"))
-    for name, part in result.channels.items():
-        error = number(part.steps[-1].error)
-        text = f"{name}: error {error}, {part.verdict}; {listing(part.effects)}"
-        session.console.print(Text(text))
-    content = document(
         "channels",
         captures,
-        findings=result.findings,
-        shared=result.shared,
-        own=result.own,
-        channels={
-            name: {
-                "effects": part.effects,
-                "error": part.steps[-1].error,
-                "verdict": part.verdict,
-                "model": part.model.to_plain(),
-            }
-            for name, part in result.channels.items()
-        },
-        model=output,
+        json,
+        report,
+        output=output,
+        effects=tuple(effects or ()),
+        quiet=quiet,
     )
-    session.write(content, model=lambda: dump_model(result.model))
+    known = session.known()
+    own = session.model(model)
+    found = session.load(config, tolerance_c)
+    by_channel(found)  # refuses captures without
+    over_channels.refine(
+        session, found, lambda tell: refine_channels(found, own, known=known, tell=tell)
+    )

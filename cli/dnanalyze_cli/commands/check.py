@@ -8,7 +8,16 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import Config, EffectFiles, Json, NoCache, Quiet, Seed, Tolerance
+from dnanalyze_cli.options import (
+    Channel,
+    Config,
+    EffectFiles,
+    Json,
+    NoCache,
+    Quiet,
+    Seed,
+    Tolerance,
+)
 from dnanalyze_cli.session import Session
 
 _FILES = "Results"
@@ -69,6 +78,7 @@ def check(
     json: Json = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
@@ -78,6 +88,7 @@ def check(
     from dnanalyze.comparator.check import check as run
     from dnanalyze.comparator.margins import propose
     from dnanalyze.comparator.targets import dump_targets, load_targets
+    from dnanalyze.model.channels import require
     from dnanalyze.report import check as report
     from dnanalyze.report.files import atomic_write, check_output
     from dnanalyze_cli import show_check
@@ -102,7 +113,11 @@ def check(
             check_output(path, captures)
     limits = load_targets(targets) if targets is not None else None
     own = session.model(model, seed)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
+    if own is not None:
+        require(own, found.channels)
+    if limits is not None and channel is not None:
+        limits = limits.of_channel(channel)
     if limits is None:
         with session.progress("Drawing sensors" if own else "Analyzing") as progress:
             made = propose(found, own, tell=progress.now)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dnanalyze_cli.options import (
     Captures,
+    Channel,
     Config,
     Csv,
     EffectFiles,
@@ -26,6 +27,7 @@ def compare(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
@@ -48,12 +50,14 @@ def compare(
         cache=not no_cache,
     )
     own = session.model(model)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     own = session.seeded(found, own, seed)
-    with session.progress("Comparing"):
+    with session.progress("Comparing") as progress:
+        held = progress.bench(found)
+        tell = progress.fitting(held)
         if own is not None and model is None:  # the paper's, of that seed: fitted like any
-            own = fit(found, own, replicates=0).model
-        comparison = run(found, model=own)
+            own = fit(found, own, replicates=0, held=held, tell=tell).model
+        comparison = run(found, model=own, held=held, tell=tell)
     show.comparison(session.console, found, comparison)
 
     def page() -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Report, Tolerance
+from dnanalyze_cli.options import Captures, Channel, Config, Csv, Json, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
 
@@ -13,6 +13,7 @@ def detect(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     quiet: Quiet = False,
 ) -> None:
     """Whether defect correction or denoise was applied to these raw frames, and which."""
@@ -21,7 +22,7 @@ def detect(
     from dnanalyze_cli import show
 
     session = Session("detect", captures, json, report, csv, quiet=quiet)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     with session.progress("Testing") as tick:
         detection = run(found, progress=tick)
     show.detection(session.console, found, detection)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dnanalyze_cli.options import (
     Captures,
+    Channel,
     Config,
     Csv,
     EffectFiles,
@@ -26,6 +27,7 @@ def diagnose(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
@@ -33,10 +35,8 @@ def diagnose(
 ) -> None:
     """Which effect is missing, ranked, with the evidence for and against."""
     from dnanalyze.diagnosis.diagnose import diagnose as run
-    from dnanalyze.fitting.design import design
-    from dnanalyze.fitting.predictor import bench
     from dnanalyze.report import documents, tables
-    from dnanalyze_cli import show
+    from dnanalyze_cli import over_channels, show
 
     session = Session(
         "diagnose",
@@ -49,10 +49,13 @@ def diagnose(
         cache=not no_cache,
     )
     own = session.model(model)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     own = session.seeded(found, own, seed)
+    if len(found.channels) > 1:
+        over_channels.diagnose(session, found, own, session.known())
+        return
     with session.progress("Reading") as progress:
-        held = bench(design(found))
+        held = progress.bench(found)
         diagnosis = run(
             found,
             model=own,

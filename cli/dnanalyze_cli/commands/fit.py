@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dnanalyze_cli.options import (
     Captures,
+    Channel,
     Config,
     Csv,
     EffectFiles,
@@ -28,6 +29,7 @@ def fit(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
@@ -37,7 +39,7 @@ def fit(
     from dnanalyze.fitting.fit import fit as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables
-    from dnanalyze_cli import show
+    from dnanalyze_cli import over_channels, show
 
     session = Session(
         "fit",
@@ -51,10 +53,13 @@ def fit(
         cache=not no_cache,
     )
     start = session.model(model)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     start = session.seeded(found, start, seed)
-    with session.progress("Fitting"):
-        result = run(found, model=start)
+    if start is not None:
+        start = over_channels.spread(start, found)
+    with session.progress("Fitting") as progress:
+        held = progress.bench(found)
+        result = run(found, model=start, held=held, tell=progress.fitting(held))
     show.fit(session.console, found, result)
 
     def page() -> str:

@@ -52,6 +52,7 @@ def hdr(
 
     from dnanalyze.comparator.combined import compare_combined
     from dnanalyze.loaders import write_captures
+    from dnanalyze.model.channels import require
     from dnanalyze.model.hdr import noise_steps, simulate_combined
     from dnanalyze.model.hdr_file import load_combination
     from dnanalyze.report import capture
@@ -63,6 +64,7 @@ def hdr(
     how = load_combination(combine)
     own = session.model(model, seed)
     assert own is not None
+    require(own, how.names)
     found = session.load(config, tolerance_c)
     with session.progress("Combining"):
         result = compare_combined(found, own, how, light)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import Captures, Config, Csv, Json, Quiet, Report, Tolerance
+from dnanalyze_cli.options import Captures, Channel, Config, Csv, Json, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
 
@@ -13,6 +13,7 @@ def inspect(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     quiet: Quiet = False,
 ) -> None:
     """What is in the folder, and what is missing for a full analysis."""
@@ -21,7 +22,7 @@ def inspect(
     from dnanalyze_cli import show
 
     session = Session("inspect", captures, json, report, csv, quiet=quiet)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     seen = look(found)
     show.inspection(session.console, found, seen)
 

@@ -8,6 +8,7 @@ import typer
 
 from dnanalyze_cli.options import (
     Captures,
+    Channel,
     Config,
     Csv,
     EffectFiles,
@@ -59,6 +60,7 @@ def refine(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
@@ -69,7 +71,7 @@ def refine(
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables, words
-    from dnanalyze_cli import show
+    from dnanalyze_cli import over_channels, show
 
     session = Session(
         "refine",
@@ -86,12 +88,31 @@ def refine(
     for name in exclude or ():
         find(name, known)
     own = session.model(model)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, channel)
     own = session.seeded(found, own, seed)
+    if len(found.channels) > 1:
+        from dnanalyze.diagnosis.channels import refine_channels
+
+        over_channels.refine(
+            session,
+            found,
+            lambda tell: refine_channels(
+                found,
+                own,
+                exclude=tuple(exclude or ()),
+                most_effects=max_effects,
+                until_error=until_error,
+                known=known,
+                tell=tell,
+            ),
+        )
+        return
     with session.progress("Reading") as progress:
+        held = progress.bench(found)
         result = run(
             found,
             model=own,
+            held=held,
             exclude=tuple(exclude or ()),
             most_effects=max_effects,
             until_error=until_error,

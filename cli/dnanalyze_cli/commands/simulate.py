@@ -50,6 +50,15 @@ def simulate(
         str | None,
         typer.Option("--gain", metavar="G,G,...", rich_help_panel=_FRAMES, help="Such as 1,4."),
     ] = None,
+    channel: Annotated[
+        str | None,
+        typer.Option(
+            "--channel",
+            metavar="NAME,NAME,...",
+            rich_help_panel=_FRAMES,
+            help="HDR readout channels; default: all.",
+        ),
+    ] = None,
     frames: Annotated[
         int | None,
         typer.Option(
@@ -72,6 +81,15 @@ def simulate(
         int | None,
         typer.Option("--seed", min=0, help="Another virtual sensor than the model file's."),
     ] = None,
+    device: Annotated[
+        str,
+        typer.Option(
+            "--device",
+            metavar="cpu|cuda",
+            rich_help_panel="The run",
+            help="cuda draws on a GPU, by way of CuPy: the same frames.",
+        ),
+    ] = "cpu",
     json: Json = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
@@ -83,6 +101,7 @@ def simulate(
     from dataclasses import replace
 
     from dnanalyze.loaders import write_captures
+    from dnanalyze.model.channels import require
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.report import documents
     from dnanalyze.report.files import atomic_folder
@@ -95,9 +114,16 @@ def simulate(
         own = replace(own, seed=seed)
     pattern = session.load(config, tolerance_c) if like else None
     size = _shape(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
-    points = _points(own, pattern, temperatures, exposure, gain, frames)
+    channels = channel.split(",") if channel else (pattern.channels if pattern else [])
+    require(own, channels)
+    if pattern is not None and channel:
+        pattern = replace(
+            pattern, settings=tuple(s for c in channels for s in pattern.channel(c).settings)
+        )
+    points = _points(own, pattern, temperatures, exposure, gain, channels, frames)
     sensor = replace(pattern.sensor, shape=size) if pattern else None
-    made = run(own, size, points, name=str(model), sensor=sensor, threads=os.cpu_count() or 1)
+    threads = os.cpu_count() or 1
+    made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
     with atomic_folder(out) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
     show.written(session.console, made, out, format)
@@ -122,11 +148,12 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
         ) from None
 
 
-def _points(own, pattern, temperatures, exposure, gain, frames):
+def _points(own, pattern, temperatures, exposure, gain, channels, frames):
     """Operating points with their number of frames: the pattern's, or a grid of what is named."""
     from itertools import product
 
     from dnanalyze.loaders.captures import OperatingPoint
+    from dnanalyze.model.channels import channels_of
 
     grid = (
         _numbers("--temperatures", temperatures),
@@ -139,11 +166,14 @@ def _points(own, pattern, temperatures, exposure, gain, frames):
                 "--like: gives the operating points; leave out --temperatures, --exposure, --gain"
             )
         return [(s.point, frames or len(s.frames)) for s in pattern.settings]
-    home = own.reference
-    axes = [
-        values or [default]
-        for values, default in zip(
-            grid, (home.temperature_c, home.exposure_s, home.gain), strict=True
-        )
-    ]
-    return [(OperatingPoint(t, e, g), frames or 8) for t, e, g in product(*axes)]
+    made = []
+    for channel in channels or channels_of(own) or [None]:
+        home = own.reference_of(channel)
+        axes = [
+            values or [default]
+            for values, default in zip(
+                grid, (home.temperature_c, home.exposure_s, home.gain), strict=True
+            )
+        ]
+        made += [(OperatingPoint(t, e, g, channel), frames or 8) for t, e, g in product(*axes)]
+    return made

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dnanalyze.errors import InputError
+from dnanalyze.model.channels import channels_of
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.export.bundle import Bundle
 from dnanalyze.model.noise_model import NoiseModel, dump_model
@@ -31,7 +32,7 @@ def dark_frames(
     temperature_c={temperature_c!r},
     exposure_s={exposure_s!r},
     gain={gain!r},
-    channel=None,
+    channel={channel!r},
     *,
     shape=(512, 512),
     frames=1,
@@ -81,13 +82,7 @@ def numpy_source(model: NoiseModel) -> str:
             bundle.add(type(effect).__module__, type(effect).__name__)
         except InputError as error:
             raise InputError(f"effect {effect.name}: {error}") from None
-    home = model.reference
-    tail = _TAIL.format(
-        model=_model(model),
-        temperature_c=home.temperature_c,
-        exposure_s=home.exposure_s,
-        gain=home.gain,
-    )
+    tail = _TAIL.format(model=_model(model), **_home(model))
     indented = "".join(f"    {line}\n" for line in dump_model(model).splitlines())
     head = _HEAD.format(version=dnanalyze.__version__, model=indented)
     return head + bundle.text() + tail
@@ -110,7 +105,7 @@ class DarkNoise:
         temperature_c={temperature_c!r},
         exposure_s={exposure_s!r},
         gain={gain!r},
-        channel=None,
+        channel={channel!r},
         *,
         sensors=16,
         keep_pedestal=False,
@@ -145,10 +140,13 @@ class DarkNoise:
 
 def torch_source(model: NoiseModel) -> str:
     """`numpy_source` with ``DarkNoise``, a transform that imports torch when it is called."""
-    home = model.reference
-    return numpy_source(model) + _TORCH.format(
-        temperature_c=home.temperature_c, exposure_s=home.exposure_s, gain=home.gain
-    )
+    return numpy_source(model) + _TORCH.format(**_home(model))
+
+
+def _home(model: NoiseModel) -> dict[str, object]:
+    """Where frames are drawn by default: the reference, of the first channel where there are."""
+    channel = next(iter(channels_of(model)), None)
+    return vars(model.reference_of(channel)) | {"channel": channel}
 
 
 def _model(model: NoiseModel) -> str:
@@ -156,7 +154,7 @@ def _model(model: NoiseModel) -> str:
     effects = "".join(f"        {_effect(e)},\n" for e in model.effects)
     return (
         f"NoiseModel(\n    (\n{effects}    ),\n    {model.pedestal!r},\n"
-        f"    {model.reference!r},\n    {model.seed!r},\n)"
+        f"    {model.reference!r},\n    {model.seed!r},\n    {model.references!r},\n)"
     )
 
 

@@ -42,9 +42,11 @@ def points_of(model: NoiseModel, temperatures: Sequence[float] = ()) -> list[Ope
         channels: list[str | None] = [*named] or [None]
         known: list[float | None] = [*temperatures] or [model.reference.temperature_c]
         return [
-            replace(model.reference, temperature_c=t, channel=c) for c in channels for t in known
+            replace(model.reference_of(c), temperature_c=t, channel=c)
+            for c in channels
+            for t in known
         ]
-    full = {_filled(p, model.reference) for p in stated}
+    full = {_filled(p, model.reference_of(p.channel)) for p in stated}
     return sorted(full, key=OperatingPoint.sort_key)
 
 
@@ -103,8 +105,9 @@ def to_csv(model: NoiseModel, temperatures: Sequence[float] = ()) -> str:
     writer.writerow(COLUMNS)
     head = model.to_plain()
     head["order"] = model.names
-    for key in ("schema", "reference", "seed", "order"):
-        writer.writerow(["", key, *[""] * 6, json.dumps(head[key])])
+    for key in ("schema", "reference", "references", "seed", "order"):
+        if key in head:
+            writer.writerow(["", key, *[""] * 6, json.dumps(head[key])])
     for row in rows(model, temperatures):
         cells = [_cell(row[c]) for c in COLUMNS[:-1]]
         writer.writerow([*cells, json.dumps(row["law"])])

@@ -1,0 +1,69 @@
+"""HDR channels side by side in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from dnanalyze.report import capture, channels
+from dnanalyze.report.words import number, percent, sentence
+
+
+def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
+    """What belongs where, and the error of each channel and of the one model."""
+    _head(console, captures, channels.headline(result))
+    for finding in result.findings:
+        console.print(Padding(Text(sentence(finding)), (0, 0, 0, 2)))
+    console.print()
+    _table(console, channels.COLUMNS, channels.rows(result), words=3)
+    console.print(f"The model holds all channels: error {number(result.error)}.")
+    if output is None:
+        console.print("It was not kept; name a file with -o to keep it.", style="dim")
+
+
+def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict: str) -> None:
+    """Each channel's verdict and best candidate, with the evidence for it."""
+    _head(console, captures, f"{len(found)} channels, each by itself: {verdict}")
+    rows = []
+    for name, d in found.items():
+        best = d.candidates[0] if d.candidates else None
+        rows.append(
+            (
+                name,
+                d.verdict,
+                best.effect if best else "–",
+                number(d.error),
+                number(best.error_after) if best else "–",
+                percent(best.confidence) if best else "–",
+            )
+        )
+    titles = ("channel", "verdict", "candidate", "error", "error after", "confidence")
+    _table(console, titles, rows, words=3)
+    for name, d in found.items():
+        if d.verdict == "missing" and d.candidates:
+            for text in d.candidates[0].evidence[:2]:
+                console.print(Padding(Text(f"{name}: {sentence(text)}"), (0, 0, 0, 2)))
+
+
+def _head(console: Console, captures: Any, verdict: str) -> None:
+    console.print(Text(capture.one_line(captures), style="dim"))
+    console.print()
+    console.print(Padding(Text(sentence(verdict), style="bold"), (0, 0, 1, 2)))
+
+
+def _table(console: Console, columns: Any, rows: Any, words: int) -> None:
+    table = Table(
+        box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False, header_style="dim"
+    )
+    for place, name in enumerate(columns):
+        table.add_column(name, justify="left" if place < words else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    console.print(Padding(table, (0, 0, 1, 2)))
