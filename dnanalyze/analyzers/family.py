@@ -14,7 +14,7 @@ from dnanalyze.analyzers.statistics import StatisticInfo, Value
 
 if TYPE_CHECKING:
     from dnanalyze.analyzers.histograms import Histograms
-    from dnanalyze.analyzers.maps import PixelMaps
+    from dnanalyze.analyzers.maps import Maps
     from dnanalyze.analyzers.neighbours_accumulator import Neighbours
     from dnanalyze.analyzers.spectra_accumulator import Spectra
 
@@ -69,16 +69,15 @@ class Accumulated:
         Number of frames, K.
     frame_means : ndarray
         Mean of each winsorised frame minus the plan's centre, DN; (K,).
-    maps : PixelMaps
-    histograms : Histograms
-    spectra, neighbours
+    maps : Maps
+    histograms, spectra, neighbours
         The accumulators of those names.
     """
 
     plan: Plan
     frames: int
     frame_means: np.ndarray
-    maps: PixelMaps
+    maps: Maps
     histograms: Histograms
     spectra: Spectra
     neighbours: Neighbours
@@ -92,15 +91,10 @@ class Accumulated:
             self.difference_sigma,
         )
 
-    @cached_property
+    @property
     def pattern(self) -> np.ndarray:
         """F, the mean over the frames, DN; float32. It still holds 1/K of the temporal variance."""
-        return self.moments[0]
-
-    @cached_property
-    def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Mean, variance and lag-one sum of each pixel, see `PixelMaps.moments`."""
-        return self.maps.moments()
+        return self.maps.mean
 
     @cached_property
     def pattern_ordered(self) -> Ordered:
@@ -165,10 +159,10 @@ class Accumulated:
             return 0.0
         return min(self.drift_variance / variance, 1.0) * float(np.sqrt(2 / (self.frames - 1)))
 
-    @cached_property
+    @property
     def temporal_variance(self) -> np.ndarray | None:
         """Unbiased variance of each pixel over the frames, DN^2, float32; None for one frame."""
-        return self.moments[1] if self.frames > 1 else None
+        return self.maps.variance if self.frames > 1 else None
 
     @cached_property
     def temporal_mean(self) -> float:

@@ -177,7 +177,8 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
     if not spectra.useful:
         result.missing["lines"] = "the frame is too small for line noise"
         return
-    single, (rows, columns) = _axis_powers(spectra.frame_power()), spectra.shape
+    single = [power / spectra.frames for power in _axis_powers(spectra.power_sum)]
+    rows, columns = spectra.shape
     means = [spectra.sum.mean(axis=axis) / spectra.frames for axis in (0, 1)]
     if acc.frames < 2:
         result.missing["lines"] = "one frame does not tell noise in time from a fixed pattern"
@@ -227,7 +228,7 @@ def _beyond(name: str, images: Sequence[np.ndarray], sigma: float, result: Famil
 
 
 def _axis_powers(power: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Power of (u > 0, v = 0), of (u = 0, v > 0), and the mean power off the axes, DN^2."""
+    """Power of (u > 0, v = 0), of (u = 0, v > 0), and the mean power off the axes."""
     rows, half = power.shape
     inner = power[1:, 1:-1].sum() + power[1:, -1].sum() / 2
     return power[0, 1:], power[1 : rows // 2 + 1, 0], inner / ((rows - 1) * (half - 1.5))

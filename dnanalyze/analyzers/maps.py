@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -13,12 +14,51 @@ HOT_SIGMAS = 5.0
 BLINK_CUT = 64.0  # squared differences are cut at this many times their scale
 
 
+@dataclass(frozen=True)
+class Maps:
+    """What is known of each pixel at the end, (rows, columns); float32, DN, unless said otherwise.
+
+    Parameters
+    ----------
+    mean : ndarray
+        Mean over the frames.
+    variance : ndarray
+        Unbiased variance over the frames, DN^2; 0 for one frame.
+    lag_one : ndarray
+        Autocovariance at one frame about the pixel's mean, times the frames, DN^2.
+    pair_squares : tuple of ndarray
+        Sums of cut squared differences over two disjoint sets of frame pairs, DN^2.
+    high, low : ndarray
+        Largest and smallest value.
+    high_at : ndarray of int32
+        The frame that holds the largest.
+    head, tail : list of ndarray
+        The first two frames, the last two; fewer for few frames.
+    scalars : ndarray
+        A row for each frame, see `kernels.add_frames`.
+    hot_limit : float
+        Level above which a pixel of a frame counts as hot.
+    """
+
+    mean: np.ndarray
+    variance: np.ndarray
+    lag_one: np.ndarray
+    pair_squares: tuple[np.ndarray, np.ndarray]
+    high: np.ndarray
+    high_at: np.ndarray
+    low: np.ndarray
+    head: list[np.ndarray]
+    tail: list[np.ndarray]
+    scalars: np.ndarray
+    hot_limit: float
+
+
 class PixelMaps:
     """Per-pixel sums over the frames, and the frame sums that cost nothing beside them.
 
     Attributes are complete after `flush`. Sums are of the value less ``origin``, float64.
-    ``scalars`` has a row for each frame, see `kernels.add_frames`. ``ends`` holds the first two and
-    the last two frames, for what needs independent pairs.
+    ``scalars`` has a row for each frame, see `kernels.add_frames`. ``head`` and ``tail`` hold the
+    first two and the last two frames, for what needs independent pairs.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -85,42 +125,32 @@ class PixelMaps:
         self.frames += later.frames
         self._last = later._last
 
-    def frame_scalars(self) -> np.ndarray:
-        """A row for each frame, see `kernels.add_frames`."""
-        self.flush()
-        return self.scalars
-
-    def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """`mean`, `variance` and `lag_one`, in one pass over the sums."""
+    def finish(self) -> Maps:
+        """The maps; they take the place of the sums, to which nothing can be added any more."""
         from dnanalyze.analyzers import kernels
 
-        total, square, lag = self._arrays()[:3]
-        out = np.empty((3, self.plan.pixels), np.float32)
-        ends = self.head[0].ravel(), self.tail[-1].ravel()
-        kernels.moments(total, square, lag, *ends, self.origin, self.frames, *out)
-        mean = self.head[0] if self.frames == 1 else self._map(out[0])
-        return mean, self._map(out[1]), self._map(out[2])
-
-    def mean(self) -> np.ndarray:
-        """Mean over the frames, DN, float32."""
-        return self.moments()[0]
-
-    def variance(self) -> np.ndarray:
-        """Unbiased variance over the frames, DN^2, float32; 0 for one frame."""
-        return self.moments()[1]
-
-    def lag_one(self) -> np.ndarray:
-        """Autocovariance at one frame about the pixel's mean, times the frames, DN^2, float32."""
-        return self.moments()[2]
-
-    def extremes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Largest value of each pixel, DN, the frame that holds it, and the smallest value."""
-        high, high_at, low = self._arrays()[5:]
-        return self._map(high), high_at.reshape(self.plan.shape), self._map(low)
-
-    def pair_squares(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sums of cut squared differences over two disjoint sets of frame pairs, DN^2, float32."""
-        return self._map(self._arrays()[3]), self._map(self._arrays()[4])
+        (total, square, lag, *pairs, high, high_at, low), self._sums = self._arrays(), None
+        shape = self.plan.shape
+        moments = np.empty((3, total.size), np.float32)
+        first, last = self.head[0].ravel(), self.tail[-1].ravel()
+        kernels.moments(total, square, lag, first, last, self.origin, self.frames, *moments)
+        del total, square, lag
+        mean, variance, lag_one = moments.reshape(3, *shape)
+        one = pairs.pop(0).astype(np.float32)
+        other = pairs.pop(0).astype(np.float32)
+        return Maps(
+            self.head[0] if self.frames == 1 else mean,
+            variance,
+            lag_one,
+            (one.reshape(shape), other.reshape(shape)),
+            high.reshape(shape),
+            high_at.reshape(shape),
+            low.reshape(shape),
+            self.head,
+            self.tail,
+            self.scalars,
+            self.hot_limit,
+        )
 
     @property
     def _blink_limit(self) -> float:
@@ -130,9 +160,6 @@ class PixelMaps:
     def hot_limit(self) -> float:
         """Level above which a pixel of a frame counts as hot, DN."""
         return self.plan.centre + HOT_SIGMAS * self.plan.sigma
-
-    def _map(self, flat: np.ndarray) -> np.ndarray:
-        return flat.astype(np.float32, copy=False).reshape(self.plan.shape)
 
     def _arrays(self) -> tuple[np.ndarray, ...]:
         self.flush()
@@ -144,18 +171,18 @@ class PixelMaps:
 
         plan = self.plan
         n = plan.pixels
-        if self._sums is None:
-            sums = [np.zeros(n) for _ in range(5)]
-            extremes = [np.full(n, -np.inf, np.float32), np.zeros(n, np.int32)]
-            self._sums = (*sums, *extremes, np.full(n, np.inf, np.float32))
-        total, square, lag, first_pairs, second_pairs, high, high_at, low = self._sums
         flat = [f.ravel() for f in frames]
         scalars = np.zeros((len(flat), 6))
         scalars[0, 5] = self._last is None
         if self._last is None:
+            sums = [np.zeros(n) for _ in range(5)]
+            extremes = [np.full(n, -np.inf, np.float32), np.zeros(n, np.int32)]
+            self._sums = (*sums, *extremes, np.full(n, np.inf, np.float32))
             before = np.full(n, self.origin, np.float32)
         else:
             before = self._last.ravel()
+        assert self._sums is not None
+        total, square, lag, first_pairs, second_pairs, high, high_at, low = self._sums
         done = len(self.scalars)
         kernels.add_frames(
             tuple(flat + flat[:1] * (BATCH - len(flat))), len(flat), self._start + done, before,

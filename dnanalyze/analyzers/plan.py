@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,6 +67,11 @@ class Plan:
     def column_edges(self) -> np.ndarray:
         """First column of each column band of the block grid, and the end; int64."""
         return _edges(self.shape[1], SMALLEST_BANDS[1])
+
+    @cached_property
+    def row_bands(self) -> list[slice]:
+        """The rows of each row band."""
+        return [slice(top, bottom) for top, bottom in pairwise(self.row_edges.tolist())]
 
     @cached_property
     def block_pixels(self) -> np.ndarray:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Self
+from collections.abc import Callable
+from typing import Any, Self
 
 import numpy as np
-import scipy.fft
 
 from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
-from dnanalyze.analyzers.spectral_modes import SMALLEST_SIDE, good_size, power_of
+from dnanalyze.analyzers.spectral_modes import SMALLEST_SIDE, good_size, transform_of
 
 
 class Spectra:
@@ -25,7 +25,7 @@ class Spectra:
         rows, columns = self.shape if self.useful else (0, 0)
         self.power_sum = np.zeros((rows, columns // 2 + 1))  # DN^2
         self.sum = np.zeros((rows, columns))  # DN, of the winsorised frames
-        self._clipped = np.empty((rows, columns), np.float32)
+        self._room: np.ndarray | None = None  # for a transform
 
     def add(self, view: FrameView) -> None:
         """Take in the next frame."""
@@ -34,12 +34,24 @@ class Spectra:
             return
         from dnanalyze.analyzers import spectral_kernels as kernels
 
-        rows, columns = self.shape
-        plan = view.plan
-        reach = np.float32(CLIP * plan.sigma)
-        kernels.add_clipped(self.sum, view.frame, np.float32(plan.centre), reach, self._clipped)
-        transform = scipy.fft.rfft2(self._clipped)
-        kernels.add_power(self.power_sum, transform, 1.0 / (rows * columns))
+        centre, reach = np.float32(view.plan.centre), np.float32(CLIP * view.plan.sigma)
+
+        def clipped(rows: slice) -> np.ndarray:
+            return kernels.add_clipped(self.sum[rows], view.frame[rows], centre, reach)
+
+        self._add_power(self.power_sum, clipped, 1.0)
+
+    def _add_power(
+        self, total: np.ndarray, rows_of: Callable[[slice], np.ndarray], sign: float
+    ) -> None:
+        from dnanalyze.analyzers import spectral_kernels as kernels
+
+        if self._room is None:
+            self._room = np.empty(total.shape, np.complex64)
+        kernels.add_power(total, transform_of(rows_of, self._room), sign / self.sum.size)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"_room": None}
 
     def merge(self, later: Self, seam: FrameView) -> None:
         """Take in the frames that follow mine."""
@@ -56,8 +68,6 @@ class Spectra:
         if self.frames < 2:
             return None
         power = self.frame_power()
-        mean = np.empty(self.shape, np.float32)
-        np.divide(self.sum, self.frames, out=mean, casting="same_kind")
-        power -= power_of(mean, self.shape)
+        self._add_power(power, lambda r: (self.sum[r] / self.frames).astype(np.float32), -1.0)
         power *= self.frames / (self.frames - 1)
         return np.maximum(power, 0.0, out=power)

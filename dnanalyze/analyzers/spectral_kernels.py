@@ -19,14 +19,19 @@ def add_power(total, transform, scale):
 
 
 @njit(cache=True, nogil=True)
-def add_clipped(total, image, centre, reach, out):
-    """out = image - centre, cut to +-reach; total += out. The image may be larger."""
+def add_clipped(total, image, centre, reach):
+    """The image less ``centre``, cut to +-reach, float32; it is added to ``total``.
+
+    The image may be wider than ``total``, whose shape the result has.
+    """
+    out = np.empty(total.shape, np.float32)
     for i in range(total.shape[0]):
-        source, target, sums = image[i, : total.shape[1]], out[i], total[i]
+        source, target, sums = image[i], out[i], total[i]
         for j in range(target.size):
             y = min(max(source[j] - centre, -reach), reach)
             target[j] = y
             sums[j] += y
+    return out
 
 
 @njit(cache=True, nogil=True)

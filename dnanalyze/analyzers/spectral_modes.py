@@ -8,6 +8,7 @@ u is the horizontal, v the vertical frequency, cycles/pixel; the half plane u >=
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -23,6 +24,7 @@ HIGH_BAND = (0.45, 0.71)  # of the high-to-mid ratio
 MID_BAND = (0.03, 0.12)
 SMALLEST_SIDE = 8  # pixels; below this a spectrum says nothing
 _MOST_LOST = 0.03  # share of the lines that may be given up for a fast FFT
+_BAND = 1 << 16  # modes that are transformed along the rows together, in the cache
 _RADIAL_STEP = 1.08  # ratio of successive edges of the fine radial bins
 
 
@@ -127,6 +129,28 @@ def _fine_edges(side: int) -> np.ndarray:
     return np.array(sorted(fixed | set(kept)))
 
 
+def transform_of(rows_of: Callable[[slice], np.ndarray], out: np.ndarray) -> np.ndarray:
+    """2-D Fourier transform of a real image that is given some rows at a time.
+
+    Parameters
+    ----------
+    rows_of : callable
+        Gives these rows of the image, float32, (some, columns); it sees all rows once, in order.
+    out : ndarray of complex64
+        (rows, columns // 2 + 1), columns even; room for the result.
+
+    Returns
+    -------
+    ndarray of complex64
+        As ``out``, in its memory where that can be.
+    """
+    step = max(1, _BAND // out.shape[1])
+    for top in range(0, out.shape[0], step):
+        rows = slice(top, min(top + step, out.shape[0]))
+        out[rows] = scipy.fft.rfft(rows_of(rows))
+    return np.asarray(scipy.fft.fft(out, axis=0, overwrite_x=True))
+
+
 def power_of(image: np.ndarray, shape: tuple[int, int] | None = None) -> np.ndarray:
     """Power of each mode of an image, its mean removed.
 
@@ -145,8 +169,9 @@ def power_of(image: np.ndarray, shape: tuple[int, int] | None = None) -> np.ndar
     from dnanalyze.analyzers import spectral_kernels as kernels
 
     rows, columns = shape or (good_size(image.shape[0]), good_size(image.shape[1]))
-    transform = scipy.fft.rfft2(np.asarray(image[:rows, :columns], np.float32))
-    power = np.zeros(transform.shape)
+    power = np.zeros((rows, columns // 2 + 1))
+    cropped = np.asarray(image[:rows, :columns], np.float32)
+    transform = transform_of(cropped.__getitem__, np.empty(power.shape, np.complex64))
     kernels.add_power(power, transform, 1.0 / (rows * columns))
     return power
 
@@ -210,8 +235,8 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
     return ReducedPower(
         modes,
         radial[0, :size],
-        np.asarray(power[0, 1:], float),
-        np.asarray(power[1 : half + 1, 0], float),
+        power[0, 1:].copy(),  # a view would keep the whole power
+        power[1 : half + 1, 0].copy(),
         by_u[0, 1:] / (rows - 1),
         vertical[0] / n,
         radial[1, :size],

@@ -52,8 +52,8 @@ class _Part:
     ``spread`` is the relative variance of the total power beyond that of Gaussian noise: heavy
     tails move all modes together. ``coarse_spread`` is the same of 4 x 4 pixels together, for hits
     that cover several pixels. ``line_spread`` is the same of the means of columns, and of rows.
-    ``residue`` is what the temporal noise leaves in the pattern, DN^2. Without ``errors`` all
-    spreads are 0, and standard errors are not worked out.
+    ``residue`` is the power of the temporal noise, DN^2, of which 1/``frames`` is left in the
+    pattern. Without ``errors`` all spreads are 0, and standard errors are not worked out.
     """
 
     name: str
@@ -64,6 +64,7 @@ class _Part:
     coarse_spread: float = 0.0
     line_spread: tuple[float, float] = (0.0, 0.0)
     residue: np.ndarray | None = None
+    frames: int = 1
     errors: bool = True
 
     def spread_at(self, frequency: float) -> float:
@@ -119,7 +120,7 @@ def _parts(acc: Accumulated) -> list[_Part]:
     return [
         _Part("frame", power, frame, repeats, *tails),
         _Part(
-            "pattern", fixed, reduce_power(fixed, modes), 1.0, *tails, lines, temporal / acc.frames
+            "pattern", fixed, reduce_power(fixed, modes), 1.0, *tails, lines, temporal, acc.frames
         ),
         _Part("temporal", temporal, changing, acc.frames - 1.0, _temporal_spread(acc)),
     ]
@@ -319,7 +320,7 @@ def _residue(part: _Part, peak: Peak) -> float:
         return 0.0
     rows, columns = part.reduced.modes.shape
     at = round(peak.v * rows) % rows, round(peak.u * columns)
-    return min(1.0, float(part.residue[at] / part.power[at]))
+    return min(1.0, float(part.residue[at] / part.frames / part.power[at]))
 
 
 def _shape(part: _Part, result: FamilyResult) -> None:
@@ -362,12 +363,12 @@ def _quiet(acc: Accumulated) -> np.ndarray:
     Hits that span pixels are smooth by themselves; what is left tells whether the noise is.
     """
     image = acc.end_frames[0] - np.float32(acc.plan.centre)
-    hit = np.abs(image) > QUIET * acc.plan.sigma
-    wide = hit.copy()
+    reach = QUIET * acc.plan.sigma
+    wide = (image > reach) | (image < -reach)
     for axis in (0, 1):
-        before, after = np.roll(wide, 1, axis), np.roll(wide, -1, axis)
-        wide |= before | after
-    return np.where(wide, np.float32(0), image)
+        wide |= np.roll(wide, 1, axis) | np.roll(wide, -1, axis)
+    np.copyto(image, np.float32(0), where=wide)
+    return image
 
 
 def _slope(f: np.ndarray, power: np.ndarray, n: np.ndarray) -> Value | None:
@@ -430,8 +431,8 @@ def _picture(power: np.ndarray) -> np.ndarray:
     rows, half = power.shape
     y = np.unique(np.linspace(0, rows, _PICTURE, endpoint=False).astype(int))
     x = np.unique(np.linspace(0, half, _PICTURE, endpoint=False).astype(int))
-    centred = np.fft.fftshift(power, axes=0)
-    sums = np.add.reduceat(np.add.reduceat(centred, y, axis=0), x, axis=1)
+    centred = np.fft.fftshift(np.add.reduceat(power, x, axis=1), axes=0)
+    sums = np.add.reduceat(centred, y, axis=0)
     sizes = np.diff([*y, rows])[:, None] * np.diff([*x, half])
     mean = sums / sizes
     positive = mean[mean > 0]

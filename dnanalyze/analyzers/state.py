@@ -16,7 +16,7 @@ import numpy as np
 from dnanalyze.analyzers.plan import FrameView, Plan
 from dnanalyze.analyzers.streaming import Accumulation
 
-_SHARED = ("plan", "_clipped")  # made anew
+_SHARED = ("plan", "_room")  # made anew
 
 
 def save(path: Path, accumulations: Sequence[Accumulation]) -> None:

@@ -24,6 +24,7 @@ ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
     "neighbours": Neighbours,
 }
 SERVES = {"spectra": ("spectrum", "lines"), "neighbours": ("neighbours",)}  # the others serve all
+BAND = 1 << 16  # pixels that are worked on together, in the cache
 HALF = np.float32(np.sqrt(0.5))
 
 
@@ -62,11 +63,14 @@ def make_view(
     """What the accumulators see of a frame as read; ``before`` is the frame before it, float32."""
     buffers = buffers or Buffers()
     frame = buffers.take(raw.shape)
-    np.copyto(frame, raw, casting="unsafe")
-    difference = None
-    if before is not None:
-        difference = np.subtract(frame, before, out=buffers.take(raw.shape))
-        difference *= HALF
+    difference = None if before is None else buffers.take(raw.shape)
+    step = max(1, BAND // raw.shape[1])
+    for top in range(0, raw.shape[0], step):
+        rows = slice(top, top + step)
+        np.copyto(frame[rows], raw[rows], casting="unsafe")
+        if before is not None and difference is not None:
+            part = np.subtract(frame[rows], before[rows], out=difference[rows])
+            part *= HALF
     return FrameView(number, frame, difference, plan)
 
 
@@ -133,14 +137,17 @@ class Accumulation:
         self.last = later.last
 
     def finish(self) -> Accumulated:
-        """What the families work on."""
+        """What the families work on; nothing can be added any more."""
         self.wait()
-        scalars = self.parts["maps"].frame_scalars()
-        empty: dict[str, Any] = {
-            name: make(self.plan) for name, make in ACCUMULATORS.items() if name not in self.parts
+        self._buffers = Buffers()
+        maps = self.parts["maps"].finish()
+        others: dict[str, Any] = {
+            name: self.parts.get(name) or make(self.plan)
+            for name, make in ACCUMULATORS.items()
+            if name != "maps"
         }
-        means = scalars[:, 0] / self.plan.pixels
-        return Accumulated(self.plan, self.frames, means, **self.parts, **empty)
+        means = maps.scalars[:, 0] / self.plan.pixels
+        return Accumulated(self.plan, self.frames, means, maps, **others)
 
 
 def read_ahead(reads: Iterable[Callable[[], np.ndarray]]) -> Iterable[np.ndarray]:

@@ -208,7 +208,7 @@ def _tail_index(acc: Accumulated, out: FamilyResult) -> None:
 
 
 def _repeat(acc: Accumulated, out: FamilyResult) -> None:
-    scalars = acc.maps.frame_scalars()
+    scalars = acc.maps.scalars
     before, both = float(scalars[:-1, 3].sum()), float(scalars[1:, 4].sum())
     if before == 0:
         out.missing["hot_repeat"] = "no pixel stands above 5 robust sigma"
@@ -233,26 +233,32 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
 def _transients(acc: Accumulated, out: FamilyResult) -> None:
     """Rise and fall against the mean of the pixel's other frames; its other extreme is left out
     of that mean where three frames allow, so that a flash does not make the rest look dark."""
-    k, sigma = acc.frames, acc.difference_sigma
-    high, high_at, low = acc.maps.extremes()
-    high, low = high.copy(), low.copy()
-    others = acc.pattern * np.float32(k) - high - low if k > 2 else None
-    if others is None:
-        high, low = high - low, high - low
-    else:
-        others /= np.float32(k - 2)
-        high -= others
-        np.subtract(others, low, out=low)
-    limit = np.float32(TRANSIENT * sigma * math.sqrt(1 + 1 / max(k - 2, 1)))
-    out.values["transient_high"] = _transient_count(acc, high, limit)
-    out.values["transient_low"] = _transient_count(acc, low, limit)
-    rise = high > limit
-    out.values["transient_adjacent"] = Value(float(in_clumps(rise, high_at).sum()), PAIR_ERROR)
+    k, maps = acc.frames, acc.maps
+    limit = np.float32(TRANSIENT * acc.difference_sigma * math.sqrt(1 + 1 / max(k - 2, 1)))
+    bright = np.empty(acc.plan.shape, bool)
+    rises, falls = np.zeros(2), np.zeros(2)
+    for rows in acc.plan.row_bands:
+        high, low = maps.high[rows], maps.low[rows]
+        if k > 2:
+            others = (maps.mean[rows] * np.float32(k) - high - low) / np.float32(k - 2)
+            rise, fall = high - others, others - low
+        else:
+            rise = fall = high - low
+        for counts, change in ((rises, rise), (falls, fall)):
+            counts += [np.count_nonzero(change > cut) for cut in (limit, 0.9 * limit)]
+        np.greater(rise, limit, out=bright[rows])
+    out.values["transient_high"] = _transient_count(acc, rises, limit)
+    out.values["transient_low"] = _transient_count(acc, falls, limit)
+    clumped = in_clumps(bright, maps.high_at)
+    out.values["transient_adjacent"] = Value(float(clumped.sum()), PAIR_ERROR)
 
 
-def _transient_count(acc: Accumulated, rise: np.ndarray, limit: np.float32) -> Value:
-    """Pixels above the limit; its error is that of drifting frames, which move all pixels."""
-    count, inside = float(np.sum(rise > limit)), float(np.sum(rise > 0.9 * limit))
+def _transient_count(acc: Accumulated, counts: np.ndarray, limit: np.float32) -> Value:
+    """Pixels above the limit, from the ``counts`` above it and above .9 of it.
+
+    Its error is that of drifting frames, which move all pixels.
+    """
+    count, inside = counts.tolist()
     slope = (inside - count) / 0.1  # per relative change of the limit
     relative = acc.drift_error(acc.difference_sigma**2) / 2
     relative = math.hypot(relative, math.sqrt(acc.drift_variance / acc.frames) / float(limit))

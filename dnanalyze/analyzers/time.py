@@ -118,7 +118,7 @@ def _drift(acc: Accumulated, out: FamilyResult) -> None:
 
 def _pattern_correlation(acc: Accumulated, out: FamilyResult) -> None:
     """Pooled over the pairs of successive frames, each with its own mean taken off."""
-    scalars, n = acc.maps.frame_scalars(), acc.plan.pixels
+    scalars, n = acc.maps.scalars, acc.plan.pixels
     mean, square = scalars[:, 0] / n, scalars[:, 1] / n
     variance = np.maximum(square - mean**2, 0.0)
     cross = scalars[1:, 2] / n - mean[1:] * mean[:-1]
@@ -208,7 +208,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
         return
     k = acc.frames
     with np.errstate(divide="ignore", invalid="ignore"):
-        r1 = acc.moments[2] / (variance * np.float32(k - 1))
+        r1 = acc.maps.lag_one / (variance * np.float32(k - 1))
     r1[~noisy] = -1.0 / k
     errors = QuantileErrors(acc.plan, (r1,), Ordered(r1), np.array([0.5]))
     drift = acc.drift_error(acc.temporal_mean) / math.sqrt(2)  # whole frames are one series
@@ -220,7 +220,7 @@ def _blinking(acc: Accumulated, out: FamilyResult) -> None:
     """Correlation over pixels of squared differences of two disjoint sets of frame pairs."""
     from dnanalyze.analyzers import kernels
 
-    a, b = acc.maps.pair_squares()
+    a, b = acc.maps.pair_squares
     if acc.plan.errors:
         scale = np.float32(2 * acc.difference_sigma**2)
         pairs = [len(range(start, acc.frames, 4)) for start in (1, 3)]

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -56,14 +55,14 @@ def block_sums(plan: Plan, of: Callable[..., np.ndarray], *maps: np.ndarray) -> 
     from dnanalyze.analyzers import kernels
 
     out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1))
-    for sums, (top, bottom) in zip(out, pairwise(plan.row_edges), strict=True):
-        kernels.add_blocks(of(*(each[top:bottom] for each in maps)), plan.column_edges, sums)
+    for sums, rows in zip(out, plan.row_bands, strict=True):
+        kernels.add_blocks(of(*(each[rows] for each in maps)), plan.column_edges, sums)
     return out
 
 
 def map_sums(plan: Plan, each: np.ndarray) -> np.ndarray:
     """Sums over each block of a map, (row bands, column bands)."""
-    return block_sums(plan, lambda rows: rows, each)
+    return sums_below(plan, each, each)[..., 0]
 
 
 def mean_residuals(plan: Plan, sums: np.ndarray) -> np.ndarray:
