@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers import cache
+from dnanalyze.analyzers import cache, spectrum
 from dnanalyze.analyzers.catalogue import FAMILIES
 from dnanalyze.analyzers.family import Accumulated
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
@@ -314,13 +314,14 @@ def finish(
 ) -> SettingStatistics:
     """The families' values of accumulated frames; with a pool, several families at a time."""
     out = SettingStatistics(point, plane, acc.frames, acc.plan.shape, {})
-    acc.prepare()
+    run = map if pool is None else pool.map
+    acc.prepare(run)
     wanted = [f for name, f in zip(NAMES, FAMILIES, strict=True) if acc.plan.wants(name)]
-    if pool is None:
-        results = [family.finish(acc) for family in wanted]
-    else:
-        results = list(pool.map(lambda family: family.finish(acc), wanted))
-    for result in results:
+    # the longest first, so that the others run beside it
+    begun = sorted(wanted, key=lambda family: family is not spectrum)
+    results = dict(zip(begun, run(lambda family: family.finish(acc), begun), strict=True))
+    for family in wanted:
+        result = results[family]
         out.values.update(result.values)
         out.curves.update(result.curves)
         out.missing.update(result.missing)

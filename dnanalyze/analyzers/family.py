@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, Self
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
@@ -82,14 +83,11 @@ class Accumulated:
     spectra: Spectra
     neighbours: Neighbours
 
-    def prepare(self) -> None:
-        """Derive now what families share, before they run side by side."""
-        _ = (
-            self.clipped_pattern,
-            self.temporal_mean,
-            self.end_differences,
-            self.difference_sigma,
-        )
+    def prepare(self, run: Callable[..., Iterable[Any]] = map) -> None:
+        """Derive now what families share, before they run side by side; ``run`` is a pool's map."""
+        shared = ("clipped_pattern", "end_differences", "temporal_mean", "difference_sigma")
+        for _ in run(partial(getattr, self), shared):
+            pass
 
     @property
     def pattern(self) -> np.ndarray:

@@ -17,11 +17,12 @@ from dnanalyze.analyzers.plan import FrameView, Plan
 from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.spectra_accumulator import Spectra
 
+# the longest first, so that the others run beside it
 ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
-    "maps": PixelMaps,
-    "histograms": Histograms,
     "spectra": Spectra,
     "neighbours": Neighbours,
+    "maps": PixelMaps,
+    "histograms": Histograms,
 }
 SERVES = {"spectra": ("spectrum", "lines"), "neighbours": ("neighbours",)}  # the others serve all
 BAND = 1 << 16  # pixels that are worked on together, in the cache
