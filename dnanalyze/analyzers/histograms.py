@@ -70,4 +70,4 @@ def _trimmed(first: float, width: float, counts: np.ndarray) -> Counted:
     if not held.size:
         return Counted(first, width, total[:1])
     low, high = int(held[0]), int(held[-1])
-    return Counted(first + width * low, width, total[low : high + 1])
+    return Counted(first + width * low, width, total[low : high + 1].copy())

@@ -17,17 +17,19 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
 
-dask_distributed = pytest.importorskip("distributed", reason="Dask is not installed")
 pytestmark = pytest.mark.filterwarnings("default")  # Dask's own
 
 SHAPE = (48, 64)
 
 
 @pytest.fixture(scope="module")
-def cluster():
-    with dask_distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=":0"
-    ) as made:
+def dask():
+    return pytest.importorskip("distributed", reason="Dask is not installed")
+
+
+@pytest.fixture(scope="module")
+def cluster(dask):
+    with dask.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as made:
         yield made
 
 
@@ -94,32 +96,29 @@ def test_planes_and_windows_too(folder, in_this_process):
     assert_like(ours, analyze(mosaic, window=window))
 
 
-def test_the_same_pixels_from_a_worker(cluster):
+def test_the_same_pixels_from_a_worker(cluster, dask):
     known = built_in()
     effects = tuple(known[n]() for n in ("convolved_lognormal", "rts", "crosstalk", "quantization"))
     model = NoiseModel(effects, 100.0)
     made = simulate(model, SHAPE, [(OperatingPoint(45.0, 0.1), 3)], sensor=Sensor(SHAPE))
     frame = made.settings[0].frames[2]
     frame.read()
-    with dask_distributed.Client(cluster) as client:
+    with dask.Client(cluster) as client:
         there = client.submit(lambda: frame.read(), pure=False).result()
     np.testing.assert_array_equal(there, frame.read())
 
 
-def test_a_worker_that_dies_loses_nothing(folder):
+def test_a_worker_that_dies_loses_nothing(folder, cluster, dask):
     killed = []
-    with dask_distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=":0"
-    ) as made:
-        with dask_distributed.Client(made) as client:
-            pids = list(client.run(os.getpid).values())
+    with dask.Client(cluster) as client:
+        pids = list(client.run(os.getpid).values())
 
-        def kill(done, total):
-            if not killed:
-                killed.append(pids[0])
-                os.kill(pids[0], signal.SIGKILL)
+    def kill(done, total):
+        if not killed:
+            killed.append(pids[0])
+            os.kill(pids[0], signal.SIGKILL)
 
-        ours = analyze(load(folder), scheduler=made.scheduler_address, progress=kill)
+    ours = analyze(load(folder), scheduler=cluster.scheduler_address, progress=kill)
     assert killed
     assert_like(ours, analyze(load(folder)))
 
@@ -155,7 +154,7 @@ def test_an_interrupted_run_goes_on_and_reads_no_merged_frame_again(
     assert not list((tmp_path / "store").glob("*.run"))
 
 
-def test_no_scheduler_is_one_line(folder, monkeypatch):
+def test_no_scheduler_is_one_line(folder, dask, monkeypatch):
     monkeypatch.setattr(dist, "TIMEOUT", 0.5)
     with pytest.raises(InputError, match="no Dask scheduler answers there"):
         analyze(load(folder), scheduler="tcp://127.0.0.1:1")
