@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dnanalyze.report import capture, words
-from dnanalyze.report.tables import info, named, worst
+from dnanalyze.report.tables import info, laws, named, worst
 from dnanalyze.report.words import number, point_label, with_error
 
 BAR = 24
@@ -127,12 +127,13 @@ def statistics(console: Console, captures: Any, measured: Any) -> None:
         for s in measured.settings
     )
     _table(console, ("operating point", *units), rows)
+    columns, found = laws(measured)
     _table(
         console,
-        ("over temperature", "value"),
+        ("over temperature", *columns),
         (
-            (info(k).title, with_error(v.value, v.se, info(k).unit))
-            for k, v in measured.trends.items()
+            (title, *(with_error(v.value, v.se, unit) if v else "–" for v in values))
+            for title, values, unit in found
         ),
     )
     reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})

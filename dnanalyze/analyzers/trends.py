@@ -10,7 +10,12 @@ from itertools import pairwise
 import numpy as np
 
 from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, misfit
-from dnanalyze.analyzers.statistics import SettingStatistics, StatisticInfo, Value
+from dnanalyze.analyzers.statistics import (
+    SettingStatistics,
+    StatisticInfo,
+    Statistics,
+    Value,
+)
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 
 BIAS_SHARE = 1e-3  # of the longest exposure, up to which a frame counts as bias
@@ -70,6 +75,16 @@ def trends(
         replace(s, values=s.values | {"dark_rate_dn_s": rates[s.point]}) if s.point in rates else s
         for s in settings
     ]
+
+
+def channel_trends(measured: Statistics) -> dict[str, dict[str, Value]]:
+    """Laws of each readout channel by itself; empty where there are fewer than two."""
+    names = dict.fromkeys(s.point.channel for s in measured.settings)
+    found = [n for n in names if n is not None]
+    return {
+        name: trends([s for s in measured.settings if s.point.channel == name], measured.sensor)[0]
+        for name in (found if len(found) > 1 else ())
+    }
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,10 @@ def facts(captures: Any) -> dict[str, str]:
 def one_line(captures: Any) -> str:
     """``column: 5 operating points, 25 to 105 °C, 30 frames of 384 × 384``."""
     sensor = captures.sensor
+    channels = list(dict.fromkeys(s.point.channel for s in captures.settings if s.point.channel))
+    named = f"channel {channels[0]}" if len(channels) == 1 else plural(len(channels), "channel")
     parts = [
+        named if channels else "",
         plural(len(captures.settings), "operating point"),
         spread(known(captures, "temperature_c"), "°C"),
         f"{plural(captures.frame_count, 'frame')} of {sensor.shape[0]} × {sensor.shape[1]}",

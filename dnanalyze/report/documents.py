@@ -22,6 +22,7 @@ def inspection(where: str, found: dict[str, Any]) -> Document:
 
 def statistics(where: str, measured: Any) -> Document:
     """Every statistic with its standard error."""
+    from dnanalyze.analyzers.trends import channel_trends
     from dnanalyze.report.tables import info
 
     rows = []
@@ -47,8 +48,14 @@ def statistics(where: str, measured: Any) -> Document:
                 "missing": setting.missing,
             }
         )
-    trends = {k: {"value": v.value, "se": v.se} for k, v in measured.trends.items()}
-    return document("analyze", where, sensor=measured.sensor, settings=rows, trends=trends)
+    channels = {name: {"trends": _values(t)} for name, t in channel_trends(measured).items()}
+    more = {"channels": channels} if channels else {}
+    trends = _values(measured.trends)
+    return document("analyze", where, sensor=measured.sensor, settings=rows, trends=trends, **more)
+
+
+def _values(named: Mapping[str, Any]) -> Document:
+    return {k: {"value": v.value, "se": v.se} for k, v in named.items()}
 
 
 def fit(where: str, result: Any, output: Path | None) -> Document:

@@ -80,6 +80,17 @@ def candidates(result: Any) -> pd.DataFrame:
     return _frame(rows)
 
 
+def laws(measured: Any) -> tuple[list[str], list[tuple[str, list[Any], str]]]:
+    """Laws over temperature: columns (each channel, or one), rows (title, values, unit)."""
+    from dnanalyze.analyzers.trends import channel_trends
+
+    found = channel_trends(measured) or {"value": measured.trends}
+    names = dict.fromkeys(name for own in found.values() for name in own)
+    return list(found), [
+        (info(n).title, [own.get(n) for own in found.values()], info(n).unit) for n in names
+    ]
+
+
 def steps(result: Any) -> pd.DataFrame:
     """The error step by step."""
     return _frame(

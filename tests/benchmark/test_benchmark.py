@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from dnanalyze.benchmark import record as records
 from dnanalyze.benchmark.criteria import CRITERIA, SINGLE
 from dnanalyze.benchmark.laws import Reading, common_temperatures, estimate
-from dnanalyze.benchmark.record import ABSENT, Figure, SensorRecord, gain_of
+from dnanalyze.benchmark.record import ABSENT, Figure, SensorRecord, gain_of, strengths
 from dnanalyze.benchmark.run import benchmark, side_by_side, unique_names
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
@@ -21,6 +22,7 @@ from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.laws import TableLaw, arrhenius
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
 
 P = OperatingPoint
@@ -114,7 +116,12 @@ def test_a_filtered_sensor_is_not_to_be_believed():
 
 
 def virtual(name, mu, seed, temperatures=(25.0, 45.0, 65.0), k=0.5):
-    """A sensor of doubling step about 9.5 C whose gain is k."""
+    """Frames of such a sensor."""
+    return captures_of(name, *virtual_model(mu, seed, temperatures, k))
+
+
+def virtual_model(mu, seed, temperatures=(25.0, 45.0, 65.0), k=0.5):
+    """A sensor of doubling step about 9.5 C whose gain is k, and where it is taken."""
     base = TableLaw(
         tuple(P(t) for t in temperatures),
         tuple(mu + math.log(activated(t, level=1.0)) for t in temperatures),
@@ -129,7 +136,10 @@ def virtual(name, mu, seed, temperatures=(25.0, 45.0, 65.0), k=0.5):
         P(45.0, 0.1, 1.0),
         seed,
     )
-    settings = [(P(t, 0.1, 1.0), 4) for t in temperatures]
+    return model, [(P(t, 0.1, 1.0), 4) for t in temperatures]
+
+
+def captures_of(name, model, settings):
     return simulate(model, (96, 96), settings, name, Sensor((96, 96), black_level=64.0))
 
 
@@ -184,13 +194,69 @@ def test_the_command_gives_page_table_and_json(no_filters, tmp_path, monkeypatch
     assert "dark_current" in paths["csv"].read_text()
 
 
+def test_the_strength_of_every_effect_of_the_catalogue_is_told():
+    known = built_in()
+    model = NoiseModel(tuple(kind() for kind in known.values()), 64.0, P(45.0, 0.1, 1.0))
+    told = {s.effect: s for s in strengths(model)}
+    assert set(told) == set(known)
+    for name, strength in told.items():
+        assert strength.rms_dn is None or math.isfinite(strength.rms_dn), name
+        assert all(math.isfinite(v) for v, _ in strength.parameters.values()), name
+    assert told["read_noise"].rms_dn == pytest.approx(known["read_noise"]().sigma, rel=1e-6)
+    warmer = NoiseModel((ReadNoise(sigma=TableLaw((P(25.0), P(45.0)), (1.0, 3.0))),), 64.0, P(45.0))
+    (only,) = strengths(warmer)
+    assert (only.rms_dn, only.parameters["sigma"]) == (pytest.approx(3.0), (3.0, "DN"))
+
+
+def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
+    no_filters, tmp_path, monkeypatch
+):
+    """The refinement itself is replaced by a fit of the right effects."""
+    from dnanalyze.diagnosis import refine as refinement
+    from dnanalyze.fitting.fit import fit
+    from dnanalyze.report.benchmark import document
+    from dnanalyze.report.pages.benchmark import benchmark_page
+
+    def right(captures, held, trying):
+        truth = sensors[captures.name]
+        done = fit(captures, truth, held=held, replicates=0)
+        return SimpleNamespace(
+            model=done.model, steps=[SimpleNamespace(error=1.1)], verdict="adequate",
+            bench=held, state=done.state,
+        )  # fmt: skip
+
+    made = {name: virtual_model(mu, seed, k=k) for name, mu, seed, k in
+            (("a", 4.0, 1, 0.5), ("b", 5.0, 2, 1.0))}  # fmt: skip
+    sensors = {name: model for name, (model, _) in made.items()}
+    monkeypatch.setattr(refinement, "refine", right)
+    result = benchmark([captures_of(name, *made[name]) for name in made])
+    for record, gain in zip(result.sensors, (0.5, 1.0), strict=True):
+        assert [e.effect for e in record.effects] == [
+            "convolved_lognormal", "dark_shot_noise", "read_noise"
+        ]  # fmt: skip
+        assert abs(record.dn_per_e.value - gain) < 5 * record.dn_per_e.se
+        assert "refined model" in record.dn_per_e.note
+        assert record.effects[2].rms_dn == pytest.approx(1.5, rel=0.1)
+    written = document(["a", "b"], result)["sensors"]
+    assert [s["errors"]["refined"] for s in written] == [1.1, 1.1]
+    assert "dark_shot_noise" in benchmark_page(result)
+
+
+def test_the_channels_of_one_sensor_stand_side_by_side(no_filters):
+    model, settings = virtual_model(3.0, 1)
+    channels = [(replace(p, channel=c), n) for c in ("hcg", "lcg") for p, n in settings]
+    result = benchmark([captures_of("hdr", model, channels)], quick=True)
+    assert [s.name for s in result.sensors] == ["hdr hcg", "hdr lcg"]
+    assert {s.point.channel for s in result.sensors[1].captures.settings} == {"lcg"}
+
+
 def test_bad_input_is_one_line(capsys, tmp_path):
     from dnanalyze_cli.main import main
 
     assert main(["benchmark", str(tmp_path)]) == 2
-    assert "two capture folders" in capsys.readouterr().err
+    assert f"{tmp_path}: no frames" in capsys.readouterr().err
     assert main(["benchmark", "a", "b", "--at", "warm"]) == 2
     assert "--at warm" in capsys.readouterr().err
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="two capture folders"):
         benchmark([virtual("a", 3.0, 1)])
     assert records.ABSENT.known is False

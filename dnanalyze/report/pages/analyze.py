@@ -9,7 +9,7 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages.panels import family_panels
-from dnanalyze.report.tables import info
+from dnanalyze.report.tables import laws
 from dnanalyze.report.words import is_number, number, sentence, with_error
 
 
@@ -27,6 +27,8 @@ def headline(measured: Any) -> str:
         if values and not (name == "frame_noise_core" and parts):
             parts.append(f"{words} {_range(values)} DN")
     text = sentence("; ".join(parts)) if parts else "No noise could be measured."
+    if len(laws(measured)[0]) > 1:  # several channels, each with its own
+        return text
     energy = measured.trends.get("activation_energy_ev")
     step = measured.trends.get("doubling_step_c")
     if energy is not None and is_number(energy.value):
@@ -42,10 +44,12 @@ def _range(values: list[float]) -> str:
 
 def trend_section(measured: Any) -> Section:
     """What holds over temperature, as a table."""
+    columns, found = laws(measured)
     rows = [
-        (info(k).title, with_error(v.value, v.se), info(k).unit) for k, v in measured.trends.items()
+        (title, *(with_error(v.value, v.se) if v else "–" for v in values), unit)
+        for title, values, unit in found
     ]
-    table = Table(("", "value", "unit"), rows)
+    table = Table(("", *columns, "unit"), rows)
     return Section("trends", "Laws over temperature", tables=[table] if rows else [])
 
 
