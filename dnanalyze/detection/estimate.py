@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.detection.evidence import ViewEvidence
-from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
-from dnanalyze.detection.questions import Asked
+from dnanalyze.detection.excess import SLOPES, Excess
+from dnanalyze.detection.questions import LEAST_SITES, Asked
 from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.results import FilterEstimate, TailBound
 from dnanalyze.detection.verdict import CAUSES, Answer
 
 REPLACEMENTS = {"mean": "mean", "median": "midpoint", "fifth": "median"}  # of 8 values
+LEAST_THRESHOLD = 2.5  # in units of the noise
 QUIET = 4.0  # neighbours' maximum above the base, in units of the noise, where none is hot
 
 
@@ -62,77 +63,82 @@ def _correction(
         neighbours = min(a.neighbours for a in tests["cap_to_neighbours"])
         return replace(base, subkind="clamp", threshold_dn=0.0, neighbours=neighbours)
     cut = [a for t in ("dynamic_threshold", "ratio_rule", "ratio_and_threshold") for a in tests[t]]
-    if cut:
-        neighbours = min(a.neighbours for a in cut)
-        views = {id(a.evidence): a.evidence for a in cut if a.neighbours == neighbours}
-        return _cut(base, list(views.values()), neighbours, tests["dynamic_threshold"])
+    seen = [e for e in evidence if e.view == view]
+    neighbours = min((a.neighbours for a in cut), default=24 if rule == "mean of 24" else 8)
+    lines = [(_line(e, neighbours), e) for e in seen]
+    known = [(line, e) for line, e in lines if line is not None]
+    if cut or 2 * len(known) > len(seen):
+        return _cut(replace(base, neighbours=neighbours), known, tests["dynamic_threshold"])
     if tests["static_replacement"] and _grows(found, rule):
-        level, noise = _highest(mine)
-        neighbours = 24 if rule == "mean of 24" else 8
+        bound, noise = min((_highest(e, neighbours), e.noise) for e in seen)
         return replace(
-            base, subkind="dynamic", threshold_dn=level, threshold_sigma=level / noise,
+            base, subkind="dynamic", threshold_dn=bound, threshold_sigma=bound / noise,
             neighbours=neighbours,
         )  # fmt: skip
     return base
 
 
 def _cut(
-    base: FilterEstimate, views: list[ViewEvidence], neighbours: int, dynamic: list[Asked]
-) -> FilterEstimate:
-    """The line x = slope max + bound that nothing crosses, both above the base level."""
-    out = [e.above8 if neighbours == 8 else e.above24 for e in views]
-    lines = [_line(o, e.noise) for o, e in zip(out, views, strict=True)]
-    slope = float(np.quantile([a for a, _ in lines], 0.5, method="lower"))
+    base: FilterEstimate, lines: list[tuple[tuple[float, float], ViewEvidence]],
+    dynamic: list[Asked],
+) -> FilterEstimate:  # fmt: skip
+    """The line x = slope max + bound that (almost) nothing crosses, both above the base level."""
+    slopes = [a for (a, _), _ in lines]
+    slope = float(np.quantile(slopes, 0.5, method="lower")) if slopes else 1.0
     if slope <= 1:
-        units = np.array([a.evidence.noise for a in dynamic] or [e.noise for e in views])
-        bounds = np.array([a.at for a in dynamic] or [b for _, b in lines])
+        at = [(b, e.noise) for (a, b), e in lines if a <= 1]
+        at = at or [(a.at, a.evidence.noise) for a in dynamic]
+        if not at:
+            return replace(base, subkind="dynamic")
+        bound, noise = min(at)  # where warm, it may follow the fixed pattern
         return replace(
-            base, subkind="dynamic", threshold_dn=float(np.median(bounds)),
-            threshold_sigma=float(np.median(bounds / units)), neighbours=neighbours,
-        )  # fmt: skip
-    level = min(o.base for o in out)
+            base, subkind="dynamic", threshold_dn=float(bound), threshold_sigma=float(bound / noise)
+        )
+    bases = [e.above8.base for _, e in lines]
+    level = min(bases)
     lowered = [  # a bound above one base is another above a lower one
-        b - (slope - 1) * (o.base - level)
-        for (a, b), o in zip(lines, out, strict=True)
+        b - (slope - 1) * (base_ - level)
+        for ((a, b), _), base_ in zip(lines, bases, strict=True)
         if a == slope
     ]
     return replace(
         base, subkind="ratio", ratio=slope, threshold_dn=max(0.0, float(np.median(lowered))),
-        level_dn=level, neighbours=neighbours,
+        level_dn=level,
     )  # fmt: skip
 
 
-def _line(out: StandingOut, noise: float) -> tuple[float, float]:
-    """Slope and bound of the rule (DN above the base).
+def _line(e: ViewEvidence, neighbours: int) -> tuple[float, float] | None:
+    """Slope and bound of the rule (DN above the base); None where the tail ends nowhere abruptly.
 
     Below the rule's own slope the bound falls as fast as the hottest survivors' neighbours are
     hot; above it only as fast as neighbours rise above the base by noise.
     """
-    bounds = np.array([_end(top) for top in out.sloped])
+    out = e.above8 if neighbours == 8 else e.above24
+    bounds = np.array([_end(top, e.noise) for top in out.sloped])
     for k in range(len(SLOPES) - 1):
-        fall = (bounds[k] - bounds[k + 1]) / (SLOPES[k + 1] - SLOPES[k])
-        if fall <= QUIET * noise + 0.12 * abs(bounds[k]) / (SLOPES[k + 1] - SLOPES[k]):
+        if not np.isfinite(bounds[k]):
+            continue
+        step = SLOPES[k + 1] - SLOPES[k]
+        ladder = 0.12 * bounds[k]  # its steps are of 10 %
+        if not bounds[k] - bounds[k + 1] > QUIET * e.noise * step + ladder:
             return SLOPES[k], float(bounds[k])
-    return SLOPES[-1], float(bounds[-1])
+    return None
 
 
-def _end(top: Excess) -> float:
-    """The bound beyond which (almost) nothing is left, DN."""
-    some = np.flatnonzero(top.own > 0.02 * np.maximum(top.control, top.frames))
-    return float(top.bounds[min(int(some[-1]) + 1 if some.size else 0, top.bounds.size - 1)])
-
-
-def _highest(flags: list[Answer]) -> tuple[float, float]:
-    """Where pixels end to stand out of their neighbours (DN), in the least of the settings, and
-    its noise.
+def _end(top: Excess, noise: float) -> float:
+    """The least bound, DN, beyond which (almost) nothing is left of a tail that is still there
+    elsewhere; infinite: none.
     """
-    ends = []
-    for e in {id(a.asked.evidence): a.asked.evidence for a in flags}.values():
-        top = e.above8.difference
-        empty = np.flatnonzero(top.own < 0.5 * top.frames)
-        k = int(empty[0]) if empty.size else top.bounds.size - 1
-        ends.append((max(float(top.bounds[k]), e.step), e.noise))
-    return min(ends)
+    ends = (top.own < 0.05 * top.control) & (top.control >= LEAST_SITES * top.frames)
+    ends &= top.bounds >= LEAST_THRESHOLD * noise
+    return float(top.bounds[ends][0]) if ends.any() else np.inf
+
+
+def _highest(e: ViewEvidence, neighbours: int) -> float:
+    """Beyond what excess fewer than one pixel in two frames stands out, DN."""
+    top = (e.above8 if neighbours == 8 else e.above24).difference
+    empty = np.flatnonzero(top.own < 0.5 * top.frames)
+    return max(float(top.bounds[empty[0] if empty.size else -1]), e.step)
 
 
 def _grows(found: list[Any], rule: str | None) -> bool:

@@ -95,6 +95,7 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     ceiling = _ceiling(stack)
     clipped = _clipped_share(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
+    found = _replaced(parts, noise) if stack.shape[0] >= 3 else []
 
     return ViewEvidence(
         view,
@@ -110,9 +111,9 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
         octave_spectrum(images),
         lag_correlation(images),
         texture(images),
-        _standing_out(clean, 1, noise, ceiling),
-        _standing_out(clean, 2, noise, ceiling),
-        _replaced(parts, noise),
+        _standing_out(clean, 1, noise, ceiling, found),
+        _standing_out(clean, 2, noise, ceiling, found),
+        sum(found[1:], found[0]) if found else None,
         _memory(parts) if group.repeats else None,
         equal_neighbours(parts[0].raw),
         row_phase(images) if view == "frame" else None,
@@ -132,9 +133,12 @@ def _recorded(parts: list[Plane]) -> Exceedance:
 
 
 def _standing_out(
-    stacks: list[np.ndarray], reach: int, noise: float, ceiling: float
+    stacks: list[np.ndarray], reach: int, noise: float, ceiling: float, sites: list[Replaced]
 ) -> StandingOut:
-    found = [standing_out(s, reach, noise, ceiling) for s in stacks]
+    found = [
+        standing_out(s, reach, noise, ceiling, sites[k].sites[:, 1:] if sites else None)
+        for k, s in enumerate(stacks)
+    ]
     return sum(found[1:], found[0])
 
 
@@ -149,16 +153,8 @@ def _clipped_share(stack: np.ndarray) -> float:
     return float(ends.mean()) if np.ptp(sample) > 8 else 0.0
 
 
-def _replaced(parts: list[Plane], noise: float) -> Replaced | None:
-    if parts[0].raw.shape[0] < 3:
-        return None
-    found = [replaced(p.raw, p.step, noise) for p in parts]
-    return Replaced(
-        np.sum([f.own for f in found], axis=0),
-        np.sum([f.control for f in found], axis=0),
-        np.concatenate([f.sites for f in found]),
-        sum(f.tried for f in found),
-    )
+def _replaced(parts: list[Plane], noise: float) -> list[Replaced]:
+    return [replaced(p.raw, p.step, noise) for p in parts]
 
 
 def _memory(parts: list[Plane]) -> Autocorrelation | None:

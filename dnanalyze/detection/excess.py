@@ -54,8 +54,8 @@ class Excess:
 
 @njit(cache=True, nogil=True)
 def _survival(
-    frame: np.ndarray, top: np.ndarray, reach: int, shifts: np.ndarray, rules: np.ndarray,
-    bounds: np.ndarray, base: float, floor: float, ceiling: float,
+    frame: np.ndarray, top: np.ndarray, skip: np.ndarray, reach: int, shifts: np.ndarray,
+    rules: np.ndarray, bounds: np.ndarray, base: float, floor: float, ceiling: float,
 ) -> np.ndarray:  # fmt: skip
     """Histograms over ``bounds`` of what each rule bounds, of own and displaced maxima.
 
@@ -69,7 +69,7 @@ def _survival(
     for y in range(margin, h - margin):
         for x in range(margin, w - margin):
             v = frame[y, x] - base
-            if v < floor or frame[y, x] >= ceiling:
+            if v < floor or frame[y, x] >= ceiling or skip[y, x]:
                 continue
             for s in range(-1, shifts.shape[0]):
                 if s < 0:
@@ -131,7 +131,11 @@ class StandingOut:
 
 
 def standing_out(
-    stack: np.ndarray, reach: int, unit: float, ceiling: float = np.inf
+    stack: np.ndarray,
+    reach: int,
+    unit: float,
+    ceiling: float = np.inf,
+    replaced: np.ndarray | None = None,
 ) -> StandingOut:
     """Own and control counts over a stack of frames as recorded.
 
@@ -145,6 +149,9 @@ def standing_out(
         Noise, DN, by which the ladder of bounds is scaled.
     ceiling : float
         Pixels at or above are saturated and left out.
+    replaced : ndarray, optional
+        (n, 2), rows and columns of sites that look replaced. Pixels beside them are left out: a
+        corrector replaces a pixel but not its fainter hot neighbour, which then stands alone.
     """
     from dnanalyze.detection.neighbours import ring_maximum
 
@@ -157,13 +164,17 @@ def standing_out(
     )
     counts = [np.zeros((len(rules), 2, LADDER.size + 1)) for rules, _, _ in (plain, hot)]
     bases = []
+    skip = np.zeros(stack.shape[1:], bool)
+    for y, x in replaced if replaced is not None else ():
+        skip[max(0, y - reach) : y + reach + 1, max(0, x - reach) : x + reach + 1] = True
     for frame in stack:
         top = ring_maximum(frame, reach)
         bases.append(float(np.median(frame[::5, ::5])))
         for count, (rules, bounds, floor) in zip(counts, (plain, hot), strict=True):
             count += _survival(
-                frame, top, reach, np.array(CONTROLS), rules, bounds, bases[-1], floor, ceiling
-            )
+                frame, top, skip, reach, np.array(CONTROLS),
+                rules, bounds, bases[-1], floor, ceiling,
+            )  # fmt: skip
     above = [count[..., ::-1].cumsum(axis=-1)[..., ::-1][..., 1:] for count in counts]
     found = [
         Excess(bounds[k], own_and_control[k, 0], own_and_control[k, 1], len(stack))

@@ -44,6 +44,12 @@ class Replaced:
     sites: np.ndarray
     tried: int
 
+    def __add__(self, other: Replaced) -> Replaced:
+        return Replaced(
+            self.own + other.own, self.control + other.control,
+            np.concatenate([self.sites, other.sites]), self.tried + other.tried,
+        )  # fmt: skip
+
 
 @njit(cache=True, nogil=True)
 def _references(

@@ -115,7 +115,7 @@ def decide(answers: list[Answer]) -> tuple[str, list[Answer]]:
     asked_cap = [a for a in answers if a.asked.test == "cap_to_neighbours"]
     if capped and 4 * len(capped) >= len(asked_cap):
         return "dpc", corrected
-    if smoothed and not (corrected and _only_maxima(smoothed + corrected)):
+    if smoothed and not (corrected and _explained(smoothed, corrected)):
         return "denoise", smoothed
     if corrected:
         return "dpc", corrected
@@ -136,6 +136,19 @@ def _memory(answers: list[Answer]) -> list[Answer]:
     ]  # fmt: skip
     flagged = [a for a in able if a.flagged]
     return flagged if 2 * len(flagged) >= max(1, len(able)) else []
+
+
+def _explained(smoothed: list[Answer], corrected: list[Answer]) -> bool:
+    """The correction alone makes the noise look smoothed: it touched hot pixels alone, or its sites
+    are plain and the smoothing is slight, as where a low threshold replaces a few per cent.
+    """
+    slight = max(_score(a) for a in smoothed) < 2
+    plain = max((_score(a) for a in _of(corrected, "static_replacement")), default=0.0) > 2
+    return _only_maxima(smoothed + corrected) or (slight and plain)
+
+
+def _score(answer: Answer) -> float:
+    return answer.asked.effect / answer.asked.limit
 
 
 def _only_maxima(answers: list[Answer]) -> bool:

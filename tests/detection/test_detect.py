@@ -14,6 +14,7 @@ import pytest
 from virtual_sensor import BAYER, Traits, VirtualSensor, captures, from_stacks, random_traits
 
 from dnanalyze.detection import detect
+from dnanalyze.detection.excess import standing_out
 
 SHAPE = (256, 256)
 SERIES = (25.0, 55.0, 85.0)
@@ -78,6 +79,40 @@ def test_the_threshold_of_a_dynamic_correction_comes_back():
     assert found is not None
     assert found.subkind == "dynamic"
     assert found.threshold_sigma == pytest.approx(6.0, rel=0.25)
+
+
+def test_a_ratio_with_a_threshold_comes_back_as_the_models_rule():
+    hot = Traits(gain=1.2, hot=2e-2, hot_scale=60.0)
+    run = hidden.ratio_rule(2.0, hot.pedestal, 80.0, hidden.RING24)
+    found = detect(captures(VirtualSensor(hot, SHAPE, 11), SERIES, 8, run))
+    assert found.kind == "dpc"
+    assert any(f.test == "ratio_and_threshold" and f.flagged for f in found.findings)
+    rule = found.effect["dpc"]
+    assert (rule["kind"], rule["neighbours"], rule["replacement"]) == ("ratio", 24, "mean")
+    assert rule["factor"] == pytest.approx(2.0, abs=0.5)  # a step of the slopes
+    level = hot.pedestal * (1 - rule["factor"]) + 80.0  # what it adds to factor x max, as recorded
+    told = rule["black"] * (1 - rule["factor"]) + rule["threshold"]
+    assert told == pytest.approx(level, abs=0.25 * 80.0)
+
+
+def test_a_low_threshold_is_a_correction_not_a_denoise():
+    series = captures(VirtualSensor(ORDINARY, SHAPE, 11), SERIES, 8, hidden.dynamic_dpc_median(2.6))
+    assert detect(series).kind == "dpc"
+
+
+def test_pixels_beside_replaced_sites_do_not_hide_the_edge():
+    rng = np.random.default_rng(12)
+    frame = rng.normal(100, 1, (300, 300))
+    frame[rng.random(frame.shape) < 0.03] += 200.0
+    hot = np.argwhere(frame > 250)
+    pairs = hot[(hot[:, 1] < 299) & (hot.min(axis=1) > 2)][::2]
+    frame[pairs[:, 0], pairs[:, 1] + 1] = 150.0  # a fainter neighbour, which stays
+    frame[hot[:, 0], hot[:, 1]] = 100.0
+    stack = np.repeat(frame[None], 3, axis=0).astype(np.float32)
+    bare, masked = (standing_out(stack, 1, 1.0, replaced=r).difference for r in (None, hot))
+    k = int(np.searchsorted(bare.bounds, 20.0))
+    assert bare.own[k] > 100 * 3
+    assert masked.own[k] < 0.05 * bare.own[k]
 
 
 def test_the_share_of_replaced_sites_comes_back():
