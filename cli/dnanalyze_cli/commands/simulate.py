@@ -85,9 +85,9 @@ def simulate(
         str,
         typer.Option(
             "--device",
-            metavar="cpu|cuda",
+            metavar="DEVICE",
             rich_help_panel="The run",
-            help="cuda draws on a GPU, by way of CuPy: the same frames.",
+            help="cpu, or cuda: a GPU, by way of CuPy; the same frames.",
         ),
     ] = "cpu",
     json: Json = None,

@@ -105,18 +105,25 @@ def cuda() -> Cuda:
     Raises
     ------
     InputError
-        CuPy is not installed, or finds no device.
+        CuPy is not installed, or finds no device or no compiler.
     """
     try:
         import cupy
-    except ImportError:
+    except ModuleNotFoundError:
         raise InputError(
             "device cuda: CuPy is not installed; pip install 'dnanalyze[cuda]', or use device cpu"
         ) from None
+    except ImportError:
+        raise InputError(
+            "device cuda: CuPy does not load; install the one for this CUDA version "
+            "(cupy-cuda12x, cupy-cuda13x), or use device cpu"
+        ) from None
     try:
         found = cupy.cuda.runtime.getDeviceCount()
-    except cupy.cuda.runtime.CUDARuntimeError as error:
-        raise InputError(f"device cuda: {error}; use device cpu") from None
+        cupy.cuda.nvrtc.getVersion()
+    except Exception as error:  # of CUDA, or of what looks for its libraries
+        reason = str(error).splitlines()[0]
+        raise InputError(f"device cuda: {reason}; use device cpu") from None
     if not found:
         raise InputError("device cuda: CuPy finds no CUDA device; use device cpu")
     return Cuda(cupy)

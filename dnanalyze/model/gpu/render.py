@@ -70,7 +70,7 @@ class Renderer:
         current stream, or by DLPack, comes after them.
         """
         with self._lock:
-            takes = [self._record(point, n) for n in numbers]
+            takes = [self.record(point, n) for n in numbers]
             kind = np.float32 if self.bits is None else np.uint8 if self.bits <= 8 else np.uint16
             out = self.device.empty((len(takes), *self.shape), kind)
             done = 0
@@ -93,7 +93,8 @@ class Renderer:
         """One frame, (rows, columns), in the host's memory."""
         return self.device.host(self.frames(point, [number]))[0]
 
-    def _record(self, point: OperatingPoint, number: int) -> Take:
+    def record(self, point: OperatingPoint, number: int) -> Take:
+        """One frame, as the steps that make it."""
         fields, maps, _ = self._memos
         tape = Tape(self.shape, lambda name, make: maps.get((point, name), make))
         recorder = Recorder(self.model, self.shape, fields, maps, tape=tape, on_host=self._on_host)

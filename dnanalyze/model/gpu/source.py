@@ -118,7 +118,7 @@ def source(tape: Tape, last: int, bits: int | None) -> str:
         by default.
     """
     needed = passes(tape, last)
-    text = [_constants(), _pixel()]
+    text = [prelude()]
     for number, one in enumerate(needed):
         kind, value = "float", f"value_{number}(N, p, p / columns, p % columns, rows, columns)"
         if number == len(needed) - 1 and bits is not None:
@@ -154,8 +154,12 @@ def _lines(steps: Sequence[tuple[Any, ...]], last: int) -> str:
 
 
 @cache
+def prelude() -> str:
+    """What the passes call: `pixel.cuh`, after the numbers that it shares with the CPU's loops."""
+    return _constants() + files(__package__).joinpath("pixel.cuh").read_text(encoding="utf-8")
+
+
 def _constants() -> str:
-    """The numbers of `dnanalyze.model.kernels` under the names of `pixel.cuh`."""
     from dnanalyze.model import kernels
 
     floats = {f"L{k}": getattr(kernels, f"_L{k}") for k in range(8)}
@@ -175,8 +179,3 @@ def _constants() -> str:
             f"__constant__ double INVERSE[64] = {{{inverse}}};\n\n",
         ]
     )
-
-
-@cache
-def _pixel() -> str:
-    return files(__package__).joinpath("pixel.cuh").read_text(encoding="utf-8")
