@@ -54,7 +54,7 @@ def detect(
         also=_also(kind, answers),
         findings=tuple(_finding(a, a in flags) for a in answers),
         evidence=_words(flags),
-        ambiguous=_ambiguous(kind, answers, evidence),
+        ambiguous=_ambiguous(kind, answers, evidence, alpha),
         tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
         effect=effect_of(kind, found, evidence) if found else {},
         series=series,
@@ -125,13 +125,15 @@ def _words(flags: list[Answer]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _ambiguous(kind: str, answers: list[Answer], evidence: list[ViewEvidence]) -> tuple[str, ...]:
+def _ambiguous(
+    kind: str, answers: list[Answer], evidence: list[ViewEvidence], alpha: float
+) -> tuple[str, ...]:
     said = []
     tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
     soft = [
         a for a in answers
-        if a.asked.test in tests and a.judge and a.holm < 1e-6
-        and 0.4 < a.asked.effect / a.asked.limit <= 1
+        if a.asked.test in tests and a.judge and a.holm < alpha
+        and 0.3 < a.asked.effect / a.asked.limit <= 1
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:
         said.append(

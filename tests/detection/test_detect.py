@@ -148,6 +148,20 @@ def test_one_setting_and_one_frame_are_enough_for_strong_filters():
 
 
 @pytest.mark.parametrize(
+    ("traits", "run"),
+    [
+        (Traits(gain=1.2, crosstalk=0.02, dark=20.0), None),
+        (Traits(gain=1.2), hidden.gaussian(share=0.25)),
+    ],
+    ids=["crosstalk", "smoothing"],
+)
+def test_one_setting_cannot_tell_weak_smoothing_from_crosstalk_and_says_so(traits, run):
+    found = detect(captures(VirtualSensor(traits, SHAPE, 1), (65.0,), 8, run))
+    assert found.kind == "none"
+    assert any("cannot be told apart" in a for a in found.ambiguous)
+
+
+@pytest.mark.parametrize(
     "stack",
     [
         np.zeros((3, 64, 64), np.uint16),

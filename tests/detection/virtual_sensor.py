@@ -200,12 +200,11 @@ def captures(
     filtering: Callable[[Stack], Stack] | None = None,
     cfa: tuple[tuple[str, ...], ...] | None = None,
 ) -> CaptureSet:
-    """A temperature series, drawn when asked for; one setting is kept in memory at a time."""
+    """A temperature series, drawn when first asked for."""
     held: dict[float, Stack] = {}
 
     def stack(temperature: float) -> Stack:
         if temperature not in held:
-            held.clear()
             made = sensor.stack(temperature, frames)
             held[temperature] = made if filtering is None else filtering(made)
         return held[temperature]
