@@ -187,15 +187,23 @@ def targets_from_plain(raw: Any, where: str) -> Targets:
     if schema != SCHEMA:
         raise InputError(f"{where}: schema {schema!r} is not {SCHEMA!r}")
     try:
-        return Targets(**raw)
+        return Targets.model_validate(raw)
     except ValidationError as error:
         raise InputError(f"{where}: {_one_line(error, raw)}") from None
+
+
+_PLAINER = {
+    "model_type": "not a mapping, such as {statistic: mean, max: 70}",
+    "too_short": "the list is empty",
+    "invalid_key": "keys are words",
+}
 
 
 def _one_line(error: ValidationError, raw: dict[str, Any]) -> str:
     first = error.errors(include_url=False)[0]
     place = [str(p) for p in first["loc"]]
     text = str(first["msg"]).removeprefix("Value error, ")
+    text = _PLAINER.get(str(first["type"]), text)
     if first["type"] == "extra_forbidden":
         fields = _fields_at(place[:-1])
         near = difflib.get_close_matches(place[-1], fields, 1, 0.5)

@@ -39,7 +39,7 @@ def channels_of(model: NoiseModel) -> list[str]:
     """The channels that a model tells apart, in order."""
     laws = [model.pedestal, *(getattr(e, n) for e in model.effects for n in e.parameters())]
     points = [p for law in laws if isinstance(law, TableLaw) for p in law.points]
-    names = dict.fromkeys(p.channel for p in (*points, *model.references))
+    names = dict.fromkeys(p.channel for p in (*points, *model.channel_references))
     return [n for n in names if n is not None]
 
 

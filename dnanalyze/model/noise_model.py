@@ -15,6 +15,7 @@ from dnanalyze.model.laws import Law, law_from_plain
 from dnanalyze.model.registry import catalogue, find
 
 SCHEMA = "dnanalyze/model/1"
+KEYS = {"schema", "pedestal", "reference", "channel_references", "seed", "effects", "fit"}
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class NoiseModel:
         Where amplitudes that follow temperature, exposure or gain are stated.
     seed : int
         Names the virtual sensor: its silicon and its moments.
-    references : tuple of OperatingPoint
+    channel_references : tuple of OperatingPoint
         Where those of a readout channel are stated that has a reference of its own (a short
         exposure).
     """
@@ -40,7 +41,7 @@ class NoiseModel:
     pedestal: Law = 0.0
     reference: OperatingPoint = OperatingPoint(25.0, 1.0, 1.0)
     seed: int = 0
-    references: tuple[OperatingPoint, ...] = ()
+    channel_references: tuple[OperatingPoint, ...] = ()
 
     def __post_init__(self) -> None:
         names = self.names
@@ -55,7 +56,7 @@ class NoiseModel:
 
     def reference_of(self, channel: str | None) -> OperatingPoint:
         """Where the amplitudes of a channel are stated."""
-        return next((r for r in self.references if r.channel == channel), self.reference)
+        return next((r for r in self.channel_references if r.channel == channel), self.reference)
 
     @property
     def chain(self) -> list[Effect]:
@@ -79,14 +80,15 @@ class NoiseModel:
 
     def to_plain(self) -> dict[str, Any]:
         """As written in YAML."""
-        own = {"references": [_plain_point(r) for r in self.references]} if self.references else {}
+        own = self.channel_references
+        more = {"channel_references": [_plain_point(r) for r in own]} if own else {}
         return {
             "schema": SCHEMA,
             "pedestal": self.pedestal.to_plain()
             if hasattr(self.pedestal, "to_plain")
             else self.pedestal,
             "reference": _plain_point(self.reference),
-            **own,
+            **more,
             "seed": self.seed,
             "effects": [{e.name: e.to_plain()} for e in self.effects],
         }
@@ -118,7 +120,7 @@ def model_from_plain(
     known = catalogue() if known is None else known
     if not isinstance(raw, dict) or not isinstance(raw.get("effects"), list):
         raise InputError(f"{where}: not a model file; it needs 'effects', a list")
-    extra = set(raw) - {"schema", "pedestal", "reference", "references", "seed", "effects", "fit"}
+    extra = set(raw) - KEYS
     if extra:
         raise InputError(f"{where}: unknown key {sorted(extra)[0]!r} in a model file")
     try:
@@ -132,7 +134,7 @@ def model_from_plain(
             **raw.get("reference", {"temperature_c": 25.0, "exposure_s": 1.0})
         )
         pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
-        own = tuple(OperatingPoint(**r) for r in raw.get("references", ()))
+        own = tuple(OperatingPoint(**r) for r in raw.get("channel_references", ()))
         return NoiseModel(tuple(effects), pedestal, reference, int(raw.get("seed", 0)), own)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None

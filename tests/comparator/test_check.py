@@ -146,6 +146,10 @@ def test_parameters_errors_and_trends():
             "target 1 .mean.: unknown key 'maks'; did you mean 'max'",
         ),
         ({"statistic": "mean"}, "sets no limit"),
+        (3, "target 1: not a mapping, such as .statistic: mean"),
+        ({1: 2}, "keys are words"),
+        ({"statistic": "mean", "max": 1, "at": "hcg"}, "at: not a mapping"),
+        ({"statistic": "mean", "max": float("nan")}, "finite"),
         ({"statistic": "mean", "min": 2, "max": 1}, "min 2 is above max 1"),
         ({"statistic": "mean", "error": "pooled", "max": 1}, "exactly one of"),
         ({"error": "poold", "max": 1}, "no error is called 'poold'; valid: pooled, level"),
@@ -159,6 +163,28 @@ def test_parameters_errors_and_trends():
 def test_bad_targets_are_refused_in_one_line(item, words):
     with pytest.raises(InputError, match=words) as caught:
         held(item)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"\x00\x01\xff", "not YAML"),
+        (b"targets: [1", "not YAML"),
+        (b"", "needs 'targets', a list"),
+        (b"- 1", "needs 'targets', a list"),
+        (b"targets: []", "targets: the list is empty"),
+        (b"schema: other/1\ntargets: [{statistic: mean, max: 1}]", "schema 'other/1' is not"),
+        (b"1: 2\ntargets: [{statistic: mean, max: 1}]", "keys are words"),
+        (b"captures: {shape: [1]}\ntargets: [{statistic: mean, max: 1}]", "captures.shape"),
+    ],
+)
+def test_files_that_are_no_targets_are_refused_in_one_line(content, words, tmp_path):
+    path = tmp_path / "T.yaml"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=words) as caught:
+        load_targets(path)
+    assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
 
 

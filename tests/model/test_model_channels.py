@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from dataclasses import replace
 
@@ -105,7 +106,7 @@ def test_files_keep_the_references(tmp_path):
     import yaml
 
     one = merged(models(), [25.0, 45.0])
-    assert len(one.references) == 2
+    assert len(one.channel_references) == 2
     assert model_from_plain(yaml.safe_load(dump_model(one)), "M.yaml") == one
     (tmp_path / "M.csv").write_text(to_csv(one))
     assert read_table(tmp_path / "M.csv") == one
@@ -117,3 +118,18 @@ def test_a_channel_that_the_model_does_not_know_is_one_line():
     require(models()["long"], ["anything"])
     with pytest.raises(InputError, match="no channel 'lofic'; valid: long, short"):
         require(one, ["short", "lofic"])
+
+
+def test_the_exported_function_draws_the_channels(tmp_path, monkeypatch):
+    from dnanalyze.model.export.numpy_code import numpy_source
+
+    one = merged(models(), [25.0, 45.0])
+    (tmp_path / "exported_channels.py").write_text(numpy_source(one))
+    monkeypatch.syspath_prepend(tmp_path)
+    exported = importlib.import_module("exported_channels")
+    for channel in ("long", "short"):
+        at = replace(one.reference_of(channel), channel=channel)
+        drawn = exported.dark_frames(45.0, at.exposure_s, 1.0, channel, shape=(32, 32))[0]
+        expected = simulate(one, (32, 32), [(at, 1)]).settings[0].frames[0].read()
+        assert np.abs(drawn - expected).max() < 0.01
+    assert exported.dark_frames(shape=(8, 8)).shape == (1, 8, 8)  # the first channel

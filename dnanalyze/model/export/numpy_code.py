@@ -154,7 +154,7 @@ def _model(model: NoiseModel) -> str:
     effects = "".join(f"        {_effect(e)},\n" for e in model.effects)
     return (
         f"NoiseModel(\n    (\n{effects}    ),\n    {model.pedestal!r},\n"
-        f"    {model.reference!r},\n    {model.seed!r},\n    {model.references!r},\n)"
+        f"    {model.reference!r},\n    {model.seed!r},\n    {model.channel_references!r},\n)"
     )
 
 

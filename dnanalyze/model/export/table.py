@@ -105,7 +105,7 @@ def to_csv(model: NoiseModel, temperatures: Sequence[float] = ()) -> str:
     writer.writerow(COLUMNS)
     head = model.to_plain()
     head["order"] = model.names
-    for key in ("schema", "reference", "references", "seed", "order"):
+    for key in ("schema", "reference", "channel_references", "seed", "order"):
         if key in head:
             writer.writerow(["", key, *[""] * 6, json.dumps(head[key])])
     for row in rows(model, temperatures):
