@@ -163,8 +163,8 @@ def _denoise(flags: list[Answer], view: str, coldest: float | None) -> FilterEst
         removed = float(np.median([a.asked.effect for a in mine]))
     elif "median_equality" in tests:
         subkind = "median"
-    elif tests & {"local_variance", "wavelet_kurtosis"} or far > 0.3 * abs(side):
-        subkind = "edge_preserving"
+    elif far > 0.3 * abs(side):
+        subkind = "edge_preserving"  # they reach farther than a 3x3 median or a slight blur
     elif lag.diagonal < 0.5 * side:
         subkind = "gaussian"
     else:

@@ -67,8 +67,8 @@ class FilterEstimate:
     Parameters
     ----------
     subkind : str
-        dpc: "dynamic", "clamp", "ratio", "static"; denoise: "linear", "median", "edge_preserving",
-        "some_rows"; temporal_denoise: "recursive".
+        dpc: "dynamic", "clamp", "ratio", "static"; denoise: "gaussian", "median",
+        "edge_preserving", "some_rows"; temporal_denoise: "recursive".
     view : str
         "frame", or "planes": it works within a colour.
     threshold_dn, threshold_sigma, ratio : float, optional

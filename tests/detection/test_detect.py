@@ -115,6 +115,22 @@ def test_pixels_beside_replaced_sites_do_not_hide_the_edge():
     assert masked.own[k] < 0.05 * bare.own[k]
 
 
+@pytest.mark.parametrize(
+    ("run", "subkind"),
+    [
+        (hidden.gaussian(), "gaussian"),
+        (hidden.median(), "median"),
+        (hidden.bilateral(), "edge_preserving"),
+    ],
+    ids=["gaussian", "median", "bilateral"],
+)
+def test_the_shape_of_the_correlation_tells_the_kernel(run, subkind):
+    uneven = replace(ORDINARY, rts=0.02, heavy=0.05)  # noise that is not the same everywhere
+    found = detect(captures(VirtualSensor(uneven, SHAPE, 13), (25.0, 65.0), 8, run)).estimate
+    assert found is not None
+    assert found.subkind == subkind
+
+
 def test_the_share_of_replaced_sites_comes_back():
     sensor = VirtualSensor(ORDINARY, SHAPE, 5)
     found = detect(captures(sensor, SERIES, 8, hidden.static_dpc(500))).estimate
