@@ -154,7 +154,7 @@ def _peaks(sums: _Sums, result: FamilyResult) -> None:
         result.missing["ties_max8"] = "no inner pixel is among the top 1 %"
         return
     share = float(sums.total[PEAK_TIES]) / n
-    floor = math.sqrt(max(share * (1 - share), 0.1 / n) / n)
+    floor = math.sqrt(max(share * (1 - share), 1.0 / n) / n)  # none seen: one might have been
     error = sums.error({PEAK_TIES: 1.0, PEAK_TOP: -share}) / n
     result.values["ties_max8"] = Value(share, max(error, floor))
 

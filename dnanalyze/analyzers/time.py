@@ -23,6 +23,7 @@ VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
 GROUPS = {"50": (0.0, 0.5), "90": (0.9, 0.99), "99": (0.99, 0.999), "999": (0.999, 1.0)}
 CUTS = np.array([0.5, 0.9, 0.99, 0.999])
 FEWEST = 8.0  # pixels in a group for it to be stated
+REACH = 3.0  # ends of r1, times its scatter 1 / sqrt(frames)
 TIED_FRAMES = 8  # up to which variances of codes take few values
 
 INFOS = (
@@ -210,10 +211,13 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         r1 = acc.maps.lag_one / (variance * np.float32(k - 1))
     r1[~noisy] = -1.0 / k
-    errors = QuantileErrors(acc.plan, (r1,), Ordered(r1), np.array([0.5]))
+    # A mean within fixed ends: codes give few different values, and a median jumps between them.
+    reach = REACH / math.sqrt(k)
+    np.clip(r1, -1 / k - reach, -1 / k + reach, out=r1)
+    mean = float(np.mean(r1, dtype=np.float64))
     drift = acc.drift_error(acc.temporal_mean) / math.sqrt(2)  # whole frames are one series
-    se = math.hypot(float(errors.of(np.array([1.0]))), drift)
-    out.values["temporal_r1"] = Value(float(errors.values[0]) + 1 / k, max(se, 5e-4))
+    se = mean_error(acc.plan, block_sums(acc.plan, lambda rows: rows, r1))
+    out.values["temporal_r1"] = Value(mean + 1 / k, max(math.hypot(se, drift), 5e-4))
 
 
 def _blinking(acc: Accumulated, out: FamilyResult) -> None:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dnanalyze.diagnosis.trial import Trial
-from dnanalyze.fitting.least_squares import loss
+from dnanalyze.diagnosis.trial import Trial, deviance
 
 # The statistics are correlated, so a gain overstates the log likelihood ratio: neighbouring
 # quantiles and bands move together, about eight at a time. "Nothing is missing" is credited with a
@@ -45,8 +44,8 @@ def _dispersion(trials: Sequence[Trial]) -> float:
     """
     if not trials:
         return 1.0
-    left = min((t.state for t in trials), key=lambda s: loss(s.test))
-    return max(1.0, loss(left.test) / max(len(left.test), 1))
+    left = min(deviance(t.state.test) / max(len(t.state.test), 1) for t in trials)
+    return max(1.0, left)
 
 
 def significant(found: Trial, error: float) -> bool:

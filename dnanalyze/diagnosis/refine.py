@@ -9,6 +9,7 @@ from dnanalyze.diagnosis.confidence import NOTHING, confidences, significant
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
 from dnanalyze.diagnosis.trial import (
     candidates_of,
+    deviance,
     error_of,
     judged,
     prospects,
@@ -19,7 +20,7 @@ from dnanalyze.diagnosis.trial import (
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, loss, minimise, start
+from dnanalyze.fitting.least_squares import State, converge, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import converter_bits, moments, ordinary_model, partly_named
@@ -146,9 +147,7 @@ def refine(
     )
 
 
-def _everyday(
-    held: Bench, exclude: Sequence[str], note: Callable[[Step], None]
-) -> State:
+def _everyday(held: Bench, exclude: Sequence[str], note: Callable[[Step], None]) -> State:
     """Put in what every sensor has, and let what the paper's tables absorbed get its name.
 
     All four are fitted together, beside a seed of constant spread and kernel. The models on the
@@ -182,7 +181,7 @@ def _needless(held: Bench, state: State, keep: str) -> tuple[State, list[str]]:
         if name in (*EVERYDAY, keep, BASE):
             continue
         without = removal(held, state, name)
-        if loss(without.test) - loss(state.test) < NOTHING / 2:
+        if deviance(without.test) - deviance(state.test) < NOTHING / 2:
             state = without
             gone.append(name)
     return state, gone

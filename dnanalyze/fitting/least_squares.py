@@ -19,8 +19,8 @@ from dnanalyze.model.noise_model import NoiseModel
 
 HUBER = 6.0
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
-# Useful size of a derivative step, in floors (Euclidean). Pixels that cross a code's edge jump, and
-# the statistics with them, by some floors together however short the step: less would be lost in it.
+# Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
+# and the statistics with them, by some floors however short the step: less would be lost in it.
 SMALLEST, LARGEST = 12.0, 400.0
 
 

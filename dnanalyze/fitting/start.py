@@ -212,7 +212,7 @@ def partly_named(m: Moments, model: NoiseModel, names: Sequence[str]) -> NoiseMo
         if e.name == "dark_shot_noise" and e.name in names:
             rest -= [e.value("dn_per_e", p) for p in m.points] * gain * signal
         elif e.name == "read_noise" and e.name in names:
-            rest -= np.array([e.variance(p) for p in m.points]) * gain**2  # type: ignore[attr-defined]
+            rest -= np.array([e.variance(p) for p in m.points]) * gain**2
     rest = np.maximum(rest, SCRAP * m.temporal)
     delta = np.array([base.value("delta", p) for p in m.points])
     sigma = np.sqrt(rest / (9.0 * signal**2 * np.exp(delta**2)))

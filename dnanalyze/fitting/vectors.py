@@ -121,14 +121,20 @@ def _numbers(
     found = {}
     for index, setting in enumerate(statistics[part].settings):
         where = _order(statistics[part], index), setting.plane
+        left, right = halves = [s.settings[index] for s in statistics]
         for name, v in setting.values.items():
             info = known.get(name)
             if info is not None and _compared(info, setting):
-                found[Key(*where, name)] = (v.value, v.se, info)
-        left, right = (s.settings[index] for s in statistics)
+                found[Key(*where, name)] = (v.value, _shared_error(halves, name, v.se), info)
         for name, v in shading_values(left, right, part).items():
             found[Key(*where, name)] = (v.value, v.se, known[name])
     return found
+
+
+def _shared_error(halves: list[SettingStatistics], name: str, own: float) -> float:
+    """Of the halves together: one half's own may be small by luck, where codes are few, say."""
+    known = [h.values[name].se for h in halves if name in h.values]
+    return max(own, float(np.sqrt(np.mean(np.square(known)))))
 
 
 def _order(statistics: Statistics, index: int) -> int:

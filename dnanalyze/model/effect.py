@@ -236,6 +236,13 @@ class Effect:
         """
         return [cls()]
 
+    def bent(self) -> dict[str, float]:
+        """What a fit without this effect bends to make up for it: {"effect.parameter": factor}.
+
+        By the factor the number comes right again when the effect is put in.
+        """
+        return {}
+
     def idle(self) -> tuple[str, ...]:
         """Parameters that change nothing under the present choices; a fit leaves them alone."""
         return ()

@@ -39,7 +39,7 @@ class BlackClipping(Effect):
         "hot_pixels": "skewed upward without a spike at the lowest code",
     }
 
-    level: float = parameter(0.0, "DN", -1e5, 1e6, "lowest value", "linear")
+    level: float = parameter(0.0, "DN", -1e5, 1e6, "lowest code", "held")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Cut off below the level."""

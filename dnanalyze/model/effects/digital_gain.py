@@ -49,10 +49,13 @@ class DigitalGain(Effect):
         0.0, "DN", -1e5, 1e5, "code b that maps to itself, commonly the black level", "held"
     )
 
+    top: float = parameter(65535.0, "DN", 0.0, 1e7, "highest code of the output", "held")
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Multiply and round."""
+        """Multiply, round, and cut off at the top."""
         s, b = self.value("gain", site.point), self.value("offset", site.point)
-        return np.rint(signal * np.float32(s) + np.float32(b * (1.0 - s)))
+        codes = np.rint(signal * np.float32(s) + np.float32(b * (1.0 - s)))
+        return np.minimum(codes, np.float32(self.value("top", site.point)))
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
@@ -76,7 +79,19 @@ class DigitalGain(Effect):
         level = np.asarray(clues.measured("mean"), float)
         level = level[np.isfinite(level)]
         offset = _offset(counts, first, gain, round(float(level.min())) if level.size else 0)
-        return [cls(bounded(cls, "gain", gain), bounded(cls, "offset", offset))]
+        return [cls(bounded(cls, "gain", gain), bounded(cls, "offset", offset), _top(clues))]
+
+
+def _top(clues: Clues) -> float:
+    """The highest code where many pixels share it: saturated ones. Else that of 16 bits."""
+    for setting in range(len(clues.points)):
+        codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
+        if codes is None or counts is None:
+            continue
+        used = np.flatnonzero(np.asarray(counts) > 0)
+        if used.size > _DEGREE and counts[used[-1]] > 3 * counts[used[-4:-1]].max() + 5:
+            return float(codes[used[-1]])
+    return 65535.0
 
 
 def _body(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, int]:

@@ -70,6 +70,10 @@ class HeavyTailedReadNoise(Effect):
         signal += np.float32(scale) * bent(site.normal(), tail)
         return signal
 
+    def bent(self) -> dict[str, float]:
+        """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none."""
+        return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}
+
     def variance(self, point: OperatingPoint) -> float:
         """Variance of the Tukey-lambda distribution, DN^2."""
         tail = self.value("tail", point)

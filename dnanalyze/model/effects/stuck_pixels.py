@@ -8,25 +8,28 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, excess, shows, strongest, typical_positive
 
 
 @dataclass(frozen=True)
 class StuckPixels(Effect):
-    """y = code at a fixed share of pixels, after rounding."""
+    """y = code at a fixed share of pixels, after rounding; one code for all, or any from 0 on."""
 
     name: ClassVar[str] = "stuck_pixels"
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Dead pixels: one code, always, with no noise at all."
     physics: ClassVar[str] = (
-        "A shorted or open pixel gives the same code, commonly the lowest or the highest, in every "
-        "frame: its temporal variance is exactly zero, which no working pixel shows unless it is "
-        "clipped. It does not depend on temperature, exposure or gain. Cure: a map of defects; "
-        "interpolation from the neighbours."
+        "A shorted or open pixel gives the same code in every frame, commonly the lowest or the "
+        "highest, at times one between (`codes`): its temporal variance is exactly zero, which no "
+        "working pixel shows unless it is clipped. It does not depend on temperature, exposure or "
+        "gain. Cure: a map of defects; interpolation from the neighbours."
     )
-    formula: ClassVar[str] = "y = code on a share 'fraction' of the pixels"
+    formula: ClassVar[str] = (
+        "y = c on a share 'fraction' of the pixels; codes 'one': c = code; 'any': a third each at "
+        "0, at code, and uniform between"
+    )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (defect pixels)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
         "dead_count", "high_spike", "low_spike", "cold_count_8", "hot_count_128",
@@ -38,14 +41,25 @@ class StuckPixels(Effect):
     }
 
     fraction: float = parameter(1e-4, "1", 1e-7, 0.1, "share of pixels")
-    code: float = parameter(0.0, "DN", -1e5, 1e6, "their code", "linear")
+    code: float = parameter(0.0, "DN", -1e5, 1e6, "their code, or the highest of them", "linear")
+    codes: str = choice("one", "whether all are stuck at one code", "one", "any")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Overwrite the stuck pixels."""
-        fraction = self.value("fraction", site.point)
-        stuck = site.keep("map", lambda: site.fixed_uniform() < fraction)
-        signal[stuck] = np.float32(self.value("code", site.point))
+        rows, columns, codes = site.keep("map", lambda: self._map(site))
+        signal[rows, columns] = codes
         return signal
+
+    def _map(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows and columns in the window, and codes."""
+        top = self.value("code", site.point)
+        rows, columns = np.nonzero(site.fixed_uniform() < self.value("fraction", site.point))
+        if self.codes == "one":
+            return rows, columns, np.full(rows.size, top, np.float32)
+        index = (site.window.top + rows) * site.shape[1] + site.window.left + columns
+        share = 3.0 * site.silicon.child("code").uniform_at(index)
+        codes = np.where(share < 1.0, 0.0, np.where(share < 2.0, 1.0, share - 2.0))
+        return rows, columns, np.rint(top * codes).astype(np.float32)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
@@ -56,4 +70,5 @@ class StuckPixels(Effect):
         fraction = bounded(cls, "fraction", count / (clues.shape[0] * clues.shape[1]))
         codes = curve(clues, "histogram_codes", strongest(clues, ["dead_count"]) or 0)
         ends = (0.0, 4095.0) if codes is None else (float(np.min(codes)), float(np.max(codes)))
-        return [cls(fraction, bounded(cls, "code", end)) for end in ends]
+        low, high = (bounded(cls, "code", end) for end in ends)
+        return [cls(fraction, high, "any"), cls(fraction, high), cls(fraction, low)]

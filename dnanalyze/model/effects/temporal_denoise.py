@@ -52,6 +52,13 @@ class TemporalDenoise(Effect):
         """The threshold where there is none."""
         return ("threshold",) if self.motion == "off" else ()
 
+    def bent(self) -> dict[str, float]:
+        """The recursion leaves (1 - a)/(1 + a) of the variance between frames."""
+        if not isinstance(self.share, (int, float)):
+            return {}
+        variance = (1.0 + self.share) / (1.0 - self.share)
+        return {"read_noise.sigma": variance**0.5, "dark_shot_noise.dn_per_e": variance}
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Run the recursion over the frames at hand; codes stay codes."""
         from dnanalyze.model import filters
@@ -82,4 +89,7 @@ class TemporalDenoise(Effect):
         share = typical_positive(r1) / max(0.35, 1.0 - 3.0 / frames)
         share = bounded(cls, "share", share)
         noise = typical_positive(np.asarray(clues.measured("temporal_noise"), float)) or 1.0
-        return [cls(share), cls(share, bounded(cls, "threshold", 4.0 * noise), "on")]
+        # rounding after the filter is new in every frame: where noise is below a code it hides half
+        more = bounded(cls, "share", 2.0 * share)
+        threshold = bounded(cls, "threshold", 4.0 * noise)
+        return [cls(share), cls(more), cls(share, threshold, "on")]

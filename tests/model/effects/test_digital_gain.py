@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from readout_bench import Given, Ramp, frames
 
-from dnanalyze.model.effects.digital_gain import DigitalGain
+from dnanalyze.model.effects.digital_gain import DigitalGain, _top
 from dnanalyze.model.effects.missing_codes import MissingCodes
 
 
@@ -61,3 +61,14 @@ def test_no_guess_without_a_sign():
     codes, counts = histogram(1.3, 90.0, 6.0)
     curves = {"histogram_codes": [codes], "histogram_counts": [counts]}
     assert DigitalGain.guess(Given(curves=curves)) == []
+
+
+def test_saturated_codes_stay_at_the_top_of_the_output():
+    codes = np.concatenate([np.arange(60, 160), [160] * 40])
+    used, counts = np.unique(codes, return_counts=True)
+    curves = {"histogram_codes": [used], "histogram_counts": [counts]}
+    assert _top(Given(points=(None,), curves=curves)) == 160.0
+    smooth = {"histogram_codes": [used[:-1]], "histogram_counts": [counts[:-1]]}
+    assert _top(Given(points=(None,), curves=smooth)) == 65535.0
+    y = frames(Ramp(300.0), DigitalGain(1.5, 0.0, 200.0))
+    assert y.max() == 200.0

@@ -32,12 +32,25 @@ def test_a_greater_share_keeps_those_that_were_stuck():
     assert np.all(many[few])
 
 
+def test_stuck_at_any_code_is_a_third_each_at_either_end_and_between():
+    y = frames(ReadNoise(2.0), StuckPixels(0.02, 1000.0, "any"), count=4, shape=(256, 256))
+    stuck = y[0, y.std(axis=0) == 0]
+    n = stuck.size
+    five = 5 * np.sqrt(2 / 9 / n)  # sigmas of a share of a third
+    assert np.mean(stuck == 0.0) == pytest.approx(1 / 3, abs=five)
+    assert np.mean(stuck == 1000.0) == pytest.approx(1 / 3, abs=five)
+    between = stuck[(stuck > 0) & (stuck < 1000)]
+    assert between.mean() == pytest.approx(500.0, abs=5 * 1000 / np.sqrt(12 * between.size))
+    assert np.array_equal(between, np.rint(between))
+
+
 def test_guess_from_pixels_without_noise():
     clues = Given(
         seen={"dead_count": 66.0}, model={"dead_count": 0.0}, off={"dead_count": 8.0},
         curves={"histogram_codes": [np.array([3, 64, 1023])]},
     )  # fmt: skip
-    low, high = StuckPixels.guess(clues)
+    mixed, high, low = StuckPixels.guess(clues)
     assert low.fraction == pytest.approx(66 / 65536)
-    assert (low.code, high.code) == (3.0, 1023.0)
+    assert (low.code, high.code, mixed.code) == (3.0, 1023.0, 1023.0)
+    assert (low.codes, high.codes, mixed.codes) == ("one", "one", "any")
     assert StuckPixels.guess(Given()) == []

@@ -54,8 +54,20 @@ def test_guess_from_the_autocorrelation(share, count):
         seen={"temporal_r1": r1, "temporal_noise": 2.0}, off={"temporal_r1": 40.0},
         curves={"frame_means": [y.mean(axis=(1, 2))]},
     )  # fmt: skip
-    plain, moving = TemporalDenoise.guess(clues)
+    plain, more, moving = TemporalDenoise.guess(clues)
     assert plain.share == pytest.approx(share, abs=0.07)
+    assert more.share == pytest.approx(min(2 * plain.share, 0.7))
     assert (plain.motion, moving.motion) == ("off", "on")
     assert plain.idle() == ("threshold",)
     assert TemporalDenoise.guess(Given(off={"temporal_r1": -9.0})) == []
+
+
+def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_recursion_leaves():
+    share, noise = 0.4, 3.0
+    y = frames(ReadNoise(noise), TemporalDenoise(share), count=40, shape=(64, 64))
+    factor = TemporalDenoise(share).bent()["read_noise.sigma"]
+    # 40 frames in a row are correlated: (1 + a)/(1 - a) times fewer count
+    n = y.size * (1 - share) / (1 + share)
+    assert y.std(axis=0, ddof=1).mean() * factor == pytest.approx(
+        noise, rel=5 / np.sqrt(2 * n) + 0.03
+    )
