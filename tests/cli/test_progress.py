@@ -1,0 +1,65 @@
+"""What a user sees while a command works: frames as they are read, and one note on compiling."""
+
+import numpy as np
+import report_fakes as fakes
+from dnanalyze_cli.session import Progress, Session
+from dnanalyze_cli.watched import watched
+
+from dnanalyze.analyzers.cache import held
+from dnanalyze.loaders import load, write_captures
+
+
+class Bars:
+    """As rich's, but remembered."""
+
+    def __init__(self):
+        self.seen = []
+
+    def update(self, task, **fields):
+        self.seen.append(fields)
+
+
+def test_each_frame_moves_the_bar_once_and_is_what_it_was():
+    plain, ticks = fakes.captures(), []
+    seen = watched(plain, lambda done, total: ticks.append((done, total)))
+    for a, b in zip(plain.frames(), seen.frames(), strict=True):
+        for _ in range(2):
+            assert np.array_equal(a.read(), b.read())
+    assert ticks == [(n, 12) for n in range(1, 13)]
+
+
+def test_the_cache_does_not_see_the_watching(tmp_path):
+    folder = write_captures(fakes.captures(), tmp_path / "darks")
+    plain = load(folder).cached(str(tmp_path / "kept"))
+    seen = watched(plain, lambda *_: None)
+    assert held(plain, "x").path == held(seen, "x").path
+
+
+def test_reading_and_fitting_are_told_apart(monkeypatch):
+    monkeypatch.setattr(
+        "dnanalyze.fitting.predictor.bench",
+        lambda plan: [f.read() for f in plan.captures.frames()],
+    )
+    bars = Bars()
+    Progress(bars, 0).bench(fakes.captures())
+    told = [s.get("description") or s["count"] for s in bars.seen if any(s.values())]
+    assert told == ["Reading", *(f"{n} of 12" for n in range(1, 13)), "Fitting"]
+
+
+def test_without_a_terminal_nothing_is_told(monkeypatch, capsys):
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan: plan)
+    with Session("fit").progress("Fitting") as progress:
+        plan = progress.bench(fakes.captures())
+        progress.now("still")
+    assert plan.captures.frame_count == 12
+    assert capsys.readouterr().err == ""
+
+
+def test_compiling_is_told_once_in_a_run(capsys):
+    from numba.core import event
+
+    session = Session("demo")
+    for _ in range(2):
+        with session.progress("Working"), event.trigger_event("numba:compile"):
+            pass
+    assert capsys.readouterr().err.count("compiling for this machine") == 1
