@@ -10,6 +10,7 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,6 +19,7 @@ from dnanalyze.comparator.targets import dump_targets, load_targets
 from dnanalyze.loaders import load, write_captures
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.hdr import simulate_combined
 from dnanalyze.model.hdr_file import load_combination
 from dnanalyze.model.noise_model import dump_model, load_model
 from dnanalyze.model.simulate import simulate
@@ -131,3 +133,33 @@ def test_the_sample_combination_is_read():
     how = load_combination(SAMPLES / "hdr.yaml")
     assert how.names == ["hcg_long", "lcg_long", "lcg_short"]
     assert [t[2] for t in how.transitions] == [3000.0, 12000.0]
+
+
+def test_the_sample_model_of_channels_is_simulated_and_combined(tmp_path):
+    """The sample manifest finds its frames, the combination its channels."""
+    from dnanalyze_cli.main import main
+
+    model, out = SAMPLES / "hdr-model.yaml", tmp_path / "hdr"
+    grid = ["--shape", "32x32", "--temperatures", "25,45,65", "--frames", "2", "--format", "npy"]
+    assert main(["simulate", str(out), "--model", str(model), *grid, "-q"]) == 0
+    drawn = load(out)
+    how = load_combination(SAMPLES / "hdr.yaml")
+    assert drawn.channels == sorted(how.names)
+    combined = simulate_combined(load_model(model), how, (32, 32), [(OperatingPoint(45.0, 0.1), 2)])
+    codes = combined.settings[0].frames[0].read()
+    # dark charge of 400 e-/s median at 45 C: 80 DN of the first channel, 1 code per 2 DN from 64
+    assert abs(float(np.median(how.decode(codes))) - 80.0) < 4.0
+    named = tmp_path / "named"
+    for setting in drawn.settings:
+        for number, frame in enumerate(setting.frames):
+            point = setting.point
+            file = named / point.channel / f"T{point.temperature_c:+04.0f}C" / f"{number}.npy"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            np.save(file, np.rint(frame.read()).astype(np.uint16))
+    shutil.copy(SAMPLES / "hdr-manifest.csv", named / "manifest.csv")
+    assert [s.point for s in load(named).settings] == [s.point for s in drawn.settings]
+
+
+def test_every_sample_is_run_by_a_test():
+    tests = "".join(p.read_text() for p in (ROOT / "tests").rglob("test_*.py"))
+    assert [p.name for p in SAMPLES.iterdir() if p.is_file() and p.name not in tests] == []
