@@ -53,21 +53,24 @@ __device__ inline float value_{number}(const u64* __restrict__ N, u32 p, u32 row
 
 extern "C" __global__ void __launch_bounds__({threads}) pass_{number}(
         const u64* __restrict__ numbers, u32 slots, u32 frames, u32 size, u32 rows, u32 columns) {{
-    const u32 first = blockIdx.x * {threads} * {pixels} + threadIdx.x;
-    const u32 begin = blockIdx.y * {frames}, end = begin + {frames};
-    for (u32 f = begin; f < end && f < frames; ++f) {{
+    u32 p[{pixels}], row[{pixels}], column[{pixels}];
+#pragma unroll
+    for (u32 i = 0; i < {pixels}; ++i) {{
+        // beyond the end the last pixel is made again, alike
+        p[i] = min((blockIdx.x * {pixels} + i) * {threads} + threadIdx.x, size - 1);
+        row[i] = p[i] / columns;
+        column[i] = p[i] % columns;
+    }}
+    const u32 begin = blockIdx.y * {frames}, end = min(begin + {frames}, frames);
+    for (u32 f = begin; f < end; ++f) {{
         const u64* __restrict__ N = numbers + f * slots;
-        {kind}* const out = ({kind}*)N[{out}];
         {kind} made[{pixels}];
 #pragma unroll
-        for (u32 i = 0; i < {pixels}; ++i) {{
-            const u32 p = min(first + i * {threads}, size - 1);
+        for (u32 i = 0; i < {pixels}; ++i)
             made[i] = {kind}({value});
-        }}
 #pragma unroll
         for (u32 i = 0; i < {pixels}; ++i)
-            if (first + i * {threads} < size)
-                out[first + i * {threads}] = made[i];
+            (({kind}*)N[{out}])[p[i]] = made[i];
     }}
 }}
 """
@@ -120,7 +123,7 @@ def source(tape: Tape, last: int, bits: int | None) -> str:
     needed = passes(tape, last)
     text = [prelude()]
     for number, one in enumerate(needed):
-        kind, value = "float", f"value_{number}(N, p, p / columns, p % columns, rows, columns)"
+        kind, value = "float", f"value_{number}(N, p[i], row[i], column[i], rows, columns)"
         if number == len(needed) - 1 and bits is not None:
             kind, value = "u8" if bits <= 8 else "u16", f"code({value}, {2**bits - 1}.0f)"
         text.append(

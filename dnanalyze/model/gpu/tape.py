@@ -71,7 +71,7 @@ class Tape:
         return len(self.numbers) - 1
 
     def array(self, values: np.ndarray) -> int:
-        """Place of an array's address; the kernel reads it as it lies."""
+        """Place of an array's address; the kernel reads it later, so it must stay as it is."""
         return self.number(np.ascontiguousarray(values))
 
     def made(self, step: int, size: int) -> int:

@@ -79,10 +79,10 @@ def test_cudas_compiler_takes_the_source(host_device, tmp_path):
     Renderer(model(*names), (8, 12), host_device, 16).frames(POINT, [0])
     code = tmp_path / "pass.cu"
     code.write_text(host_device.programs[0])
+    asked = ["-arch=sm_90", "-cubin", "-Xptxas", "-v", "-o", "pass.cubin"]
     done = subprocess.run(
-        [nvcc, "-arch=sm_90", *gpu.OPTIONS, "-cubin", "-Xptxas", "-v", str(code), "-o", "pass.cubin"],
-        cwd=tmp_path, capture_output=True, text=True,
-    )  # fmt: skip
+        [nvcc, *gpu.OPTIONS, *asked, str(code)], cwd=tmp_path, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     spills = re.findall(r"(\d+) bytes spill", done.stderr)
     assert spills
