@@ -237,21 +237,27 @@ def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State
     for choice, info in _effect(state.model, name).parameters().items():
         if info.scale != "choice" or choice in UNTRIED:
             continue
-        effect = _effect(state.model, name)
         for other in info.choices:
-            if other == getattr(effect, choice):
-                continue
-            try:
-                model = state.model.with_effect(replace(effect, **{choice: other}))
-            except InputError:
-                continue
-            begun = start(bench, model, knobs_of(model), like=state)
-            if begun.loss > FAR * state.loss or np.array_equal(begun.train, state.train):
-                continue
-            ended = minimise(bench, begun, iterations)
-            if ended.loss < state.loss - KIND_GAIN:
-                state = ended
+            effect = _effect(state.model, name)
+            if other != getattr(effect, choice):
+                kind = replace(effect, **{choice: other})
+                state = _better(bench, state, kind, iterations)
+    for plain in _effect(state.model, name).plainer():
+        state = _better(bench, state, plain, iterations)
     return state
+
+
+def _better(bench: Bench, state: State, kind: Effect, iterations: int) -> State:
+    """The model with another kind of an effect, refitted, if that is clearly better."""
+    try:
+        model = state.model.with_effect(kind)
+    except InputError:
+        return state
+    begun = start(bench, model, knobs_of(model), like=state)
+    if begun.loss > FAR * state.loss or np.array_equal(begun.train, state.train):
+        return state
+    ended = minimise(bench, begun, iterations)
+    return ended if ended.loss < state.loss - KIND_GAIN else state
 
 
 def _effect(model: NoiseModel, name: str) -> Effect:

@@ -243,6 +243,10 @@ class Effect:
         """
         return {}
 
+    def plainer(self) -> list[Effect]:
+        """The same with a number nearby that a maker would rather choose, where codes tell them."""
+        return []
+
     def idle(self) -> tuple[str, ...]:
         """Parameters that change nothing under the present choices; a fit leaves them alone."""
         return ()

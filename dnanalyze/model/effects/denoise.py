@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +15,7 @@ from dnanalyze.model.evidence import bounded, shows, typical
 _GAUSSIAN_RADIUS = 6
 _BILATERAL_RADIUS = 2
 _NLM_PATCH, _NLM_DISTANCE = 2, 5
+_PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,15 @@ class Denoise(Effect):
             "nlm": ("range",),
             "wavelet": ("range",),
         }[self.kind]
-        return tuple(n for n in ("range", "space") if n not in used)
+        plain = ("strength",) if self.strength in _PLAIN else ()
+        return (*plain, *(n for n in ("range", "space") if n not in used))
+
+    def plainer(self) -> list[Effect]:
+        """Quarters: mixed codes then fall on halves, which are rounded to even ones."""
+        if not isinstance(self.strength, (int, float)) or self.strength in _PLAIN:
+            return []
+        nearest = min(_PLAIN, key=lambda q: abs(q - self.strength))
+        return [replace(self, strength=nearest)] if abs(nearest - self.strength) < 0.1 else []
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Mix the frame with its filtered copy; codes stay codes."""

@@ -102,3 +102,11 @@ def test_idle_parameters():
     assert Denoise(kind="median").idle() == ("range", "space")
     assert Denoise(kind="gaussian").idle() == ("range",)
     assert Denoise(kind="bilateral").idle() == ()
+
+
+def test_a_share_near_a_quarter_is_tried_as_one_and_then_held():
+    (plain,) = Denoise(strength=0.46, kind="median").plainer()
+    assert plain.strength == 0.5
+    assert "strength" in plain.idle() and plain.plainer() == []
+    assert "strength" not in Denoise(strength=1.0, kind="gaussian").idle()
+    assert Denoise(strength=0.95).plainer() == []
