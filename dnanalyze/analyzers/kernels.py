@@ -21,7 +21,7 @@ def _copy(source, target):
         target[i] = source[i]
 
 
-@njit(nogil=True, fastmath=FAST)
+@njit(nogil=True, fastmath=FAST, inline="always")
 def _frame_sums(y, past, centre, cut, hot, out):
     """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
     s1, s2, s11 = np.float32(0), np.float32(0), np.float32(0)
@@ -81,7 +81,7 @@ def _squares(y, past, limit, pairs):
         pairs[i] += min(d * d, limit)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def add_frames(
     frames, count, number, before, origin, centre, limit, blink_limit, hot,
     total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
@@ -135,7 +135,7 @@ def add_frames(
         _pixel_sums(block, origin, total[start:stop], square[start:stop], lag[start:stop])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def seam_sums(y, past, centre, limit, hot, out):
     """The row of ``scalars`` of `add_frames` for a frame and the one before it, bit for bit."""
     out[:2] = 0
@@ -235,14 +235,6 @@ def sum_below(key, weight, thresholds, row_edges, column_edges, sums):
                 sums[a, b, last] += _sum(part)
                 for k in range(last):
                     sums[a, b, k] += _sum_below(key[r, left:right], part, thresholds[k])
-
-
-@njit(cache=True, nogil=True)
-def add_blocks(values, column_edges, sums):
-    """Add the float32 ``values`` of one row band, (rows, columns), to the sums of its blocks."""
-    for r in range(values.shape[0]):
-        for b in range(column_edges.size - 1):
-            sums[b] += _sum(values[r, column_edges[b] : column_edges[b + 1]])
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)

@@ -18,6 +18,9 @@ from dnanalyze.analyzers.plan import Plan
 from dnanalyze.analyzers.quantiles import Counted, Ordered
 
 
+_NONE = np.empty(0, np.float32)  # thresholds
+
+
 def counts_below(plan: Plan, key: np.ndarray, thresholds: np.ndarray) -> np.ndarray:
     """Pixels of ``key`` below each threshold, (row bands, column bands, thresholds)."""
     from dnanalyze.analyzers import kernels
@@ -29,7 +32,7 @@ def counts_below(plan: Plan, key: np.ndarray, thresholds: np.ndarray) -> np.ndar
 
 
 def sums_below(
-    plan: Plan, key: np.ndarray, weight: np.ndarray, thresholds: np.ndarray | tuple[float, ...] = ()
+    plan: Plan, key: np.ndarray, weight: np.ndarray, thresholds: np.ndarray = _NONE
 ) -> np.ndarray:
     """Sums of ``weight`` where ``key`` is below each threshold, and over all pixels of the block.
 
@@ -54,10 +57,12 @@ def block_sums(plan: Plan, of: Callable[..., np.ndarray], *maps: np.ndarray) -> 
     """
     from dnanalyze.analyzers import kernels
 
-    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1))
-    for sums, rows in zip(out, plan.row_bands, strict=True):
-        kernels.add_blocks(of(*(each[rows] for each in maps)), plan.column_edges, sums)
-    return out
+    out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, 1))
+    for band, rows in enumerate(plan.row_bands):
+        values = of(*(each[rows] for each in maps))
+        edges = np.array([0, values.shape[0]])
+        kernels.sum_below(values, values, _NONE, edges, plan.column_edges, out[band : band + 1])
+    return out[..., 0]
 
 
 def map_sums(plan: Plan, each: np.ndarray) -> np.ndarray:
