@@ -21,6 +21,7 @@ WORTH = 0.15  # share of the best promise from which a candidate is refitted
 LEAST = 6.0  # and the least promise; what chance promises is several times as much
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
+CLOSE = 0.6  # share of the best gain from which a rival is followed to the end
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 DOUBT = 6.0  # floors from which a difference tells less and less
 KIND_GAIN = 4.0  # fall of the loss that another kind must bring
@@ -183,15 +184,18 @@ def trials(
 
 
 def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
-    """Go on with the leader while it gains on both halves and yet raises the error.
+    """Go on with rivals that gain much and nearly alike, or that raise the error for all they gain.
 
-    A refit of few steps may mend what is far off at the cost of much that was right.
+    A refit of few steps may mend what is far off at the cost of much that was right, and which of
+    two is the better shows once both stand at their best.
     """
-    leader = max(best.values(), key=lambda t: t.gain)
-    if min(leader.gain, leader.fitted_gain) < SURE or leader.error < error_of(bench, state):
+    most = max(t.gain for t in best.values())
+    close = [t for t in best.values() if t.gain > CLOSE * most and t.fitted_gain > 0]
+    if most < SURE or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
         return
-    fresh = replace(leader.state, jacobian=np.full_like(leader.state.jacobian, np.nan))
-    best[leader.effect] = judged(bench, state, leader.effect, minimise(bench, fresh, 6))
+    for t in close:
+        fresh = replace(t.state, jacobian=np.full_like(t.state.jacobian, np.nan))
+        best[t.effect] = judged(bench, state, t.effect, minimise(bench, fresh, 6))
 
 
 def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iterations: int) -> State:
@@ -242,13 +246,16 @@ def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State
             if other != getattr(effect, choice):
                 kind = replace(effect, **{choice: other})
                 state = _better(bench, state, kind, iterations)
-    for plain in _effect(state.model, name).plainer():
-        state = _better(bench, state, plain, iterations)
+    for other in _effect(state.model, name).relatives():
+        state = _better(bench, state, other, 2 * iterations, anew=True)
     return state
 
 
-def _better(bench: Bench, state: State, kind: Effect, iterations: int) -> State:
-    """The model with another kind of an effect, refitted, if that is clearly better."""
+def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: bool = False) -> State:
+    """The model with another kind of an effect, refitted, if that is clearly better.
+
+    ``anew``: its numbers are others, and so are its derivatives.
+    """
     try:
         model = state.model.with_effect(kind)
     except InputError:
@@ -256,6 +263,8 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int) -> State:
     begun = start(bench, model, knobs_of(model), like=state)
     if begun.loss > FAR * state.loss or np.array_equal(begun.train, state.train):
         return state
+    if anew:
+        begun.jacobian[:, [k.effect == kind.name for k in begun.knobs]] = np.nan
     ended = minimise(bench, begun, iterations)
     return ended if ended.loss < state.loss - KIND_GAIN else state
 

@@ -243,8 +243,8 @@ class Effect:
         """
         return {}
 
-    def plainer(self) -> list[Effect]:
-        """The same with a number nearby that a maker would rather choose, where codes tell them."""
+    def relatives(self) -> list[Effect]:
+        """Other forms that show nearly alike, with numbers to match; tried once this one fits."""
         return []
 
     def idle(self) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import SIGN, curve
 
 TERMS = ("x", "y", "xx", "yy")
@@ -18,7 +18,7 @@ TERMS = ("x", "y", "xx", "yy")
 
 @dataclass(frozen=True)
 class DarkGradient(Effect):
-    """h += a low-order surface, in Legendre polynomials of unit rms over the field."""
+    """h += a low-order surface, or h (1 + surface), in Legendre polynomials of unit rms."""
 
     name: ClassVar[str] = "dark_gradient"
     stage: ClassVar[Stage] = Stage.CHARGE
@@ -29,12 +29,15 @@ class DarkGradient(Effect):
         "a difference of one degree changes it by some ten percent. The result is a smooth tilt "
         "or bowl, the same in every frame, proportional to exposure and growing with temperature "
         "like the dark current. (A leak of light is as smooth but does not grow with "
-        "temperature: activation energy 0.) It raises the spectrum below .01 cycles/pixel only. "
+        "temperature: activation energy 0.) It raises the spectrum below .01 cycles/pixel only, "
+        "and where it scales the dark current of every pixel (`form`: scaled), the scatter of the "
+        "pixels and the shot noise as well. "
         "Remedies: even cooling, dark-frame subtraction, row and column references."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) [a_x P1(x) + a_y P1(y) + a_xx P2(x) + a_yy "
-        "P2(y)], x and y from -1 (left, top) to 1, P1 = sqrt(3) x, P2 = sqrt(5)(3 x^2 - 1)/2"
+        "P2(y)], x and y from -1 (left, top) to 1, P1 = sqrt(3) x, P2 = sqrt(5)(3 x^2 - 1)/2; "
+        "scaled: h (1 + a_x P1(x) + ...)"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0",
@@ -58,39 +61,56 @@ class DarkGradient(Effect):
     xx: float = parameter(0.0, "DN", -1e5, 1e5, "bowl along a row, rms over the field", "linear")
     yy: float = parameter(0.0, "DN", -1e5, 1e5, "bowl along a column, rms over the field", "linear")
     ea_ev: float = parameter(0.63, "eV", 0.0, 1.6, "activation energy", "linear")
+    form: str = choice(
+        "added", "added to the dark signal; or a share of it, coefficients 1", "added", "scaled"
+    )
+
+    def idle(self) -> tuple[str, ...]:
+        """A share of the dark signal grows as that does."""
+        return ("ea_ev",) if self.form == "scaled" else ()
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Add the surface."""
-        signal += site.keep("map", lambda: self._map(site))
+        """Add the surface, or scale by it."""
+        surface = site.keep("map", lambda: self._map(site))
+        if self.form == "scaled":
+            signal *= surface
+        else:
+            signal += surface
         return signal
 
     def _map(self, site: Site) -> np.ndarray:
-        growth = (
-            site.thermal(self.value("ea_ev", site.point)) * site.exposure_ratio * site.gain_ratio
-        )
         p, q = legendre(site.column_index, site.shape[1])
         along_row = self.value("x", site.point) * p + self.value("xx", site.point) * q
         p, q = legendre(site.row_index, site.shape[0])
         along_column = self.value("y", site.point) * p + self.value("yy", site.point) * q
-        return (growth * (along_column[:, None] + along_row[None, :])).astype(np.float32)
+        surface = along_column[:, None] + along_row[None, :]
+        if self.form == "scaled":
+            return np.maximum(1.0 + surface, 0.0).astype(np.float32)
+        growth = site.thermal(self.value("ea_ev", site.point))
+        return (growth * site.exposure_ratio * site.gain_ratio * surface).astype(np.float32)
 
-    def variance(self, point: OperatingPoint) -> float:
+    def variance(self, point: OperatingPoint) -> float | None:
         """Over the field, DN^2, at the reference: the sum of the squares of the coefficients."""
+        if self.form == "scaled":
+            return None  # a share of a signal that is not known here
         return sum(self.value(n, point) ** 2 for n in TERMS)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Least squares on the block means; their growth gives the activation energy."""
+        """Least squares on the block means; their growth gives the activation energy, or their
+        slope over the mean level the share.
+        """
         names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
         if not (seen > SIGN).any():
             return []
         growth = hints.exposure_and_gain(clues)
-        fits = np.full((len(growth), 4), np.nan)
+        raw = np.full((len(growth), 4), np.nan)
         for j in range(len(growth)):
             blocks = curve(clues, "block_means", j)
             if blocks is not None and min(blocks.shape) >= 3:
-                fits[j] = surface(blocks) / growth[j]
+                raw[j] = surface(blocks)
+        fits = raw / growth[:, None]
         size = np.sqrt((fits**2).sum(1))
         fitted = hints.thermal_fit(clues, size, 0.63)
         if fitted is None:
@@ -98,7 +118,21 @@ class DarkGradient(Effect):
         height, ea = fitted
         best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
         values = dict(zip(TERMS, fits[best] / size[best] * height, strict=True))
-        return [cls(**hints.clip(cls, **values, ea_ev=ea))]
+        added = cls(**hints.clip(cls, **values, ea_ev=ea))
+        shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
+        if shares is None:
+            return [added]
+        x, y, xx, yy = map(float, shares)
+        return [added, cls(x, y, xx, yy, form="scaled")]
+
+
+def _slopes(level: np.ndarray, fits: np.ndarray) -> np.ndarray | None:
+    """Slope of each coefficient over the mean level, DN a DN; None: the level hardly moves."""
+    good = np.isfinite(level) & np.isfinite(fits).all(axis=1)
+    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+        return None
+    away = level[good] - level[good].mean()
+    return np.clip(away @ fits[good] / (away @ away), -0.5, 0.5)
 
 
 def legendre(index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:

@@ -82,7 +82,7 @@ class Denoise(Effect):
         plain = ("strength",) if self.strength in _PLAIN else ()
         return (*plain, *(n for n in ("range", "space") if n not in used))
 
-    def plainer(self) -> list[Effect]:
+    def relatives(self) -> list[Effect]:
         """Quarters: mixed codes then fall on halves, which are rounded to even ones."""
         if not isinstance(self.strength, (int, float)) or self.strength in _PLAIN:
             return []

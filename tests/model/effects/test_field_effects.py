@@ -204,3 +204,24 @@ def test_crosstalk_is_guessed_from_the_correlation_of_neighbours():
         stands_out=("temporal_corr_10",),
     )
     assert [g.alpha for g in Crosstalk.guess(clues)] == pytest.approx([0.02, 0.02])
+
+
+def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():
+    form = {"form": "scaled"}
+    added = frames(DarkGradient(x=0.1, yy=0.05, ea_ev=0.0), (64, 96))[0]
+    plain = frames(HotPixels(0.3, 20.0), (64, 96))[0]
+    both = frames((HotPixels(0.3, 20.0), DarkGradient(x=0.1, yy=0.05, **form)), (64, 96))[0]
+    np.testing.assert_allclose(both, plain * (1 + added), rtol=1e-5, atol=1e-5)
+    assert DarkGradient(**form).idle() == ("ea_ev",)
+
+
+def test_a_share_is_guessed_from_the_slope_over_the_level():
+    points = (HERE, WARM)
+    levels = np.array([110.0, 190.0])  # 100 is the black level
+    shape = blocks(frames(DarkGradient(x=0.08, y=-0.03, ea_ev=0.0), (256, 256))[0])
+    clues = MadeUpClues(points, HERE, (256, 256), seen={"mean": levels},
+                        stands_out=("shading_0_1",),
+                        curves={"block_means": [(m - 100) * shape for m in levels]})  # fmt: skip
+    scaled = DarkGradient.guess(clues)[1]
+    assert scaled.form == "scaled"
+    assert (scaled.x, scaled.y) == pytest.approx((0.08, -0.03), rel=1e-2)

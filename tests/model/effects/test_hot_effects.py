@@ -209,3 +209,37 @@ def test_every_kind_of_blinking_has_the_variance_of_its_closed_form(polarity, oc
     assert max(seen) == levels
     if polarity in ("centred", "three"):  # no fixed offset: 5 sigma of the mean over all
         assert abs(y.mean()) < 5 * np.sqrt(effect.variance(HERE) / (y.size / 30))
+
+
+def test_a_relative_of_blinking_pixels_has_the_same_second_and_fourth_moment():
+    exponential = Rts(0.03, 5.0)
+    (fixed,) = exponential.relatives()
+    assert fixed.amplitudes == "fixed"
+    assert fixed.fraction * fixed.amplitude**2 == pytest.approx(2 * 0.03 * 5.0**2)
+    assert fixed.fraction * fixed.amplitude**4 == pytest.approx(24 * 0.03 * 5.0**4)
+    (back,) = fixed.relatives()
+    assert (back.fraction, back.amplitude) == pytest.approx((0.03, 5.0))
+
+
+@pytest.mark.parametrize(("spread", "found"), [(0.02, True), (1.0, False)])
+def test_rare_atoms_are_guessed_from_their_single_peak(spread, found):
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
+    rng = np.random.default_rng(5)
+    bins, counts = [], []
+    for p in points:
+        core = rng.normal(0, 2.0, 100_000)
+        hot = 200 * arrhenius(p.temperature_c, 25.0, 0.37) * np.exp(rng.normal(0, spread, 800))
+        n, edges = np.histogram(np.concatenate([core, hot]), 4000)
+        bins.append((edges[1:] + edges[:-1]) / 2)
+        counts.append(n)
+    clues = MadeUpClues(
+        points,
+        seen={"pattern_noise_core": [2.0] * 3},
+        stands_out=("hot_count_5",),
+        curves={"pattern_hist_x": bins, "pattern_hist_n": counts},
+    )
+    guesses = DarkCurrentSteps.guess(clues)
+    assert bool(guesses) == found
+    for g in guesses:
+        assert g.step == pytest.approx(200, rel=0.02)
+        assert g.mean_number == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))
