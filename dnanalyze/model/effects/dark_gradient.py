@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -118,7 +118,8 @@ class DarkGradient(Effect):
         height, ea = fitted
         best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
         values = dict(zip(TERMS, fits[best] / size[best] * height, strict=True))
-        added = cls(**hints.clip(cls, **values, ea_ev=ea))
+        inside: dict[str, Any] = hints.clip(cls, **values, ea_ev=ea)
+        added = cls(**inside)
         shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
         if shares is None:
             return [added]
