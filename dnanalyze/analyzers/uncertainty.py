@@ -17,7 +17,6 @@ import numpy as np
 from dnanalyze.analyzers.plan import Plan
 from dnanalyze.analyzers.quantiles import Counted, Ordered
 
-
 _NONE = np.empty(0, np.float32)  # thresholds
 
 
