@@ -12,6 +12,7 @@ from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel
 
 NOISE = 5.0  # loss below which a trial strength is called unseen
 STRENGTHS = (
@@ -49,31 +50,55 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
     """Detection limit of every effect that is not in the model, as sentences.
 
     The strength at which the effect moves the statistics, beyond what the model's own parameters
-    can absorb, by what `significant` asks for. One simulation each, at the setting with the least
-    noise, followed along the power law by which such an effect shows.
+    can absorb, by what `significant` asks for. A simulation or a few at the setting with the least
+    noise, which shows readout best, and at the one with the most dark signal; followed along the
+    power law by which such an effect shows.
     """
-    noise = Readings(held.measured[0]).value("frame_noise_core")
-    quietest = int(np.nanargmin(noise))
-    small = held.only([quietest])
-    jacobian = state.jacobian[held.train.setting == quietest]
-    jacobian = jacobian[:, np.linalg.norm(jacobian, axis=0) > 1e-6]
-    free = np.linalg.qr(jacobian)[0] if jacobian.size else np.zeros((len(jacobian), 0))
-    base = small.coordinates(state.model)[0]
+    seen = Readings(held.measured[0])
+    noise, level = seen.value("frame_noise_core"), seen.value("mean")
+    views = [_View.of(held, state, int(i)) for i in {np.nanargmin(noise), np.nanargmax(level)}]
     limits = {}
     for name, effect in known.items():
-        strength = _strength(effect, float(noise[quietest]))
+        strength = _strength(effect, float(np.nanmin(noise)))
         if state.model.get(name) is not None or strength is None:
             continue
         parameter, first = strength
         info = effect.parameters()[parameter]
-        made = state.model.with_effect(replace(effect(), **{parameter: first}))
-        shift = np.nan_to_num((small.coordinates(made)[0] - base) / small.train.floor)
-        gain = loss(shift - free @ (free.T @ shift))
         power = 4.0 if info.unit.startswith("DN") else 2.0
-        wanted = 2.0 * NOTHING
-        value = first * (wanted / gain) ** (1.0 / power) if gain > NOISE else float("nan")
+        value = float("nan")
+        for tried in (first, 10.0 * first, 100.0 * first):
+            if tried > info.upper:
+                break
+            made = state.model.with_effect(replace(effect(), **{parameter: tried}))
+            gain = max(view.gain(made) for view in views)
+            if gain > NOISE:
+                value = min(tried * (2.0 * NOTHING / gain) ** (1.0 / power), info.upper)
+                break
         limits[name] = str(Limit(name, parameter, value, info.unit))
     return limits
+
+
+@dataclass(frozen=True)
+class _View:
+    """One setting, with what the model's own parameters can absorb there."""
+
+    bench: Bench
+    base: np.ndarray
+    free: np.ndarray
+
+    @classmethod
+    def of(cls, held: Bench, state: State, setting: int) -> _View:
+        bench = held.only([setting])
+        jacobian = state.jacobian[held.train.setting == setting]
+        jacobian = jacobian[:, np.linalg.norm(jacobian, axis=0) > 1e-6]
+        free = np.linalg.qr(jacobian)[0] if jacobian.size else np.zeros((len(jacobian), 0))
+        return cls(bench, bench.coordinates(state.model)[0], free)
+
+    def gain(self, model: NoiseModel) -> float:
+        """Loss of the model without the effect, were this one the truth."""
+        moved = self.bench.coordinates(model)[0]
+        shift = np.nan_to_num((moved - self.base) / self.bench.train.floor)
+        return loss(shift - self.free @ (self.free.T @ shift))
 
 
 def _strength(effect: type[Effect], noise: float) -> tuple[str, float] | None:

@@ -23,7 +23,13 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import converter_bits, moments, ordinary_model, partly_named
+from dnanalyze.fitting.start import (
+    converter_bits,
+    moments,
+    ordinary_model,
+    partly_named,
+    serial_correlation,
+)
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -155,7 +161,8 @@ def _everyday(held: Bench, exclude: Sequence[str], note: Callable[[Step], None])
     """
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     found = moments(seen, sensor.black_level)
-    model = ordinary_model(found, converter_bits(seen, sensor.bits))
+    bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
+    model = ordinary_model(found, bits, serial)
     for name in exclude:
         model = model.without(name)
     full = converge(held, start(held, model, knobs_of(model)))

@@ -43,6 +43,12 @@ class Readings:
             [_mean([s.values[name].value for s in p if name in s.values]) for p in self.planes]
         )
 
+    def error(self, name: str) -> np.ndarray:
+        """Its standard error over the points."""
+        return np.array(
+            [_mean([s.values[name].se for s in p if name in s.values]) for p in self.planes]
+        )
+
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A curve of one point; empty where it lacks it (first colour plane)."""
         return self.planes[setting][0].curves.get(name, np.empty(0))

@@ -17,6 +17,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
+LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
 SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
 
 
@@ -115,6 +116,23 @@ def converter_bits(readings: Readings, stated: int | None) -> int:
     return stated if stated is not None and highest < 2**stated else 16
 
 
+def serial_correlation(readings: Readings) -> float:
+    """Of read noise along a row, from the quietest setting; 0 unless it stands out.
+
+    Crosstalk and filters act along columns too, rows and 1/f noise beyond the next pixel.
+    """
+    noise = readings.value("temporal_noise_core")
+    if not np.isfinite(noise).any():
+        return 0.0
+    quietest = int(np.nanargmin(noise))
+    next_one = readings.value("temporal_corr_10")[quietest]
+    error = readings.error("temporal_corr_10")[quietest]
+    others = [readings.value(f"temporal_corr_{lag}")[quietest] for lag in ("01", "20")]
+    away = np.abs(next_one - np.array(others))
+    clear = abs(next_one) > LINKED and np.all(away > max(CLEAR * error, LINKED))
+    return float(np.clip(next_one, -0.4, 0.4)) if clear else 0.0
+
+
 def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
     return TableLaw(tuple(points), tuple(float(v) for v in values))
 
@@ -155,12 +173,13 @@ def _paper(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
+def ordinary_model(m: Moments, bits: int = 16, serial: float = 0.0) -> NoiseModel:
     """The paper's seed with the four effects that every sensor has, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
     read noise are slope and intercept of temporal variance over signal, pixel offsets what remains
-    of the pattern where there is no signal. ``bits`` are the converter's.
+    of the pattern where there is no signal. ``bits`` are the converter's, ``serial`` what the noise
+    of a pixel shares with the one read before.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
@@ -183,7 +202,9 @@ def ordinary_model(m: Moments, bits: int = 16) -> NoiseModel:
     effects = (
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
-        known["read_noise"](sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01))),  # type: ignore[call-arg]
+        known["read_noise"](  # type: ignore[call-arg]
+            sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01)), serial=serial
+        ),
         known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
         known["quantization"](bits=bits),  # type: ignore[call-arg]
     )

@@ -8,7 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.analyzers.statistics import SettingStatistics, StatisticInfo, Statistics
+from dnanalyze.analyzers.statistics import (
+    Scale,
+    SettingStatistics,
+    StatisticInfo,
+    Statistics,
+)
 from dnanalyze.fitting.shading import shading_values
 
 
@@ -45,9 +50,13 @@ class Target:
     families: np.ndarray
 
     @cached_property
-    def index(self) -> dict[Key, int]:
-        """Key to position."""
-        return {k: i for i, k in enumerate(self.keys)}
+    def places(self) -> dict[tuple[int, str], list[tuple[int, str, Scale]]]:
+        """Setting and plane to position, statistic and its scale."""
+        known = infos()
+        found: dict[tuple[int, str], list[tuple[int, str, Scale]]] = {}
+        for i, k in enumerate(self.keys):
+            found.setdefault((k.setting, k.plane), []).append((i, k.name, known[k.name].scale))
+        return found
 
     @cached_property
     def names(self) -> np.ndarray:
@@ -106,12 +115,14 @@ def target(statistics: list[Statistics], part: int) -> Target:
 
 def prediction(statistics: list[Statistics], part: int, held: Target) -> np.ndarray:
     """Simulated coordinates in the order of ``held``; NaN where the simulation lacks one."""
-    known = infos()
     out = np.full(len(held.keys), np.nan)
-    for k, (value, _, info) in _numbers(statistics, part, known).items():
-        i = held.index.get(k)
-        if i is not None:
-            out[i] = info.scale.coordinate(value)
+    for index, setting in enumerate(statistics[part].settings):
+        left, right = (s.settings[index] for s in statistics)
+        values = setting.values | shading_values(left, right, part)
+        where = _order(statistics[part], index), setting.plane
+        for i, name, scale in held.places.get(where, ()):
+            if name in values:
+                out[i] = scale.coordinate(values[name].value)
     return out
 
 

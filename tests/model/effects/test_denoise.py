@@ -107,6 +107,7 @@ def test_idle_parameters():
 def test_a_share_near_a_quarter_is_tried_as_one_and_then_held():
     (plain,) = Denoise(strength=0.46, kind="median").relatives()
     assert plain.strength == 0.5
-    assert "strength" in plain.idle() and plain.relatives() == []
+    assert "strength" in plain.idle()
+    assert plain.relatives() == []
     assert "strength" not in Denoise(strength=1.0, kind="gaussian").idle()
     assert Denoise(strength=0.95).relatives() == []

@@ -140,3 +140,17 @@ def test_quantization_is_guessed_from_the_codes():
     assert guess([60, 61, 62, 300], [5, 9, 5, 1]) == Quantization(bits=16)
     assert guess([60, 61, 4095], [5, 9, 7]) == Quantization(bits=12)
     assert guess([64, 65, 66, 67, 68, 72], [5, 0, 0, 0, 9, 7]) == Quantization(step=4)
+
+
+@pytest.mark.parametrize("serial", [-0.3, -0.02, 0.2])
+def test_serial_read_noise_is_correlated_with_the_next_pixel_of_the_row_alone(serial):
+    y = frames(ReadNoise(3.0, serial=serial), (256, 256), 4)
+    n, z = y.size, y / 3.0
+    five = 5 / np.sqrt(n)
+    assert z.var() == pytest.approx(1.0, abs=2 * five)
+    assert np.mean(z[:, :, 1:] * z[:, :, :-1]) == pytest.approx(serial, abs=2 * five)
+    assert abs(np.mean(z[:, :, 2:] * z[:, :, :-2])) < 2 * five
+    assert abs(np.mean(z[:, 1:] * z[:, :-1])) < 2 * five
+    assert abs(np.mean(z[1:] * z[:-1])) < five
+    assert "serial" not in ReadNoise(3.0, serial=serial).idle()
+    assert ReadNoise(3.0).idle() == ("serial",)

@@ -1,0 +1,48 @@
+"""When the everyday fit lets the noise of next pixels be correlated."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.start import serial_correlation
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
+from dnanalyze.model.effects.crosstalk import Crosstalk
+from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
+from dnanalyze.model.effects.denoise import Denoise
+from dnanalyze.model.effects.flicker_noise import FlickerNoise
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.row_noise import RowNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+HERE = OperatingPoint(25.0, 1.0, 1.0)
+
+
+def found(*effects):
+    model = NoiseModel(effects, 100.0, HERE)
+    captures = simulate(model, (256, 256), [(HERE, 6)])
+    return serial_correlation(Readings(bench(design(captures)).measured[0]))
+
+
+@pytest.mark.parametrize("serial", [-0.1, 0.05])
+def test_it_is_read_off_the_neighbours(serial):
+    se = 1 / np.sqrt(256 * 128 * 5)
+    assert found(ReadNoise(4.0, serial=serial)) == pytest.approx(serial, abs=5 * se)
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        (),
+        (RowNoise(1.5),),
+        (FlickerNoise(1.5),),
+        (Denoise(1.0, space=0.5, kind="gaussian"),),
+        (ConvolvedLognormal(4.0, 0.5, sigma=1e-6), DarkShotNoise(2.0), Crosstalk(0.02)),
+    ],
+    ids=["white", "row noise", "1/f", "filter", "crosstalk"],
+)
+def test_what_else_correlates_neighbours_is_not_taken_for_it(others):
+    assert found(ReadNoise(4.0), *others) == 0.0
