@@ -26,14 +26,19 @@ def result(console: Console, held: Any) -> None:
     middle = held.temperatures[len(held.temperatures) // 2] if held.temperatures else None
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="dim")
     table.add_column("figure", no_wrap=True)
-    for name in names:
-        table.add_column(name, justify="right", overflow="fold")
+    wide = len(names) < 4
+    letters = names if wide else [chr(ord("A") + i) for i in range(len(names))]
+    for letter in letters:
+        table.add_column(letter, justify="right", overflow="fold")
+    if not wide:
+        legend = ", ".join(f"{a} {b}" for a, b in zip(letters, names, strict=True))
+        console.print(Padding(Text(legend), (0, 0, 1, 2)))
     for ranking in held.rankings:
         if ranking.criterion not in SHOWN or ranking.temperature_c not in (middle, None):
             continue
         at = f", {ranking.temperature_c:g} °C" if ranking.temperature_c is not None else ""
         unit = f" [{ranking.unit}]" if ranking.unit not in ("", "1") else ""
-        cells = (_cell(ranking.of(name), len(names) < 4) for name in names)
+        cells = (_cell(ranking.of(name), wide) for name in names)
         table.add_row(Text(f"{ranking.title}{unit}{at}"), *cells)
     console.print(Padding(table, (0, 0, 1, 2)))
     for sensor in held.sensors:

@@ -178,7 +178,7 @@ def _fit(
 
 
 def common_temperatures(ranges: Sequence[tuple[float, float]], most: int = 3) -> list[float]:
-    """Temperatures at which to compare: inside what all have measured, else midway between.
+    """Temperatures at which to compare: inside what most have measured, else midway between.
 
     Parameters
     ----------
@@ -189,7 +189,11 @@ def common_temperatures(ranges: Sequence[tuple[float, float]], most: int = 3) ->
     """
     if not ranges:
         return []
-    low, high = max(a for a, _ in ranges), min(b for _, b in ranges)
+    groups = [[r for r in ranges if r[0] <= start <= r[1]] for start, _ in ranges]
+    group = max(groups, key=len)  # those that overlap; the first of the largest
+    if len(group) == 1:
+        group = list(ranges)
+    low, high = max(a for a, _ in group), min(b for _, b in group)
     if high - low < 1.0:
         return [float(round((low + high) / 2))]
     step = (high - low) / (most - 1)

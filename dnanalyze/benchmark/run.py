@@ -245,9 +245,15 @@ def _notes(
                 "runs with them"
             )
     if ranges and max(a for a, _ in ranges) > min(b for _, b in ranges):
+        apart = [
+            s.name
+            for s in sensors
+            if s.temperatures
+            and not any(s.temperatures[0] <= t <= s.temperatures[-1] for t in common)
+        ]
         made.append(
-            "the sensors share no temperature: their laws are extrapolated, and the errors say "
-            "what that costs"
+            f"the sensors share no temperature: the laws of {', '.join(apart)} are extrapolated "
+            "to where they are compared, and the errors say what that costs"
         )
     points = [t.point for s in sensors for t in s.captures.settings]
     exposures = {p.exposure_s for p in points if p.exposure_s}

@@ -103,20 +103,35 @@ def _sensor(sensor: Any) -> dict[str, Any]:
     }
 
 
+def _fairest(result: Any, name: str, celsius: float | None) -> Any:
+    """The ranking in electrons, where as many sensors have a place there, else the one in DN."""
+
+    def places(ranking: Any) -> int:
+        return sum(p.rank is not None for p in ranking.places)
+
+    found = [
+        r
+        for r in result.rankings
+        if r.criterion in (f"{name}_e", name) and r.temperature_c in (celsius, None)
+    ]
+    found.sort(key=lambda r: (-places(r), r.criterion == name))
+    return found[0] if found else None
+
+
 def headline(result: Any) -> str:
     """Who leads where, in a sentence; no overall score."""
     leads: dict[str, list[str]] = {}
     middle = result.temperatures[len(result.temperatures) // 2] if result.temperatures else None
     for name in ("dark_current", "read_noise", "dsnu", "hot_pixels"):
-        ranked = [
-            r for r in result.rankings if r.criterion == name and r.temperature_c in (middle, None)
-        ]
-        if not ranked:
+        ranking = _fairest(result, name, middle)
+        if ranking is None:
             continue
-        known = [p for p in ranked[0].places if p.rank is not None]
+        known = [p for p in ranking.places if p.rank is not None]
         first = [p.sensor for p in known if p.rank == 1]
         if len(known) > 1 and len(first) == 1:
-            leads.setdefault(first[0], []).append(ranked[0].title)
+            told = "" if len(known) == len(result.sensors) else f" of the {len(known)} that tell it"
+            title = f"{ranking.title} ({ranking.unit}){told}"
+            leads.setdefault(first[0], []).append(title)
     at = f" at {middle:g} °C" if is_number(middle) else ""
     if not leads:
         return f"No sensor is told apart from the others in dark current, noise or hot pixels{at}."

@@ -67,6 +67,7 @@ def test_one_temperature_tells_no_law():
 def test_common_temperatures_lie_inside_or_between():
     assert common_temperatures([(25, 105), (45, 85)]) == [45.0, 65.0, 85.0]
     assert common_temperatures([(-90, -10), (20, 60)]) == [5.0]
+    assert common_temperatures([(-9, -7), (25, 105), (30, 90)]) == [30.0, 60.0, 90.0]
     assert common_temperatures([]) == []
 
 
@@ -260,3 +261,16 @@ def test_bad_input_is_one_line(capsys, tmp_path):
     with pytest.raises(InputError, match="two capture folders"):
         benchmark([virtual("a", 3.0, 1)])
     assert records.ABSENT.known is False
+
+
+def test_the_headline_compares_electrons_where_they_are_known():
+    from dnanalyze.report.benchmark import headline
+
+    # fewer DN, yet more electrons: its gain is a tenth
+    low = made_record("low", 3.0, dn_per_e=Figure(0.05, 0.0005, ""))
+    high = made_record("high", 9.0, dn_per_e=Figure(0.5, 0.005, ""))
+    assert headline(side_by_side([low, high], [45.0])) == (
+        "Of 2 sensors at 45 °C, high leads in dark current (e-/s)."
+    )
+    unknown = [made_record("low", 3.0), made_record("high", 9.0)]
+    assert "low leads in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))

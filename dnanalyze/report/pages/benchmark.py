@@ -86,14 +86,15 @@ def _models(result: Any) -> Section:
     columns = ("sensor", "filtered", "Gaussian", "paper's model", "refined")
     tables = [Table(columns, rows, words=2, sortable=True)]
     strengths = [
-        (s.name, e.effect, _numbers(e.parameters), number(e.rms_dn))
+        (e.effect, s.name, number(e.rms_dn), _numbers(e.parameters))
         for s in result.sensors
         for e in s.effects
     ]
     if strengths:
-        tables.append(
-            Table(("sensor", "effect", "strength", "rms [DN]"), strengths, words=3, sortable=True)
-        )
+        names = [s.name for s in result.sensors]
+        head, title = ("effect", "sensor", "rms [DN]", "parameters"), "Parameters of every effect"
+        tables.append(Table(("rms of the effect [DN]", *names), _strengths(result), sortable=True))
+        tables.append(Table(head, sorted(strengths), words=4, title=title, folded=True))
     return Section(
         "models",
         "What each sensor is made of",
@@ -104,6 +105,19 @@ def _models(result: Any) -> Section:
         pictures=[figures.errors(result)],
         tables=tables,
     )
+
+
+def _strengths(result: Any) -> list[tuple[str, ...]]:
+    """A row an effect, a column a sensor: its rms, "yes" where no closed form tells it."""
+    effects = dict.fromkeys(e.effect for s in result.sensors for e in s.effects)
+    found = [{e.effect: e for e in s.effects} for s in result.sensors]
+
+    def cell(effect: Any) -> str:
+        if effect is None:
+            return "–"
+        return "yes" if effect.rms_dn is None else number(effect.rms_dn)
+
+    return [(name, *(cell(own.get(name)) for own in found)) for name in effects]
 
 
 def _numbers(parameters: Mapping[str, tuple[float, str]]) -> str:
