@@ -8,16 +8,13 @@ The kernels are imported when first drawn from: the compiler is slow to import.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from dnanalyze.loaders.captures import Window
-
-if TYPE_CHECKING:
-    from dnanalyze.model.telegraph import Telegraph
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -169,36 +166,6 @@ def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.
     out = np.empty_like(signal)
     kernels.share_with_neighbours(signal, np.float32(edge), np.float32(corner), out)
     return out
-
-
-@_recordable
-def add_telegraph(
-    signal: np.ndarray,
-    at: np.ndarray,
-    step: np.ndarray,
-    states: Sequence[Telegraph],
-    below: np.ndarray | None = None,
-) -> np.ndarray:
-    """``signal`` + ``step`` (s1 - s2 ... - ``below``) in a few pixels, in place.
-
-    Parameters
-    ----------
-    signal : ndarray of float32
-    at : ndarray of int
-        The pixels' places in the signal, in the order of its rows.
-    step, below : ndarray of float32
-        One a pixel.
-    states : sequence of Telegraph
-        s1, s2, ..., each 0 or 1.
-    """
-    level = states[0].state().astype(np.float32)
-    for other in states[1:]:
-        level -= other.state()
-    if below is not None:
-        level -= below
-    rows, columns = np.divmod(at, signal.shape[1])
-    signal[rows, columns] += step * level
-    return signal
 
 
 def _ready(signal: np.ndarray) -> np.ndarray:

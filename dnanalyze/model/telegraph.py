@@ -7,8 +7,9 @@ frame's states hang on no other frame having been made.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -76,3 +77,35 @@ class Telegraph:
 
     def _streams(self, n: int) -> tuple[Stream, Stream]:
         return self.root.child(f"renew {self.name}", n), self.root.child(self.name, n)
+
+
+def add_telegraph(
+    signal: Any,
+    at: np.ndarray,
+    step: np.ndarray,
+    states: Sequence[Telegraph],
+    below: np.ndarray | None = None,
+) -> Any:
+    """``signal`` + ``step`` (s1 - s2 ... - ``below``) in a few pixels, in place.
+
+    Parameters
+    ----------
+    signal : ndarray of float32
+    at : ndarray of int
+        The pixels' places in the signal, in the order of its rows.
+    step, below : ndarray of float32
+        One a pixel.
+    states : sequence of Telegraph
+        s1, s2, ..., each 0 or 1.
+    """
+    note = getattr(signal, "note", None)
+    if note is not None:  # a signal that is only recorded
+        return note("add_telegraph", at, step, states, below)
+    level = states[0].state().astype(np.float32)
+    for other in states[1:]:
+        level -= other.state()
+    if below is not None:
+        level -= below
+    rows, columns = np.divmod(at, signal.shape[1])
+    signal[rows, columns] += step * level
+    return signal

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import draws, hints
+from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import shows
-from dnanalyze.model.telegraph import Telegraph
+from dnanalyze.model.evidence import bounded, shows
+from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,29 @@ class Rts(Effect):
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
+    def relatives(self) -> list[Effect]:
+        """The other law of the step that has the same second and fourth moment over pixels.
+
+        p E[A^2] and p E[A^4] are 2 p a^2 and 24 p a^4 for exponential steps, p A^2 and p A^4 for
+        equal ones.
+        """
+        numbers = self.amplitude, self.fraction
+        if not all(isinstance(n, (int, float)) for n in numbers):
+            return []
+        factor = math.sqrt(12.0)
+        if self.amplitudes == "fixed":
+            factor = 1.0 / factor
+        share = 6.0 if self.amplitudes == "fixed" else 1.0 / 6.0
+        other = "exponential" if self.amplitudes == "fixed" else "fixed"
+        return [
+            replace(
+                self,
+                amplitude=bounded(type(self), "amplitude", factor * numbers[0]),
+                fraction=bounded(type(self), "fraction", share * numbers[1]),
+                amplitudes=other,
+            )
+        ]
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the step to the blinking pixels that are in their upper level."""
         at, index, step, occupancy = site.keep("steps", lambda: self._steps(site))
@@ -97,7 +121,7 @@ class Rts(Effect):
         names = ("state", "second") if self.polarity == "three" else ("state",)
         states = [Telegraph(root, n, site.frame, index, occupancy, renew) for n in names]
         below = occupancy if self.polarity == "centred" else None
-        return draws.add_telegraph(signal, at, step, states, below)
+        return add_telegraph(signal, at, step, states, below)
 
     def _occupancy(self, index: np.ndarray, site: Site) -> np.ndarray:
         if self.occupancies == "spread":

@@ -133,8 +133,8 @@ __device__ inline float telegraph(const u64* keys, u32 last, double renew, float
 }
 
 // Values of a few pixels: ``place`` is a pixel's place among them, negative for all others.
-__device__ inline float sparse(const float* values, int place) {
-    return place < 0 ? 0.0f : __ldg(values + place);
+__device__ inline float sparse(const float* values, int place, float otherwise) {
+    return place < 0 ? otherwise : __ldg(values + place);
 }
 
 // The 3x3 pixels around a pixel; beyond the frame's edge its outermost pixels are repeated.

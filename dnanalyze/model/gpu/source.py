@@ -37,7 +37,8 @@ STEPS = {
         "telegraph((const u64*)N[{0}], u32(N[{1}]), __longlong_as_double((long long)N[{2}]), "
         "__ldg((const float*)N[{3}] + p), __ldg((const u32*)N[{4}] + p))"
     ),
-    "sparse": "sparse((const float*)N[{0}], __ldg((const int*)N[{1}] + p))",
+    "sparse": "sparse((const float*)N[{0}], __ldg((const int*)N[{1}] + p), 0.0f)",
+    "replaced": "sparse((const float*)N[{0}], __ldg((const int*)N[{1}] + p), v{2})",
 }
 
 THREADS = 256  # of a block

@@ -171,11 +171,18 @@ class Recorded(NDArrayOperatorsMixin):
             return self
         raise Unrecordable("a part of the signal")
 
-    def __setitem__(self, mask: Any, value: Operand) -> None:
-        if not isinstance(mask, np.ndarray) or mask.dtype.kind != "b" or np.ndim(value):
+    def __setitem__(self, where: Any, value: Operand) -> None:
+        tape = self.tape
+        if isinstance(where, np.ndarray) and where.dtype.kind == "b" and not np.ndim(value):
+            chosen, instead = tape.operand(where), tape.operand(value)
+            self._onto(self, tape.step("where", chosen, instead, self.step))
+        elif _are_pixels(where) and getattr(value, "dtype", None) == np.float32:
+            rows, columns = where
+            places = self._places(rows, lambda: rows * self.shape[1] + columns)
+            values = tape.array(np.broadcast_to(value, rows.shape))
+            self._onto(self, tape.step("replaced", values, places, self.step))
+        else:
             raise Unrecordable("a part of the signal")
-        chosen, instead = self.tape.operand(mask), self.tape.operand(value)
-        self._onto(self, self.tape.step("where", chosen, instead, self.step))
 
     def __bool__(self) -> bool:
         raise Unrecordable("a decision by the signal")
@@ -260,10 +267,18 @@ class Recorded(NDArrayOperatorsMixin):
         if below is not None:
             level = tape.step("subtract", level, tape.step("field", tape.array(below)))
         value = tape.step("multiply", tape.step("field", tape.array(step)), level)
-        # the pixels stay with their places: their identity names them
-        _, places = tape.keep(("places", id(at)), lambda: (at, _places(at, self.shape)))
-        added = tape.step("sparse", tape.made(value, at.size), tape.array(places))
+        added = tape.step("sparse", tape.made(value, at.size), self._places(at, lambda: at))
         return self + Recorded(tape, added)
+
+    def _places(self, named: np.ndarray, at: Callable[[], np.ndarray]) -> int:
+        """Where each pixel's place among those ``at`` lies; the identity of an array names them."""
+
+        def make() -> tuple[np.ndarray, np.ndarray]:
+            places = np.full(self.size, -1, np.int32)  # of a pixel that is not one of them
+            places[at()] = np.arange(named.size)
+            return named, places
+
+        return self.tape.array(self.tape.keep(("places", id(named)), make)[1])
 
     def _state(self, signal: Telegraph) -> int:
         if signal.frame < 0:
@@ -287,8 +302,10 @@ class Recorded(NDArrayOperatorsMixin):
         )
 
 
-def _places(at: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Place of each pixel of the frame among a few of them, int32; -1 where it is not one."""
-    places = np.full(shape[0] * shape[1], -1, np.int32)
-    places[at] = np.arange(at.size)
-    return places
+def _are_pixels(index: Any) -> bool:
+    """Rows and columns of a few pixels."""
+    return (
+        isinstance(index, tuple)
+        and len(index) == 2
+        and all(isinstance(i, np.ndarray) and i.ndim == 1 and i.dtype.kind == "i" for i in index)
+    )

@@ -40,8 +40,13 @@ def test_in_place_changes_the_signal_itself(signal):
     np.rint(signal, out=signal)
     assert np.clip(signal, np.float32(0), np.float32(9), out=signal) is same
     signal[np.ones(SHAPE, bool)] = np.float32(3)
-    assert same is signal
     assert names(signal)[-1] == "where"
+    assert same is signal
+    few = np.array([0, 2]), np.array([1, 4])
+    signal[few] = np.float32([7, 8])
+    assert names(signal)[-1] == "replaced"
+    places, _ = (n for n in signal.tape.numbers if isinstance(n, np.ndarray) and n.ndim == 1)
+    assert np.array_equal(np.flatnonzero(places >= 0), [1, 14])
     assert signal.step == len(signal.tape.steps) - 1
     other = signal + np.float32(1)
     assert other.step != signal.step
