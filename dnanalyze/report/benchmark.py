@@ -119,15 +119,16 @@ def _fairest(result: Any, name: str, celsius: float | None) -> Any:
 
 
 def headline(result: Any) -> str:
-    """Who leads where, in a sentence; no overall score."""
+    """Who leads where, of those that no filter flatters; no overall score."""
     leads: dict[str, list[str]] = {}
+    filtered = {s.name for s in result.sensors if s.filtered}  # whose places flatter them
     middle = result.temperatures[len(result.temperatures) // 2] if result.temperatures else None
     for name in ("dark_current", "read_noise", "dsnu", "hot_pixels"):
         ranking = _fairest(result, name, middle)
         if ranking is None:
             continue
-        known = [p for p in ranking.places if p.rank is not None]
-        first = [p.sensor for p in known if p.rank == 1]
+        known = [p for p in ranking.places if p.rank is not None and p.sensor not in filtered]
+        first = [p.sensor for p in known if p.rank == known[0].rank]
         if len(known) > 1 and len(first) == 1:
             told = "" if len(known) == len(result.sensors) else f" of the {len(known)} that tell it"
             title = f"{ranking.title} ({ranking.unit}){told}"
