@@ -7,10 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.evidence import excess, shows
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.evidence import bounded, excess, shows
 
 
 @dataclass(frozen=True)
@@ -49,12 +48,16 @@ class Persistence(Effect):
     tau_s: float = parameter(
         1.0, "s", 1e-4, 1e5, "time constant of the release; in frames if the exposure is unknown"
     )
+    before: str = choice(
+        "empty", "frames before the first: none, or like it, the sensor running", "empty", "running"
+    )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Add what the last frames left; the frames before the first one are empty."""
+        """Add what the last frames left."""
         weights = self.weights(site)
         past = signal[-2::-1]
-        return signal[-1] + np.tensordot(weights[: site.frame], past[: site.frame], 1)
+        last = site.frame if self.before == "empty" else self.memory
+        return signal[-1] + np.tensordot(weights[:last], past[:last], 1)
 
     def weights(self, site: Site) -> np.ndarray:
         """Share of the charge of the 1, 2, 3 and 4 frames earlier."""
@@ -76,6 +79,11 @@ class Persistence(Effect):
         seconds = [1.0 if p.exposure_s is None else p.exposure_s for p in clues.points]
         step = float(np.median(seconds)) or 1.0
         return [
-            cls(**hints.clip(cls, amplitude=share * np.exp(1 / frames), tau_s=frames * step))
+            cls(
+                bounded(cls, "amplitude", share * np.exp(1 / frames)),
+                bounded(cls, "tau_s", frames * step),
+                before,
+            )
             for frames in (1.0, 8.0)
+            for before in ("running", "empty")
         ]

@@ -225,3 +225,10 @@ def test_a_share_is_guessed_from_the_slope_over_the_level():
     scaled = DarkGradient.guess(clues)[1]
     assert scaled.form == "scaled"
     assert (scaled.x, scaled.y) == pytest.approx((0.08, -0.03), rel=1e-2)
+
+
+def test_persistence_of_a_running_sensor_lifts_the_first_frame_as_all_others():
+    running = (HotPixels(0.3, 20.0), Persistence(0.2, 2.0, "running"))
+    y, plain = frames(running, (64, 64), 6), frames(running[:1], (64, 64), 6)
+    lift = 1 + 0.2 * np.exp(-np.arange(1, 5) / 2.0).sum()  # exposure 1 s
+    np.testing.assert_allclose(y, lift * plain, rtol=1e-5, atol=1e-5)
