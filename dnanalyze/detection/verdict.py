@@ -15,6 +15,7 @@ from dnanalyze.detection.questions import Asked
 from dnanalyze.loaders.captures import OperatingPoint
 
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
+ROUND = 0.15  # correlation of next neighbours of a colour beyond that of farther ones
 CAUSES = (
     "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
     "static_replacement",
@@ -44,7 +45,8 @@ class Answer:
 def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
     """Put every question to every view, and correct for their number."""
     coloured = _coloured(evidence)
-    judges = _quietest(evidence) - {id(e) for e in evidence if e.point in coloured}
+    unfit = {id(e) for e in evidence if e.point in coloured and not _round(e)}
+    judges = _quietest(evidence) - unfit
     asked: list[tuple[Asked, bool]] = []
     for e in evidence:
         warmer = [
@@ -75,6 +77,11 @@ def _coloured(evidence: list[ViewEvidence]) -> set[OperatingPoint]:
         if e.view == "frame" and np.isfinite(ratio) and ratio > 0.1 + 4 * se:
             found.add(e.point)
     return found
+
+
+def _round(e: ViewEvidence) -> bool:
+    """Smooth within a colour in both directions: interference follows the scan, filters do not."""
+    return e.view == "planes" and e.correlation.short_range > ROUND
 
 
 def holm(p: np.ndarray) -> np.ndarray:

@@ -131,6 +131,13 @@ def test_the_shape_of_the_correlation_tells_the_kernel(run, subkind):
     assert found.subkind == subkind
 
 
+def test_a_filter_that_averages_like_colours_alone_is_no_interference():
+    # patches of a frame whose colours differ match two pixels away: the noise of next neighbours
+    # becomes anticorrelated, as interference makes it
+    sensor = VirtualSensor(replace(ORDINARY, plane_offset=9.0), (192, 192), 14)
+    assert detect(captures(sensor, (25.0, 65.0), 6, hidden.nlm())).kind == "denoise"
+
+
 def test_the_share_of_replaced_sites_comes_back():
     sensor = VirtualSensor(ORDINARY, SHAPE, 5)
     found = detect(captures(sensor, SERIES, 8, hidden.static_dpc(500))).estimate
