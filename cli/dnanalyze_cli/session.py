@@ -215,6 +215,11 @@ class Session:
         with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
             yield Progress(bars, bars.add_task(text, total=None, count=""))
 
+    def keep(self, model: str) -> None:
+        """Write the model as far as it is, so that an interrupted run need not begin anew."""
+        if self.output and self.output != STDOUT:
+            atomic_write(self.output, model)
+
     def write(
         self,
         content: dict[str, Any],

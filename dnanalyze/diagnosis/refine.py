@@ -87,6 +87,7 @@ def refine(
     held: Bench | None = None,
     tell: Callable[[Step], None] = lambda _: None,
     trying: Callable[[str], None] = lambda _: None,
+    keep: Callable[[NoiseModel], None] = lambda _: None,
 ) -> Refinement:
     """Complete a model.
 
@@ -107,6 +108,8 @@ def refine(
         Statistics taken earlier.
     tell, trying : callable
         Called after every step, and with the name of every effect that is tried.
+    keep : callable
+        Called with the model whenever it stands complete; from any of these one may go on.
     """
     held = held or bench(design(captures))
     known = catalogue() if known is None else known
@@ -121,6 +124,7 @@ def refine(
     note(Step(None, error_of(held, state)))
     if all(begun.get(name) is None for name in EVERYDAY):
         state = _everyday(held, exclude, note)
+        keep(state.model)
     dropped: set[str] = set()
     while True:
         if until_error is not None and steps[-1].error <= until_error:
@@ -147,6 +151,7 @@ def refine(
         for name in gone:
             dropped.add(name)
             note(Step(f"-{name}", error_of(held, state)))
+        keep(state.model)
     found = judge(captures.name, held, state, tried, known, limits=False)
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state

@@ -66,7 +66,10 @@ def refine(
     no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
-    """Diagnose and add until nothing more is missing; the error at each step."""
+    """Diagnose and add until nothing more is missing; the error at each step.
+
+    The model file is written at each step; an interrupted run goes on with --model of that file.
+    """
     from dnanalyze.diagnosis.refine import refine as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
@@ -121,6 +124,7 @@ def refine(
                 f"{words.number(step.error):>7}  {words.step_name(step.added, 0)}"
             ),
             trying=lambda name: progress.now(f"Trying {name}"),
+            keep=lambda model: session.keep(dump_model(model)),
         )
     show.refinement(session.console, found, result, output)
 

@@ -1,0 +1,52 @@
+"""Completing a model on a sensor of the independent generator, step by step."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.trial import DOUBT, deviance
+from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+
+FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
+
+
+@pytest.fixture(scope="module")
+def captures():
+    sensor = draw_sensor(np.random.default_rng(11))
+    return generate(sensor, {"row_fpn": {"level": "strong"}}, (128, 128), frames=4, seed=3)
+
+
+@pytest.fixture(scope="module")
+def known():
+    return {name: effect for name, effect in built_in().items() if name in FEW}
+
+
+def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(captures, known):
+    kept, told = [], []
+    whole = refine(captures, known=known, keep=kept.append, tell=told.append)
+    assert whole.effects == [BASE, *sorted(EVERYDAY, key=whole.effects.index), "row_fpn"]
+    assert [s.added for s in told] == [None, *EVERYDAY, "row_fpn"]
+    assert kept[-1] == whole.model
+    assert set(kept[0].names) == {BASE, *EVERYDAY}
+    rest = refine(captures, kept[0], known=known)
+    assert [s.added for s in rest.steps] == [None, "row_fpn"]
+    assert set(rest.effects) == set(whole.effects)
+    assert rest.steps[-1].error < 0.7 * rest.steps[0].error
+
+
+def test_it_stops_where_it_is_told(captures, known):
+    first = refine(captures, known=known, most_effects=0)
+    assert first.verdict == "missing"
+    assert "row_fpn" not in first.effects
+    without = refine(captures, first.model, known=known, exclude=["row_fpn"], until_error=0.01)
+    assert "row_fpn" not in without.effects
+    enough = refine(captures, first.model, known=known, until_error=1e3)
+    assert len(enough.steps) == 1
+
+
+def test_deviance_is_a_square_below_the_doubt_and_one_witness_beyond_it():
+    assert deviance(np.array([0.1, -0.2])) == pytest.approx(0.05, rel=1e-3)
+    assert deviance(np.array([DOUBT])) == pytest.approx(DOUBT**2 * np.log(2))
+    assert deviance(np.full(10, 3.0)) > 0.2 * deviance(np.array([100.0]))
+    assert deviance(np.array([1e4])) < 16 * DOUBT**2
