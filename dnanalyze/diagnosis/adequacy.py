@@ -10,7 +10,7 @@ from dnanalyze.comparator.error import pooled
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 
-REPLICATES = 12
+REPLICATES, FEW = 12, 6
 SIGMAS = 4.0
 TOLERABLE = 1.3  # an error below this is never called unexplained on its own
 

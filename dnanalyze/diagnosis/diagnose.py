@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from dnanalyze.diagnosis.adequacy import adequacy
+from dnanalyze.diagnosis.adequacy import FEW, adequacy
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import confidences, rivals, significant
@@ -123,7 +123,8 @@ def judge(
         )
     best = next((t for t in tried if significant(t, error)), None)
     missing = best is not None
-    rest = adequacy(held, best.state if best is not None else state)
+    # what an effect leaves over is told in passing; whether nothing is missing is the question
+    rest = adequacy(held, best.state, FEW) if best is not None else adequacy(held, state)
     verdict = "missing" if missing else ("adequate" if rest.adequate else "unexplained")
     made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
     return replace(

@@ -16,7 +16,7 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 
-MOST_REFITS = 5
+MOST_REFITS = 4
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
 LEAST = 6.0  # and the least promise; what chance promises is several times as much
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
