@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,22 +61,28 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
     limits = {}
     for name, effect in known.items():
         strength = _strength(effect, float(np.nanmin(noise)))
-        if state.model.get(name) is not None or strength is None:
-            continue
-        parameter, first = strength
-        info = effect.parameters()[parameter]
-        power = 4.0 if info.unit.startswith("DN") else 2.0
-        value = float("nan")
-        for tried in (first, 10.0 * first, 100.0 * first):
-            if tried > info.upper:
-                break
-            made = state.model.with_effect(replace(effect(), **{parameter: tried}))
-            gain = max(view.gain(made) for view in views)
-            if gain > NOISE:
-                value = min(tried * (2.0 * NOTHING / gain) ** (1.0 / power), info.upper)
-                break
-        limits[name] = str(Limit(name, parameter, value, info.unit))
+        if state.model.get(name) is None and strength is not None:
+            parameter, first = strength
+            value = _least_shown(views, state.model, effect, parameter, first)
+            unit = effect.parameters()[parameter].unit
+            limits[name] = str(Limit(name, parameter, value, unit))
     return limits
+
+
+def _least_shown(
+    views: Sequence[_View], model: NoiseModel, effect: type[Effect], parameter: str, first: float
+) -> float:
+    """Strength that would be called missing, from one that shows; NaN where 100 times does not."""
+    info = effect.parameters()[parameter]
+    power = 4.0 if info.unit.startswith("DN") else 2.0
+    for tried in (first, 10.0 * first, 100.0 * first):
+        if tried > info.upper:
+            break
+        made = model.with_effect(replace(effect(), **{parameter: tried}))
+        gain = max(view.gain(made) for view in views)
+        if gain > NOISE:
+            return min(tried * (2.0 * NOTHING / gain) ** (1.0 / power), info.upper)
+    return float("nan")
 
 
 @dataclass(frozen=True)

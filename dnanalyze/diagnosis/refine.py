@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 from dnanalyze.diagnosis.confidence import NOTHING, confidences, significant
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
+from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
     candidates_of,
     deviance,
     error_of,
     judged,
-    prospects,
     removal,
     settled,
     trials,

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.residual import Residual
+from dnanalyze.diagnosis.screening import Prospect, prospects
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.knobs import knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import State, loss, minimise, start, weights
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -26,26 +26,6 @@ SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 DOUBT = 6.0  # floors from which a difference tells less and less
 KIND_GAIN = 4.0  # fall of the loss that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
-STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
-
-
-@dataclass(frozen=True)
-class Prospect:
-    """An effect at its first guess, with what it promises before any refit.
-
-    Parameters
-    ----------
-    effect : str
-    model : NoiseModel
-        With the effect at its first guess.
-    promise : float
-        Fall of the fitted half's loss, at the two most telling settings, if the statistics moved
-        linearly along the guess, with the model's own parameters free to follow.
-    """
-
-    effect: str
-    model: NoiseModel
-    promise: float
 
 
 @dataclass(frozen=True)
@@ -75,85 +55,6 @@ class Trial:
 def error_of(bench: Bench, state: State) -> float:
     """Pooled error on the judged half."""
     return pooled(state.test, bench.test.families)
-
-
-def prospects(
-    bench: Bench,
-    state: State,
-    known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = lambda _: None,
-) -> list[Prospect]:
-    """Simulate every effect that shows a sign at its first guesses; most promising first.
-
-    Parameters
-    ----------
-    bench : Bench
-    state : State
-        Fitted model without the effects.
-    known : dict
-        Effects to consider, by name.
-    tell : callable
-        Called with each name.
-    """
-    clues = Residual(bench, state)
-    few = _telling(bench, state)
-    small = bench.only(few)
-    part = _restricted(bench, state, few)
-    found = []
-    for name, effect in known.items():
-        tell(name)
-        made = [p for g in effect.guess(clues) for p in _prospects(small, part, g)]
-        found += sorted(made, key=lambda p: -p.promise)[:2]
-    return sorted(found, key=lambda p: -p.promise)
-
-
-def _telling(bench: Bench, state: State) -> list[int]:
-    """The setting that the model misses most, and the one farthest from it in temperature."""
-    train = bench.train
-    losses = [loss(state.train[train.setting == s]) for s in range(len(bench.plan.settings))]
-    worst = int(np.argmax(losses))
-    ends = {0, len(losses) - 1}
-    return sorted({worst, max(ends, key=lambda e: abs(e - worst))})
-
-
-def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
-    """The state as seen at some of the settings."""
-    here = np.isin(bench.train.setting, settings)
-    there = np.isin(bench.test.setting, settings)
-    return State(
-        state.model, state.knobs, state.train[here], state.test[there], state.jacobian[here]
-    )
-
-
-def _prospects(small: Bench, part: State, guess: Effect) -> list[Prospect]:
-    """The guess in the model as it is, and in one whose numbers no longer make up for it."""
-    models, bent = [part.model], guess.bent()
-    if bent:
-        knobs = knobs_of(part.model)
-        plain = [k.plain(x) for k, x in zip(knobs, positions(part.model, knobs), strict=True)]
-        right = [k.position(x * bent.get(k.name, 1.0)) for k, x in zip(knobs, plain, strict=True)]
-        models.append(turned(part.model, knobs, np.array(right)))
-    found = []
-    for model in models:
-        try:
-            larger = model.with_effect(guess)
-        except InputError:
-            continue
-        moved, _ = small.z(larger)
-        found.append(Prospect(guess.name, larger, part.loss - _reachable(part, moved)))
-    return found
-
-
-def _reachable(state: State, moved: np.ndarray) -> float:
-    """Least loss along the line from the present statistics through the moved ones."""
-    w = weights(state.train)
-    usable = np.linalg.norm(state.jacobian, axis=0) > 1e-6
-    free = np.linalg.qr(state.jacobian[:, usable] * w[:, None])[0]
-
-    def absorbed(z: np.ndarray) -> np.ndarray:
-        return z - (free @ (free.T @ (z * w))) / w
-
-    return min(loss(absorbed(state.train + s * (moved - state.train))) for s in STRIDES)
 
 
 def trials(

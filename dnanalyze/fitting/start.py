@@ -224,8 +224,7 @@ def partly_named(m: Moments, model: NoiseModel, names: Sequence[str]) -> NoiseMo
     """
     base = model.get("convolved_lognormal")
     assert base is not None
-    gain = np.array([p.gain / model.reference.gain if p.gain and model.reference.gain else 1.0
-                     for p in m.points])  # fmt: skip
+    gain = np.array([p.gain_over(model.reference) for p in m.points])
     pedestal = np.array([value_at(model.pedestal, p) for p in m.points])
     signal = np.maximum(m.pedestal + m.signal - pedestal, 1e-3 * np.sqrt(m.total))
     rest = m.temporal.copy()

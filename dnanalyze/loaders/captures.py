@@ -44,6 +44,15 @@ class OperatingPoint:
             parts.append(f"gain {self.gain:g}")
         return ", ".join(parts) or "one setting"
 
+    def exposure_over(self, reference: OperatingPoint) -> float:
+        """Exposure over that of another point; 1 where either is unknown."""
+        here, there = self.exposure_s, reference.exposure_s
+        return here / there if here is not None and there else 1.0
+
+    def gain_over(self, reference: OperatingPoint) -> float:
+        """Analogue gain over that of another point; 1 where either is unknown."""
+        return self.gain / reference.gain if self.gain and reference.gain else 1.0
+
     def sort_key(self) -> tuple[str, float, float, float]:
         """Order by channel, temperature, exposure, gain; unknown first."""
         low = float("-inf")

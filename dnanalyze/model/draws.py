@@ -64,7 +64,7 @@ def uniform_at(key: int, index: np.ndarray) -> np.ndarray:
     return np.minimum(unit, np.float32(1 - 2.0**-24))
 
 
-def _recordable(function: _Function) -> _Function:
+def recordable(function: _Function) -> _Function:
     """A signal that is only recorded (`dnanalyze.model.gpu.tape`) notes the call instead."""
 
     @wraps(function)
@@ -77,7 +77,7 @@ def _recordable(function: _Function) -> _Function:
     return call  # type: ignore[return-value]
 
 
-@_recordable
+@recordable
 def add_normal(
     signal: np.ndarray, scale: float, key: int, window: Window, width: int
 ) -> np.ndarray:
@@ -89,7 +89,7 @@ def add_normal(
     return signal
 
 
-@_recordable
+@recordable
 def add_scaled_normal(
     signal: np.ndarray,
     offset: np.ndarray,
@@ -109,7 +109,7 @@ def add_scaled_normal(
     return signal
 
 
-@_recordable
+@recordable
 def counts(signal: np.ndarray, dn_per_e: float, key: int, window: Window, width: int) -> np.ndarray:
     """K Pois(max(signal, 0)/K) + min(signal, 0), K = ``dn_per_e``; in place if possible."""
     from dnanalyze.model import kernels
@@ -136,7 +136,7 @@ def lognormal(
     return mean, norm
 
 
-@_recordable
+@recordable
 def add_lognormal(
     signal: np.ndarray,
     mu: float,
@@ -157,7 +157,7 @@ def add_lognormal(
     return signal
 
 
-@_recordable
+@recordable
 def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.ndarray:
     """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated."""
     from dnanalyze.model import kernels

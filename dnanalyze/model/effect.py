@@ -160,14 +160,12 @@ class Site:
     @property
     def exposure_ratio(self) -> float:
         """Exposure over the reference exposure; 1 where either is unknown."""
-        here, there = self.point.exposure_s, self.reference.exposure_s
-        return here / there if here is not None and there else 1.0
+        return self.point.exposure_over(self.reference)
 
     @property
     def gain_ratio(self) -> float:
         """Analogue gain over the reference gain; 1 where either is unknown."""
-        here, there = self.point.gain, self.reference.gain
-        return here / there if here and there else 1.0
+        return self.point.gain_over(self.reference)
 
     def thermal(self, ea_ev: float) -> float:
         """Arrhenius growth from the reference temperature to here."""

@@ -32,8 +32,7 @@ def exposure_and_gain(clues: Clues) -> np.ndarray:
 
 def gains(clues: Clues) -> np.ndarray:
     """Gain over the reference's, one a setting; 1 where unknown."""
-    there = clues.reference.gain
-    return np.array([p.gain / there if p.gain and there else 1.0 for p in clues.points])
+    return np.array([p.gain_over(clues.reference) for p in clues.points])
 
 
 def thermal_fit(

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from dnanalyze.model.draws import recordable
 from dnanalyze.model.streams import Stream
 
 BLOCK = 1024  # frames whose keys are made at a time
@@ -79,13 +79,14 @@ class Telegraph:
         return self.root.child(f"renew {self.name}", n), self.root.child(self.name, n)
 
 
+@recordable
 def add_telegraph(
-    signal: Any,
+    signal: np.ndarray,
     at: np.ndarray,
     step: np.ndarray,
     states: Sequence[Telegraph],
     below: np.ndarray | None = None,
-) -> Any:
+) -> np.ndarray:
     """``signal`` + ``step`` (s1 - s2 ... - ``below``) in a few pixels, in place.
 
     Parameters
@@ -98,9 +99,6 @@ def add_telegraph(
     states : sequence of Telegraph
         s1, s2, ..., each 0 or 1.
     """
-    note = getattr(signal, "note", None)
-    if note is not None:  # a signal that is only recorded
-        return note("add_telegraph", at, step, states, below)
     level = states[0].state().astype(np.float32)
     for other in states[1:]:
         level -= other.state()

@@ -71,7 +71,7 @@ class Denoise(Effect):
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
     def idle(self) -> tuple[str, ...]:
-        """What the present kind does not use."""
+        """What the present kind does not use; a share in quarters is a maker's, and stays."""
         used = {
             "gaussian": ("space",),
             "median": (),

@@ -188,7 +188,10 @@ class Recorded(NDArrayOperatorsMixin):
         raise Unrecordable("a decision by the signal")
 
     def note(self, name: str, *arguments: Any, **named: Any) -> Recorded:
-        """A function of `dnanalyze.model.draws`, called with this signal."""
+        """A function that is `dnanalyze.model.draws.recordable`, called with this signal.
+
+        Of the window and the width, which come last, the steps need nothing: it is a whole frame.
+        """
         return getattr(self, f"_{name}")(*arguments, **named)
 
     def _onto(self, out: Recorded | None, step: int) -> Recorded:
@@ -208,35 +211,21 @@ class Recorded(NDArrayOperatorsMixin):
     def _plain(self, value: Operand) -> Recorded:
         return Recorded(self.tape, self.tape.operand(value))
 
-    def _add_normal(self, scale: float, key: int, window: Window, width: int) -> Recorded:
+    def _add_normal(self, scale: float, key: int, *place: Any) -> Recorded:
         return self + np.float32(scale) * self._normal(key)
 
     def _add_scaled_normal(
-        self,
-        offset: np.ndarray,
-        scale: np.ndarray,
-        factor: float,
-        key: int,
-        window: Window,
-        width: int,
+        self, offset: np.ndarray, scale: np.ndarray, factor: float, key: int, *place: Any
     ) -> Recorded:
         spread = np.float32(factor) * self._plain(scale)
         return self + (self._plain(offset) + spread * self._normal(key))
 
-    def _counts(self, dn_per_e: float, key: int, window: Window, width: int) -> Recorded:
+    def _counts(self, dn_per_e: float, key: int, *place: Any) -> Recorded:
         k = self.tape.scalar(dn_per_e)
         return self._onto(None, self.tape.step("counts", self.step, k, self.tape.number(key)))
 
-    def _add_lognormal(
-        self,
-        mu: float,
-        delta: float,
-        phi: float,
-        sigma: float,
-        keys: tuple[int, int],
-        window: Window,
-        width: int,
-    ) -> Recorded:
+    def _add_lognormal(self, *arguments: Any) -> Recorded:
+        mu, delta, phi, sigma, keys, *_ = arguments
         tape = self.tape
         seed = np.float32(mu) + np.float32(delta) * self._normal(keys[0])
         light = tape.step("exponential", seed.step)

@@ -40,6 +40,11 @@ MODELS = {
     "filtered on the host": PAPER | {
         "read_noise": {}, "dpc": {}, "temporal_denoise": {}, "digital_gain": {"gain": 1.5}
     },
+    "serial noise, scaled gradient, gain with a top": PAPER | {
+        "read_noise": {"serial": -0.2, "spread": 0.2},
+        "dark_gradient": {"x": 0.1, "form": "scaled"},
+        "digital_gain": {"gain": 1.25, "offset": 64.0, "top": 110.0},
+    },
     "fades on the host": PAPER | {"persistence": {}, "dark_shot_noise": {}},
     "codes on the host": PAPER | {"missing_codes": {}, "black_clipping": {}},
 }  # fmt: skip

@@ -1,0 +1,61 @@
+"""What is simulated of an effect before any refit."""
+
+import pytest
+
+from dnanalyze.diagnosis.screening import prospects
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.start import moments, ordinary_model
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+from dnanalyze.model.simulate import simulate
+
+KNOWN = built_in()
+POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 65.0)]
+
+
+@pytest.fixture(scope="module")
+def held():
+    """A sensor whose read noise has heavy tails."""
+    effects = (
+        KNOWN["convolved_lognormal"](mu=TableLaw(tuple(POINTS), (1.0, 4.0)), delta=0.3, sigma=1e-6),
+        KNOWN["dark_shot_noise"](dn_per_e=0.5),
+        KNOWN["heavy_tailed_read_noise"](sigma=3.0, tail=-0.2),
+        KNOWN["pixel_fpn"](sigma=1.0),
+        KNOWN["quantization"](),
+    )
+    model = NoiseModel(effects, 100.0, POINTS[0], seed=5)
+    return bench(design(simulate(model, (128, 128), [(p, 6) for p in POINTS])))
+
+
+@pytest.fixture(scope="module")
+def state(held):
+    model = ordinary_model(moments(Readings(held.measured[0]), None))
+    return minimise(held, start(held, model, knobs_of(model)))
+
+
+def test_a_guess_is_also_tried_with_what_was_bent_in_its_absence_put_right(held, state):
+    name = "heavy_tailed_read_noise"
+    seen = prospects(held, state, {name: KNOWN[name]})
+    assert len(seen) == 2  # the two that promise most of all guesses, bent and straight
+    assert seen[0].promise >= seen[1].promise
+    spreads = {p.model.get("read_noise").spread for p in seen}
+    assert 0.0 in spreads
+    assert state.model.get("read_noise").spread > 0.05
+    for p in seen:
+        assert p.model.get(name) is not None
+        assert p.promise <= state.loss
+
+
+def test_a_search_that_cannot_come_below_is_given_up_before_its_first_step(held, state):
+    larger = state.model.with_effect(KNOWN["heavy_tailed_read_noise"](sigma=1.0))
+    begun = start(held, larger, knobs_of(larger), like=state)
+    free = minimise(held, begun, 2)
+    assert free.loss < begun.loss
+    given_up = minimise(held, begun, 2, below=-1e12)
+    assert given_up.model == begun.model
