@@ -32,6 +32,7 @@ DROPPED = {
     "guess", "variance", "idle", "parameters", "from_plain", "to_plain", "__post_init__",
     "summary", "physics", "formula", "references", "fingerprint", "confused_with", "varies",
 }  # fmt: skip
+DROPPED_DECORATORS = {"recordable"}  # frames of one file are always drawn
 DROPPED_OF = {"NoiseModel": {"with_effect", "without", "get", "names"}}
 PLAIN = {"numpy", *sys.stdlib_module_names}
 
@@ -203,7 +204,9 @@ class _Rewrite(ast.NodeTransformer):
         for arg in [*node.args.args, *node.args.kwonlyargs]:
             arg.annotation = None
         node.returns = None
-        node.decorator_list = [self.visit(d) for d in node.decorator_list]
+        node.decorator_list = [
+            self.visit(d) for d in node.decorator_list if ast.unparse(d) not in DROPPED_DECORATORS
+        ]
         node.args.defaults = [self.visit(d) for d in node.args.defaults]
         node.args.kw_defaults = [d and self.visit(d) for d in node.args.kw_defaults]
         self.local.append(names)
