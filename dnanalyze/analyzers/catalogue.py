@@ -48,10 +48,13 @@ def find(name: str) -> StatisticInfo:
     Raises
     ------
     InputError
-        There is none of that name; the message lists near ones.
+        There is none of that name; the message lists near ones, or some.
     """
     known = catalogue()
     if name in known:
         return known[name]
-    near = difflib.get_close_matches(name, known, 5) or list(known)[:5]
-    raise InputError(f"no statistic is called {name!r}; near names: {', '.join(near)}")
+    near = difflib.get_close_matches(name, known, 5)
+    some = f"near names: {', '.join(near)}" if near else f"valid: {', '.join(list(known)[:5])}"
+    raise InputError(
+        f"no statistic is called {name!r}; {some}; `dnanalyze analyze --json` lists all"
+    )

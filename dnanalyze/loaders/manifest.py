@@ -15,6 +15,7 @@ from dnanalyze.loaders.files import MANIFESTS, Place, inside
 from dnanalyze.loaders.recording import Metadata
 
 COLUMNS = ("file", "temperature_c", "exposure_s", "gain", "channel", "frame")
+ABSOLUTE_ZERO = -273.15  # C
 
 
 def read_manifest(place: Place) -> dict[Path, Metadata] | None:
@@ -83,8 +84,11 @@ def _metadata(row: dict[str, Any], where: str) -> Metadata:
     exposure = number("exposure_s")
     if exposure is not None and exposure < 0:
         raise InputError(f"{where}: exposure_s {exposure:g} is negative; give seconds")
+    celsius = number("temperature_c")
+    if celsius is not None and celsius < ABSOLUTE_ZERO:
+        raise InputError(f"{where}: temperature_c {celsius:g} is below absolute zero; give C")
     channel = str(row.get("channel") or "").strip() or None
-    return Metadata(number("temperature_c"), exposure, number("gain"), channel, number("frame"))
+    return Metadata(celsius, exposure, number("gain"), channel, number("frame"))
 
 
 def _csv_rows(path: Path) -> Iterable[tuple[int, dict[str, Any]]]:

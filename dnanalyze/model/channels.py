@@ -44,7 +44,7 @@ def channels_of(model: NoiseModel) -> list[str]:
 
 
 def require(model: NoiseModel, channels: Sequence[str]) -> None:
-    """Refuse channels that a model of several channels does not know.
+    """Refuse frames of channels that a model of several does not know, or of none.
 
     Raises
     ------
@@ -52,6 +52,11 @@ def require(model: NoiseModel, channels: Sequence[str]) -> None:
         The line gives those that it knows.
     """
     valid = channels_of(model)
+    if valid and not channels:
+        raise InputError(
+            f"the model tells channels apart ({', '.join(valid)}), and the frames name none; the "
+            "column 'channel' of manifest.csv does"
+        )
     for name in channels if valid else ():
         if name not in valid:
             raise InputError(f"the model has no channel {name!r}; valid: {', '.join(valid)}")

@@ -202,3 +202,13 @@ def test_check_holds_the_targets_of_one_channel(folder, model, tmp_path):
     assert main(["check", str(folder), *named, "--channel", "hcg"]) == 0
     assert len(json.loads(out.read_text())["checks"]) == 3  # one temperature each
     assert main(["check", str(folder), *named, "--channel", "lcg"]) == 1
+
+
+@pytest.mark.parametrize("command", ["compare", "diagnose", "check"])
+def test_a_model_of_channels_refuses_frames_that_name_none(command, model, tmp_path, capsys):
+    folder = write_captures(fakes.captures(), tmp_path / "plain")
+    more = ["--init", str(tmp_path / "T.yaml")] if command == "check" else []
+    assert main([command, str(folder), "--model", str(model), *more, "-q"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "tells channels apart (hcg, lcg)" in line
+    assert "manifest.csv" in line

@@ -142,6 +142,10 @@ def test_parameters_errors_and_trends():
             "no statistic is called 'temporal_nois'.*temporal_noise",
         ),
         (
+            {"statistic": "xyz", "max": 1},
+            "'xyz'; valid: mean, .*; `dnanalyze analyze --json` lists",
+        ),
+        (
             {"statistic": "mean", "maks": 1},
             "target 1 .mean.: unknown key 'maks'; did you mean 'max'",
         ),

@@ -134,6 +134,7 @@ def test_unreadable_folder(tmp_path):
         ("file,gain\na.tif,high\n", r"row 2: gain 'high' is no number"),
         ("file,temperature_c\na.tif,nan\n", "temperature_c 'nan' is no number"),
         ("file,exposure_s\na.tif,-1\n", "exposure_s -1 is negative"),
+        ("file,temperature_c\na.tif,-300\n", "temperature_c -300 is below absolute zero"),
         ("file,gain\n,3\n", "no file named"),
         ("file,gain\na.tif,3,4\n", "more values than columns"),
         ("file\n", "has no rows"),

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze.errors import InputError
+from dnanalyze_cli.numbers import celsius
 from dnanalyze_cli.options import Channel, Config, Csv, Json, NoCache, Quiet, Report, Tolerance
 from dnanalyze_cli.session import Session
 
@@ -40,7 +40,7 @@ def benchmark(
     from dnanalyze.report import benchmark as results
     from dnanalyze_cli import show_benchmark
 
-    temperatures = _temperatures(at)
+    temperatures = sorted(set(celsius("--at", at)))
     sessions = [
         Session("benchmark", f, json, report, csv, quiet=quiet, cache=not no_cache) for f in folders
     ]
@@ -56,14 +56,3 @@ def benchmark(
         return benchmark_page(result)
 
     session.write(results.document(folders, result), page, lambda: results.table(result))
-
-
-def _temperatures(text: str | None) -> list[float]:
-    if text is None:
-        return []
-    try:
-        return sorted({float(part) for part in text.split(",")})
-    except ValueError:
-        raise InputError(
-            f"--at {text}: not temperatures in C with commas between, such as 25,45"
-        ) from None

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
+from dnanalyze_cli.numbers import celsius
 from dnanalyze_cli.options import EffectFiles, Quiet
 from dnanalyze_cli.session import Session
 
@@ -58,23 +59,12 @@ def export(
     session = Session("export", output=output, effects=tuple(effects or ()), quiet=quiet)
     table = model.suffix.lower() in (".csv", ".json")
     own = (read_table if table else load_model)(model, session.known())
-    celsius = _numbers(temperatures)
+    points = celsius("--temperatures", temperatures)
     text = {
-        "csv": lambda: to_csv(own, celsius),
-        "json": lambda: to_json(own, celsius),
+        "csv": lambda: to_csv(own, points),
+        "json": lambda: to_json(own, points),
         "numpy": lambda: numpy_source(own),
         "torch": lambda: torch_source(own),
         "yaml": lambda: dump_model(own),
     }[format]
     session.write({}, model=text)
-
-
-def _numbers(text: str | None) -> list[float]:
-    if text is None:
-        return []
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InputError(
-            f"--temperatures {text}: not numbers with commas between, such as 25,45"
-        ) from None

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
+from dnanalyze_cli.numbers import celsius, numbers
 from dnanalyze_cli.options import Config, EffectFiles, Json, Quiet, Tolerance
 from dnanalyze_cli.session import Session
 
@@ -115,7 +116,8 @@ def simulate(
     pattern = session.load(config, tolerance_c) if like else None
     size = _shape(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
     channels = channel.split(",") if channel else (pattern.channels if pattern else [])
-    require(own, channels)
+    if channels or pattern is not None:
+        require(own, channels)
     if pattern is not None and channel:
         pattern = replace(
             pattern, settings=tuple(s for c in channels for s in pattern.channel(c).settings)
@@ -137,17 +139,6 @@ def _shape(text: str) -> tuple[int, int]:
     return int(rows), int(columns)
 
 
-def _numbers(option: str, text: str | None) -> list[float] | None:
-    if text is None:
-        return None
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InputError(
-            f"{option} {text}: not numbers with commas between, such as 25,45"
-        ) from None
-
-
 def _points(own, pattern, temperatures, exposure, gain, channels, frames):
     """Operating points with their number of frames: the pattern's, or a grid of what is named."""
     from itertools import product
@@ -156,9 +147,9 @@ def _points(own, pattern, temperatures, exposure, gain, channels, frames):
     from dnanalyze.model.channels import channels_of
 
     grid = (
-        _numbers("--temperatures", temperatures),
-        _numbers("--exposure", exposure),
-        _numbers("--gain", gain),
+        celsius("--temperatures", temperatures),
+        numbers("--exposure", exposure, 0.0),
+        numbers("--gain", gain),
     )
     if pattern is not None:
         if any(grid):

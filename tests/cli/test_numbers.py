@@ -1,0 +1,42 @@
+"""Lists of numbers as they are typed; what no sensor can have is refused in one line."""
+
+from __future__ import annotations
+
+import pytest
+from dnanalyze_cli.main import main
+from dnanalyze_cli.numbers import celsius, numbers
+
+from dnanalyze.errors import InputError
+
+
+def test_numbers_are_read():
+    assert numbers("--gain", "1, 2.5,-3") == [1.0, 2.5, -3.0]
+    assert numbers("--gain", None) == []
+    assert celsius("--at", "-273.15,25") == [-273.15, 25.0]
+
+
+@pytest.mark.parametrize("text", ["", "hot", "25,,3", "25;45", "nan", "1,inf"])
+def test_what_is_no_list_of_numbers_is_refused(text):
+    with pytest.raises(InputError, match=r"^--at .*not numbers with commas between"):
+        celsius("--at", text)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("simulate", "OUT", "--model", "M.yaml", "--temperatures=-300"),
+        ("simulate", "OUT", "--model", "M.yaml", "--exposure=-1"),
+        ("export", "M.yaml", "--format", "csv", "-o", "M.csv", "--temperatures=-300"),
+        ("benchmark", "A", "B", "--at=-300"),
+    ],
+)
+def test_impossible_numbers_are_refused_in_one_line(words, tmp_path, capsys, monkeypatch):
+    from dnanalyze.model.noise_model import NoiseModel, dump_model
+    from dnanalyze.model.registry import built_in
+
+    (tmp_path / "M.yaml").write_text(dump_model(NoiseModel((built_in()["read_noise"](),), 64.0)))
+    monkeypatch.chdir(tmp_path)
+    assert main(list(words)) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert " is below " in line
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["M.yaml"]
