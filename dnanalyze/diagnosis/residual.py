@@ -76,6 +76,17 @@ class Residual:
             return np.concatenate([left, right], axis=1)
         return left
 
+    def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
+        """Columns of both halves one after the other; rows as their mean over both."""
+        plan, name = self.bench.plan, f"{axis.removesuffix('s')}_mean"
+        parts = [r.curve(name, setting) for r in self._readings]
+        if not all(p.size for p in parts):
+            return np.empty(0, int), np.empty(0)
+        if axis == "rows":
+            return np.arange(plan.train.top, plan.train.bottom), np.mean(parts, axis=0)
+        places = [np.arange(w.left, w.right) for w in plan.windows]
+        return np.concatenate(places), np.concatenate(parts)
+
     def _over_settings(self, name: str, values: np.ndarray) -> np.ndarray:
         train = self.bench.train
         here = train.names == name

@@ -41,5 +41,11 @@ class Clues(Protocol):
     def z(self, name: str) -> np.ndarray:
         """(measured - simulated) / floor, one a setting."""
 
+    def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the "columns" or "rows" in the full frame, and their mean in the pattern, DN.
+
+        Over the whole field: lines of the part that the statistics cover come first.
+        """
+
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A measured curve or map by name (histogram, line profile, block means, ...)."""

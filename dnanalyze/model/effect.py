@@ -9,6 +9,7 @@ recorded.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -47,8 +48,9 @@ class ParameterInfo:
     """Unit, bounds and meaning of an effect's parameter.
 
     ``scale`` is "log" for positive amplitudes, "linear" for signed ones, "choice" for what is not
-    fitted: a word or a whole number from ``choices`` (empty: any whole number), "held" for a
-    number that the first guess finds exactly and on which frames do not depend smoothly.
+    fitted: a word or a whole number from ``choices`` (empty: any whole number; by default an empty
+    tuple: a row of numbers read off the measurement), "held" for a number that the first guess
+    finds exactly and on which frames do not depend smoothly.
     """
 
     unit: str
@@ -203,6 +205,8 @@ class Effect:
             value = getattr(self, item.name)
             where = f"{self.name}.{item.name}"
             if info.scale == "choice":
+                if item.default == () and not _row_of_numbers(value):
+                    raise InputError(f"{where}: {value!r} is no list of finite numbers")
                 if info.choices and value not in info.choices:
                     raise InputError(f"{where}: {value!r} is not one of {list(info.choices)}")
                 continue
@@ -267,7 +271,7 @@ class Effect:
                 valid = ", ".join(known) or "none"
                 raise InputError(f"{cls.name}: unknown parameter {key!r}; valid: {valid}")
         values = {
-            k: v if known[k].scale == "choice" else law_from_plain(f"{cls.name}.{k}", v)
+            k: _chosen(v) if known[k].scale == "choice" else law_from_plain(f"{cls.name}.{k}", v)
             for k, v in raw.items()
         }
         return cls(**values)
@@ -277,5 +281,16 @@ class Effect:
         plain = {}
         for key in self.parameters():
             value = getattr(self, key)
+            value = list(value) if isinstance(value, tuple) else value
             plain[key] = value.to_plain() if hasattr(value, "to_plain") else value
         return plain
+
+
+def _chosen(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _row_of_numbers(value: Any) -> bool:
+    return isinstance(value, tuple) and all(
+        isinstance(v, (int, float)) and math.isfinite(v) for v in value
+    )

@@ -8,10 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import LINE_BANDS, bounded, mean_power, named, shows, typical_positive
+from dnanalyze.model.line_profile import line_profile, strip_profile
 
 _KINDS = {"interleaved": ("column_periodic", (2, 3, 4, 8)), "blocks": ("column_taps", (2, 4, 8))}
 
@@ -52,10 +54,24 @@ class ColumnTaps(Effect):
     sigma: float = parameter(0.5, "DN", 1e-4, 1e3, "rms of the offsets over the taps")
     kind: str = choice("interleaved", "how columns belong to taps", "interleaved", "blocks")
     taps: int = choice(2, "number of taps P", 2, 3, 4, 8, 16)
+    levels: tuple[float, ...] = choice(
+        (), "levels of the taps in proportion, as measured; drawn at random where there are none"
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.levels and (len(self.levels) != self.taps or np.ptp(self.levels) == 0):
+            raise InputError(
+                f"column_taps.levels: {len(self.levels)} numbers for {self.taps} taps; "
+                "give one a tap, not all alike, or none"
+            )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offset of its tap to every column."""
-        offsets = site.silicon.child("taps").normal(Window(0, 1, 0, self.taps), self.taps)[0]
+        if self.levels:
+            offsets = np.array(self.levels, np.float32)
+        else:
+            offsets = site.silicon.child("taps").normal(Window(0, 1, 0, self.taps), self.taps)[0]
         offsets = offsets - offsets.mean()
         offsets /= np.sqrt(np.mean(offsets**2))
         if self.kind == "interleaved":
@@ -83,5 +99,34 @@ class ColumnTaps(Effect):
             best = max(share.values())
             taps = min(p for p in counts if share[p] >= 0.8 * best)
             sigma = math.sqrt(max(best, 0.0) * typical_positive(variance))
-            found.append((best, cls(bounded(cls, "sigma", sigma), kind, taps)))
+            levels = _levels(clues, kind, taps)
+            if levels.size and np.ptp(levels) > 0:
+                levels, sigma = levels / np.std(levels), float(np.std(levels))
+            told = tuple(round(float(v), 4) for v in levels)
+            found.append((best, cls(bounded(cls, "sigma", sigma), kind, taps, told)))
         return [effect for _, effect in sorted(found, key=lambda item: -item[0])]
+
+
+def _levels(clues: Clues, kind: str, taps: int) -> np.ndarray:
+    """Mean level of each tap, DN, beside a parabola over the field; empty where not to be seen."""
+    if kind == "blocks":
+        strips = strip_profile(clues)
+        if strips.size < 2 * taps:
+            return np.empty(0)
+        ends = np.linspace(0.0, taps, strips.size + 1)  # of the blocks, in taps
+        tap = np.arange(taps)[None, :]
+        share = np.minimum(ends[1:, None], tap + 1) - np.maximum(ends[:-1, None], tap)
+        member, smooth = (
+            np.clip(share, 0.0, None) / np.diff(ends)[:, None],
+            np.empty((strips.size, 0)),
+        )
+    else:
+        places, strips = line_profile(clues, "columns")
+        places, strips = places[: clues.shape[1]], strips[: clues.shape[1]]  # of the fitted half
+        if strips.size < 3 * taps:
+            return np.empty(0)
+        member = (places[:, None] % taps == np.arange(taps)).astype(float)
+        x = np.linspace(-1.0, 1.0, strips.size)
+        smooth = np.stack([x, x**2 - 1 / 3], axis=1)
+    levels = np.linalg.lstsq(np.hstack([member, smooth]), strips, rcond=None)[0][:taps]
+    return np.asarray(levels - levels.mean())

@@ -8,10 +8,16 @@ from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, excess, shows, typical_positive
+from dnanalyze.model.line_profile import line_profile, robust_deviation
+
+SURE = 5.0  # robust deviations: one Gaussian line in 1.7 million is farther off
+MOST = 0.1  # share of the lines up to which they are single ones
+FEWEST, NEAR = 32, 15  # lines: of a profile, and of the neighbourhood that sets the level
 
 
 @dataclass(frozen=True)
@@ -29,7 +35,9 @@ class DefectLines(Effect):
         "commonly independent of exposure, and follows the analogue gain. Cure: a map of bad "
         "lines; interpolation across them."
     )
-    formula: ClassVar[str] = "y_ij += o_j on round(fraction x lines) lines;  mean o^2 = sigma^2"
+    formula: ClassVar[str] = (
+        "y_ij += o_j on the lines named, or on round(fraction x lines) lines;  mean o^2 = sigma^2"
+    )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (profiles)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
         "column_outliers", "column_extreme", "row_outliers", "row_extreme", "column_kurtosis",
@@ -45,34 +53,76 @@ class DefectLines(Effect):
     fraction: float = parameter(0.005, "1", 1e-5, 0.2, "share of lines")
     sigma: float = parameter(3.0, "DN", 1e-3, 1e4, "rms of their offsets")
     axis: str = choice("columns", "which lines", "columns", "rows")
+    lines: tuple[float, ...] = choice(
+        (), "their numbers, as measured; a share at random places where there are none"
+    )
+    offsets: tuple[float, ...] = choice((), "their offsets in proportion, one a line")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.lines) != len(self.offsets) or (self.offsets and not any(self.offsets)):
+            raise InputError(
+                f"defect_lines.offsets: {len(self.offsets)} numbers for {len(self.lines)} lines; "
+                "give one a line, not all 0"
+            )
+
+    def idle(self) -> tuple[str, ...]:
+        """The share, where the lines are named."""
+        return ("fraction",) if self.lines else ()
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the lines in the window."""
         by_column = self.axis == "columns"
-        lines = site.shape[1] if by_column else site.shape[0]
-        whole = Window(0, 1, 0, lines)
-        place = site.silicon.child("place").uniform(whole, lines)[0]
-        count = round(self.value("fraction", site.point) * lines)
-        chosen = np.argsort(place, kind="stable")[:count]
-        if not chosen.size:
-            return signal
-        size = site.silicon.child("size").normal(whole, lines)[0][chosen]
-        offsets = np.zeros(lines, np.float32)
-        offsets[chosen] = size / np.sqrt(np.mean(size**2))
+        offsets = self._named(site) if self.lines else self._drawn(site)
         offsets *= np.float32(self.value("sigma", site.point) * site.gain_ratio)
         signal += offsets[site.column_index] if by_column else offsets[site.row_index][:, None]
         return signal
 
-    def variance(self, point: OperatingPoint) -> float:
-        """fraction sigma^2, DN^2."""
+    def _named(self, site: Site) -> np.ndarray:
+        """Relative offsets of all lines of the frame; lines beyond it are left out."""
+        offsets = np.zeros(site.shape[1 if self.axis == "columns" else 0], np.float32)
+        size = np.array(self.offsets, np.float32) / np.sqrt(np.mean(np.square(self.offsets)))
+        place = np.array(self.lines, int)
+        inside = (place >= 0) & (place < offsets.size)
+        offsets[place[inside]] = size[inside]
+        return offsets
+
+    def _drawn(self, site: Site) -> np.ndarray:
+        lines = site.shape[1 if self.axis == "columns" else 0]
+        whole = Window(0, 1, 0, lines)
+        place = site.silicon.child("place").uniform(whole, lines)[0]
+        count = round(self.value("fraction", site.point) * lines)
+        chosen = np.argsort(place, kind="stable")[:count]
+        offsets = np.zeros(lines, np.float32)
+        if chosen.size:
+            size = site.silicon.child("size").normal(whole, lines)[0][chosen]
+            offsets[chosen] = size / np.sqrt(np.mean(size**2))
+        return offsets
+
+    def variance(self, point: OperatingPoint) -> float | None:
+        """fraction sigma^2, DN^2; None where lines are named, whose share hangs on the frame."""
+        if self.lines:
+            return None
         return self.value("fraction", point) * self.value("sigma", point) ** 2
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Share from the count of outlying lines, offset from the farthest one."""
+        """The lines that stand out, as measured over the whole field: they have one place in it.
+
+        Where no profile is at hand, their share from the count of outlying lines, and their offset
+        from the farthest one.
+        """
         found: list[Effect] = []
         for axis, line, across in (("columns", "column", 1), ("rows", "row", 0)):
             if not shows(clues, [f"{line}_{k}" for k in ("outliers", "extreme", "kurtosis")]):
+                continue
+            places, offsets = _standing_out(clues, axis)
+            if places.size:
+                rms = float(np.sqrt(np.mean(offsets**2)))
+                share, sigma = bounded(cls, "fraction", places.size / clues.field[across]), rms
+                told = tuple(round(float(o), 4) for o in offsets / rms)
+                named = tuple(int(p) for p in places)
+                found.append(cls(share, bounded(cls, "sigma", sigma), axis, named, told))
                 continue
             lines, length = clues.shape[across], clues.shape[1 - across]
             count = max(1.0, typical_positive(excess(clues, f"{line}_outliers")))
@@ -83,3 +133,17 @@ class DefectLines(Effect):
             sigma = bounded(cls, "sigma", farthest * spread / beyond)
             found.append(cls(bounded(cls, "fraction", count / lines), sigma, axis))
         return found
+
+
+def _standing_out(clues: Clues, axis: str) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers and offsets, DN, of lines far off their neighbours; none where many are."""
+    import scipy.ndimage
+
+    places, profile = line_profile(clues, axis)
+    if profile.size < FEWEST:
+        return np.empty(0, int), np.empty(0)
+    apart = profile - scipy.ndimage.median_filter(profile, NEAR, mode="reflect")
+    far = np.abs(apart) > SURE * robust_deviation(apart)
+    if far.mean() > MOST:
+        far[:] = False
+    return places[far], apart[far]

@@ -65,6 +65,15 @@ class Given:
     off: dict = field(default_factory=dict)
     curves: dict = field(default_factory=dict)
     reference: OperatingPoint = POINT
+    profiles: dict = field(default_factory=dict)
+
+    @property
+    def field(self):
+        return self.shape
+
+    def lines(self, axis, setting):
+        means = self.profiles.get(axis, [np.empty(0)] * len(self.points))[setting]
+        return np.arange(means.size), means
 
     def _array(self, values, name):
         return np.broadcast_to(np.asarray(values.get(name, np.nan), float), len(self.points))

@@ -1,7 +1,10 @@
+import dataclasses
+
 import numpy as np
 import pytest
 from readout_bench import Given, added
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.column_taps import ColumnTaps
 
@@ -52,3 +55,41 @@ def test_guess_of_strips():
     (effect,) = ColumnTaps.guess(clues(shares, shares))
     assert (effect.kind, effect.taps) == ("blocks", 4)
     assert ColumnTaps.guess(clues(shares, [])) == []
+
+
+LEVELS = (1.0, -2.0, 0.5, 0.5)
+
+
+def test_measured_levels_keep_their_proportion_and_order():
+    line = added(ColumnTaps(2.0, "interleaved", 4, LEVELS), shape=(4, 64))[0, 0]
+    wanted = np.array(LEVELS) * 2.0 / np.std(LEVELS)
+    np.testing.assert_allclose(line, np.tile(wanted, 16), atol=1e-4)
+
+
+@pytest.mark.parametrize("levels", [(1.0, 2.0), (1.0, 1.0, 1.0, 1.0), (1.0, np.nan, 0.0, 0.0)])
+def test_levels_that_make_no_pattern_are_refused(levels):
+    with pytest.raises(InputError, match=r"column_taps\.levels"):
+        ColumnTaps(2.0, "interleaved", 4, levels)
+
+
+def test_guess_reads_interleaved_levels_off_the_columns_beside_a_gradient():
+    rng = np.random.default_rng(5)
+    column = np.arange(256)
+    profile = 0.8 * np.array(LEVELS)[column % 4] / np.std(LEVELS) + 0.01 * column
+    profile += 0.02 * rng.standard_normal(256)
+    shares = {"column_periodic_2": 0.3, "column_periodic_4": 0.99, "column_periodic_8": 0.99}
+    seen = clues(shares, shares)
+    (effect,) = ColumnTaps.guess(dataclasses.replace(seen, profiles={"columns": [profile]}))
+    assert effect.taps == 4
+    # each level is the mean of 64 columns: 5 of its standard deviations, .0125 DN
+    np.testing.assert_allclose(effect.levels, np.array(LEVELS) / np.std(LEVELS), atol=0.02)
+    assert effect.sigma == pytest.approx(0.8, abs=0.0125)
+
+
+def test_guess_reads_the_levels_of_strips_off_the_blocks():
+    blocks = np.repeat(np.array([[3.0, -1.0, -1.0, -1.0]]), 8, axis=1).repeat(6, axis=0)
+    shares = {"column_taps_2": 0.3, "column_taps_4": 0.99, "column_taps_8": 0.99}
+    seen = dataclasses.replace(clues(shares, shares), curves={"block_means": [blocks]})
+    (effect,) = ColumnTaps.guess(seen)
+    assert (effect.kind, effect.taps) == ("blocks", 4)
+    np.testing.assert_allclose(effect.levels, np.array([3, -1, -1, -1]) / np.sqrt(3), atol=1e-3)

@@ -2,8 +2,11 @@ import numpy as np
 import pytest
 from readout_bench import POINT, Given, added
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.defect_lines import DefectLines
+
+SIZE = (60, 80)
 
 
 @pytest.mark.parametrize("axis", ["columns", "rows"])
@@ -44,3 +47,31 @@ def test_guess_from_outlying_lines():
     assert effect.fraction == pytest.approx(4 / 256)
     assert 2.0 < effect.sigma < 8.0
     assert DefectLines.guess(Given()) == []
+
+
+@pytest.mark.parametrize("axis", ["columns", "rows"])
+def test_named_lines_are_where_they_were_measured(axis):
+    d = added(DefectLines(sigma=3.0, axis=axis, lines=(7, 20, 900), offsets=(1, -2, 1)), shape=SIZE)
+    line = d[0, 0] if axis == "columns" else d[0, :, 0]
+    assert set(np.flatnonzero(line)) == {7, 20}
+    assert line[20] / line[7] == pytest.approx(-2.0)
+    assert line[7] == pytest.approx(3.0 / np.sqrt(2.0))
+
+
+def test_lines_without_offsets_are_refused():
+    with pytest.raises(InputError, match=r"defect_lines\.offsets: 0 numbers for 1 lines"):
+        DefectLines(lines=(3,))
+
+
+def test_guess_names_the_lines_that_stand_out_of_a_profile():
+    rng = np.random.default_rng(6)
+    profile = 0.1 * rng.standard_normal(256)
+    profile[[17, 200]] += (4.0, -2.0)
+    seen = Given(off={"row_outliers": 9.0}, profiles={"rows": [profile]})
+    (effect,) = DefectLines.guess(seen)
+    assert (effect.axis, effect.lines) == ("rows", (17, 200))
+    # an offset is known to the scatter of a line and of the median of its neighbours, .13 DN
+    assert effect.sigma == pytest.approx(np.sqrt(10.0), abs=0.5)
+    assert effect.offsets[0] / effect.offsets[1] == pytest.approx(-2.0, rel=0.3)
+    assert "fraction" in effect.idle()
+    assert effect.variance(POINT) is None
