@@ -31,8 +31,9 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     ndarray
         (candidates + 1,), sums to 1.
     """
-    gains = np.array([t.gain if t.error < error else min(t.gain, 0.0) for t in trials] + [NOTHING])
-    weight = np.exp((gains - gains.max()) / (2.0 * DEFLATION * _dispersion(trials)))
+    known = [t.evidence if t.error < error else min(t.evidence, 0.0) for t in trials] + [NOTHING]
+    excess = np.array(known) - max(known)
+    weight = np.exp(excess / (2.0 * DEFLATION * _dispersion(trials)))
     return weight / weight.sum()
 
 
@@ -51,12 +52,13 @@ def _dispersion(trials: Sequence[Trial]) -> float:
 def significant(found: Trial, error: float) -> bool:
     """Whether an effect is worth adding to a model that stands at ``error``.
 
-    Its gain, on both halves, must be beyond what a useless effect could reach by chance, and the
-    pooled error of the unseen half must fall with it.
+    The mean of its gains must be beyond what a useless effect could reach by chance, either half
+    must give its part of it, and the pooled error of the unseen half must fall.
     """
-    return found.gain > NOTHING and found.fitted_gain > NOTHING and found.error < error
+    least = min(found.gain, found.fitted_gain)
+    return found.evidence > NOTHING and least > NOTHING / 2 and found.error < error
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:
     """Candidates that explain nearly as much as the best."""
-    return [t.effect for t in trials if t is not best and t.gain > ALIKE * best.gain > 0]
+    return [t.effect for t in trials if t is not best and t.evidence > ALIKE * best.evidence > 0]

@@ -123,7 +123,7 @@ def refine(
     state = minimise(held, start(held, begun, knobs_of(begun)))
     note(Step(None, error_of(held, state)))
     if all(begun.get(name) is None for name in EVERYDAY):
-        state = _everyday(held, exclude, note)
+        state = _everyday(held, state.model, exclude, note)
         keep(state.model)
     dropped: set[str] = set()
     while True:
@@ -158,11 +158,13 @@ def refine(
     )
 
 
-def _everyday(held: Bench, exclude: Sequence[str], note: Callable[[Step], None]) -> State:
+def _everyday(
+    held: Bench, paper: NoiseModel, exclude: Sequence[str], note: Callable[[Step], None]
+) -> State:
     """Put in what every sensor has, and let what the paper's tables absorbed get its name.
 
     All four are fitted together, beside a seed of constant spread and kernel. The models on the
-    way there are that fit with the effects named so far; the paper's sigma makes the other noise.
+    way there take the effects named so far from that fit and leave the rest to the paper's tables.
     """
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     found = moments(seen, sensor.black_level)
@@ -173,7 +175,11 @@ def _everyday(held: Bench, exclude: Sequence[str], note: Callable[[Step], None])
     full = converge(held, start(held, model, knobs_of(model)))
     names = [n for n in EVERYDAY if n not in exclude]
     for count in range(1, len(names)):
-        state = start(held, partly_named(found, full.model, names[:count]), [])
+        ways = [
+            partly_named(found, paper, full.model, names[:count], pedestal)
+            for pedestal in (paper.pedestal, full.model.pedestal)
+        ]
+        state = min((start(held, way, []) for way in ways), key=lambda s: s.loss)
         note(Step(names[count - 1], error_of(held, state)))
     note(Step(names[-1], error_of(held, full)))
     return full

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +22,7 @@ WORTH = 0.15  # share of the best promise from which a candidate is refitted
 LEAST = 6.0  # and the least promise; what chance promises is several times as much
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
-CLOSE = 0.6  # share of the best gain from which a rival is followed to the end
+CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 DOUBT = 6.0  # floors from which a difference tells less and less
 KIND_GAIN = 4.0  # fall of the loss that another kind must bring
@@ -51,6 +52,15 @@ class Trial:
     fitted_gain: float
     error: float
 
+    @property
+    def evidence(self) -> float:
+        """Mean gain of the halves.
+
+        What idle numbers gain by chance on the fitted half they lose on the other, so the mean is
+        fair, and it scatters less than the gain on either (Akaike's criterion, measured).
+        """
+        return (self.gain + self.fitted_gain) / 2.0
+
 
 def error_of(bench: Bench, state: State) -> float:
     """Pooled error on the judged half."""
@@ -64,7 +74,7 @@ def trials(
     tell: Callable[[str], None] = lambda _: None,
     iterations: int = 3,
 ) -> list[Trial]:
-    """Refit the most promising candidates; best gain on the unseen half first."""
+    """Refit the most promising candidates; most evidence first."""
     seen = prospects(bench, state, known, tell)
     if not seen:
         return []
@@ -81,7 +91,7 @@ def trials(
         most = max(most, made.fitted_gain)
     if best:
         _polish(bench, state, best)
-    return sorted(best.values(), key=lambda t: -t.gain)
+    return sorted(best.values(), key=lambda t: -t.evidence)
 
 
 def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
@@ -90,8 +100,8 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     A refit of few steps may mend what is far off at the cost of much that was right, and which of
     two is the better shows once both stand at their best.
     """
-    most = max(t.gain for t in best.values())
-    close = [t for t in best.values() if t.gain > CLOSE * most and t.fitted_gain > 0]
+    most = max(t.evidence for t in best.values())
+    close = [t for t in best.values() if t.evidence > CLOSE * most and t.fitted_gain > 0]
     if most < SURE or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
         return
     for t in close:
@@ -145,10 +155,12 @@ def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State
         for other in info.choices:
             effect = _effect(state.model, name)
             if other != getattr(effect, choice):
-                kind = replace(effect, **{choice: other})
-                state = _better(bench, state, kind, iterations)
+                with suppress(InputError):  # a choice that the others rule out
+                    kind = replace(effect, **{choice: other})
+                    state = _better(bench, state, kind, iterations)
     for other in _effect(state.model, name).relatives():
-        state = _better(bench, state, other, 2 * iterations, anew=True)
+        with suppress(InputError):
+            state = _better(bench, state, other, 2 * iterations, anew=True)
     return state
 
 
@@ -157,10 +169,7 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
 
     ``anew``: its numbers are others, and so are its derivatives.
     """
-    try:
-        model = state.model.with_effect(kind)
-    except InputError:
-        return state
+    model = state.model.with_effect(kind)
     begun = start(bench, model, knobs_of(model), like=state)
     if begun.loss > FAR * state.loss or np.array_equal(begun.train, state.train):
         return state

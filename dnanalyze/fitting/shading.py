@@ -1,11 +1,13 @@
-"""Low-order shading over the whole field, from one colour of a checkerboard of blocks.
+"""Level and low-order shading over the whole field, from one colour of a checkerboard of blocks.
 
 Shading has one realisation a sensor, so it cannot be split into halves of the field as the rest is:
-the fit sees the even blocks of the whole field and is judged on the odd ones.
+the fit sees the even blocks of the whole field and is judged on the odd ones. The level goes with
+it: halves of the field whose levels differ are shaded, not wrong in level.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,6 +16,7 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Value
 
 ORDER = 4
 WIDE = 8
+LEVELS = ("mean", "median")
 
 
 @lru_cache(maxsize=32)
@@ -39,7 +42,7 @@ def _basis(
 def shading_values(
     left: SettingStatistics, right: SettingStatistics, parity: int
 ) -> dict[str, Value]:
-    """Low-order coefficients, DN rms over the field, with their errors.
+    """Low-order coefficients, DN rms over the field, and the level, DN, with their errors.
 
     Parameters
     ----------
@@ -53,7 +56,8 @@ def shading_values(
     dict
         shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the
         power of the next orders of its kind: a random low-frequency field shows there, and a
-        second sensor would draw it anew.
+        second sensor would draw it anew. ``mean`` and ``median`` of the colour take the place of
+        those of the half, whose errors they keep.
     """
     if "block_means" not in left.curves or "block_means" not in right.curves:
         return {}
@@ -73,11 +77,16 @@ def shading_values(
         alike = [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == kind]
         next_power = np.mean(coefficient[alike] ** 2) if alike else white
         se[k] = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
-    return {
+    found = {
         f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se[k], 1e-4))
         for k in low
         if orders[k] != (0, 0)
     }
+    half = (left, right)[parity].values
+    if "mean" in half:
+        shift = float(blocks.ravel()[where].mean()) - half["mean"].value
+        found |= {n: replace(half[n], value=half[n].value + shift) for n in LEVELS if n in half}
+    return found
 
 
 def _kind(order: tuple[int, int]) -> str:

@@ -12,9 +12,9 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.laws import TableLaw, arrhenius, value_at
+from dnanalyze.model.laws import Law, TableLaw, arrhenius, value_at
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import built_in
+from dnanalyze.model.registry import BASE, built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
 LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
@@ -211,34 +211,54 @@ def ordinary_model(m: Moments, bits: int = 16, serial: float = 0.0) -> NoiseMode
     return NoiseModel(effects, m.pedestal, reference)
 
 
-def partly_named(m: Moments, model: NoiseModel, names: Sequence[str]) -> NoiseModel:
-    """A fitted ordinary model before its temporal effects have their names.
+def partly_named(
+    m: Moments, paper: NoiseModel, full: NoiseModel, names: Sequence[str], pedestal: Law
+) -> NoiseModel:
+    """The paper's fitted model less what has a name.
 
     Parameters
     ----------
     m : Moments
-    model : NoiseModel
+    paper : NoiseModel
+        Fitted, with the base alone.
+    full : NoiseModel
+        Fitted, with all effects of an ordinary sensor.
     names : sequence of str
-        Effects that are named. What noise the others would add, the paper's sigma adds in their
-        place, by a table over the operating points.
+        Effects of ``full`` that are named: their shares of the measured variances are taken off
+        what the paper's seed and kernel make up for.
+    pedestal : Law
+        Black level above which the seed is to lie, DN.
     """
-    base = model.get("convolved_lognormal")
+    named = tuple(e for e in full.effects if e.name in names)
+    base = paper.get(BASE)
     assert base is not None
-    gain = np.array([p.gain_over(model.reference) for p in m.points])
-    pedestal = np.array([value_at(model.pedestal, p) for p in m.points])
-    signal = np.maximum(m.pedestal + m.signal - pedestal, 1e-3 * np.sqrt(m.total))
-    rest = m.temporal.copy()
-    for e in model.effects:
-        if e.name == "dark_shot_noise" and e.name in names:
-            rest -= [e.value("dn_per_e", p) for p in m.points] * gain * signal
-        elif e.name == "read_noise" and e.name in names:
-            rest -= np.array([e.variance(p) for p in m.points]) * gain**2
-    rest = np.maximum(rest, SCRAP * m.temporal)
-    delta = np.array([base.value("delta", p) for p in m.points])
-    sigma = np.sqrt(rest / (9.0 * signal**2 * np.exp(delta**2)))
-    base = replace(base, sigma=_table(m.points, np.clip(sigma, 1e-6, 1e5)))  # type: ignore[call-arg]
-    named = tuple(e for e in model.effects if e.name in names)
-    return replace(model, effects=(base, *named))
+    mu, spread, sigma = (
+        np.array([base.value(n, p) for p in m.points]) for n in ("mu", "delta", "sigma")
+    )
+    lit = np.array([p.exposure_over(paper.reference) for p in m.points])
+    was = np.exp(mu + spread**2 / 2) * (lit if getattr(base, "exposure", "") != "none" else 1.0)
+    shift = [value_at(paper.pedestal, p) - value_at(pedestal, p) for p in m.points]
+    signal = np.maximum(was + shift, 1e-3 * np.sqrt(m.total))
+    gain = np.array([p.gain_over(full.reference) for p in m.points])
+    temporal, pattern = np.zeros_like(signal), np.zeros_like(signal)
+    for e in named:
+        if e.name == "dark_shot_noise":
+            temporal += [e.value("dn_per_e", p) for p in m.points] * gain * signal
+        elif e.name in ("read_noise", "pixel_fpn"):
+            part = temporal if e.name == "read_noise" else pattern
+            part += np.array([e.variance(p) for p in m.points]) * gain**2
+    fixed = was**2 * np.expm1(spread**2) * np.maximum(1.0 - pattern / m.pattern, SCRAP)
+    moving = (was * sigma) ** 2 * np.exp(spread**2) * np.maximum(1.0 - temporal / m.temporal, SCRAP)
+    spread = np.sqrt(np.log1p(fixed / signal**2))
+    sigma = np.sqrt(moving / (signal**2 * np.exp(spread**2)))
+    rest = replace(  # type: ignore[call-arg]
+        base,
+        mu=_table(m.points, np.log(signal) - spread**2 / 2),
+        delta=_table(m.points, np.clip(spread, 1e-4, 4.0)),
+        sigma=_table(m.points, np.clip(sigma, 1e-6, 1e5)),
+        exposure="none",
+    )
+    return replace(paper, effects=(rest, *named), pedestal=pedestal)
 
 
 def _two(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray:

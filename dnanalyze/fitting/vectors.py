@@ -138,7 +138,8 @@ def _numbers(
             if info is not None and _compared(info, setting):
                 found[Key(*where, name)] = (v.value, _shared_error(halves, name, v.se), info)
         for name, v in shading_values(left, right, part).items():
-            found[Key(*where, name)] = (v.value, v.se, known[name])
+            se = found[Key(*where, name)][1] if Key(*where, name) in found else v.se
+            found[Key(*where, name)] = (v.value, se, known[name])
     return found
 
 

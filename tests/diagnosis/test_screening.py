@@ -46,7 +46,7 @@ def test_a_guess_is_also_tried_with_what_was_bent_in_its_absence_put_right(held,
     assert seen[0].promise >= seen[1].promise
     spreads = {p.model.get("read_noise").spread for p in seen}
     assert 0.0 in spreads
-    assert state.model.get("read_noise").spread > 0.05
+    assert state.model.get("read_noise").spread > 0.0
     for p in seen:
         assert p.model.get(name) is not None
         assert p.promise <= state.loss

@@ -1,9 +1,10 @@
-"""The models on the way to the ordinary sensor: noise without a name is the paper's sigma's."""
+"""The models on the way to the ordinary sensor: noise without a name is the paper's."""
 
 import numpy as np
 import pytest
 
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import moments, partly_named
@@ -37,7 +38,7 @@ TRUTH = NoiseModel(
 def test_the_temporal_variance_is_whole_whatever_has_its_name(names):
     held = bench(design(simulate(TRUTH, (128, 128), [(p, 6) for p in POINTS])))
     found = moments(Readings(held.measured[0]), black_level=100.0)
-    part = partly_named(found, TRUTH, names)
+    part = partly_named(found, paper_start(held), TRUTH, names, TRUTH.pedestal)
     assert set(part.names) == {"convolved_lognormal", *names}
     variance = Readings(held.statistics(part)[0]).value("temporal_noise") ** 2
     expected = 3.0**2 + 0.5 * np.exp(np.array(LEVELS) + 0.3**2 / 2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +12,8 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import bounded, shows, typical_positive
+from dnanalyze.model.laws import scaled
+from dnanalyze.model.line_profile import line_profile
 
 _MODES = (("u", "10"), ("v", "01"), ("uv", "11"))
 
@@ -65,9 +67,17 @@ class CfaMismatch(Effect):
         """u^2 + v^2 + uv^2, DN^2."""
         return sum(self.value(n, point) ** 2 for n in ("u", "v", "uv"))
 
+    def relatives(self) -> list[Effect]:
+        """The other diagonal: the sign of uv shows in ranks among neighbours alone."""
+        return [replace(self, uv=scaled(self.uv, -1.0))]  # type: ignore[arg-type]
+
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Sizes from the three lines, whose power is b^2 times the pixels; signs do not show."""
+        """Sizes from the three lines, whose power is b^2 times the pixels.
+
+        The signs of u and v from the levels of odd and even columns and rows; that of uv does not
+        show before it is tried.
+        """
         seen = {name: shows(clues, [f"pattern_nyquist_{k}"]) for name, k in _MODES}
         if not (seen["uv"] or (seen["u"] and seen["v"])):
             return []
@@ -77,5 +87,13 @@ class CfaMismatch(Effect):
         for name, k in _MODES:
             ratio = np.asarray(clues.measured(f"pattern_nyquist_{k}"), float)
             power = typical_positive(ratio * floor) if seen[name] else 0.0
-            sizes[name] = bounded(cls, name, math.sqrt(power / pixels))
+            sizes[name] = bounded(cls, name, _sign(clues, name) * math.sqrt(power / pixels))
         return [cls(**sizes)]
+
+
+def _sign(clues: Clues, name: str) -> float:
+    """-1 where odd lines lie above even ones."""
+    if name == "uv":
+        return 1.0
+    places, offsets = line_profile(clues, "columns" if name == "u" else "rows")
+    return -1.0 if float(np.sum(offsets * (1 - 2 * (places % 2)))) < 0 else 1.0

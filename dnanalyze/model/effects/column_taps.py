@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,10 +11,13 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import LINE_BANDS, bounded, mean_power, named, shows, typical_positive
+from dnanalyze.model.evidence import bounded, shows, typical_positive
 from dnanalyze.model.line_profile import line_profile, strip_profile
 
-_KINDS = {"interleaved": ("column_periodic", (2, 3, 4, 8)), "blocks": ("column_taps", (2, 4, 8))}
+_PERIODS, _STRIPS = (2, 3, 4, 8), (2, 4, 8, 16)
+_SEAMS = ("column_taps_2", "column_taps_4", "column_taps_8", "shading_0_1", "shading_0_2",
+          "shading_0_3")  # fmt: skip
+NEARLY = 0.8  # share of what any number of taps explains
 
 
 @dataclass(frozen=True)
@@ -88,45 +90,55 @@ class ColumnTaps(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """For each kind, the least number of taps that explains nearly all that any number does."""
-        names = named("pattern_columns", LINE_BANDS)
-        power = np.stack([np.asarray(clues.measured(n), float) for n in names])
-        variance = mean_power(power) / clues.shape[0]  # of the column means
-        found: list[tuple[float, Effect]] = []
-        for kind, (prefix, counts) in _KINDS.items():
-            if not shows(clues, [f"{prefix}_{p}" for p in counts]):
-                continue
-            share = {p: typical_positive(clues.measured(f"{prefix}_{p}")) for p in counts}
-            best = max(share.values())
-            taps = min(p for p in counts if share[p] >= 0.8 * best)
-            sigma = math.sqrt(max(best, 0.0) * typical_positive(variance))
-            levels = _levels(clues, kind, taps)
-            if levels.size and np.ptp(levels) > 0:
-                levels, sigma = levels / np.std(levels), float(np.std(levels))
-            told = tuple(round(float(v), 4) for v in levels)
-            found.append((best, cls(bounded(cls, "sigma", sigma), kind, taps, told)))
-        return [effect for _, effect in sorted(found, key=lambda item: -item[0])]
+        found = [_interleaved(clues), _blocks(clues)]
+        return [
+            cls(bounded(cls, "sigma", float(np.std(levels))), kind, levels.size, _told(levels))
+            for kind, levels in zip(("interleaved", "blocks"), found, strict=True)
+            if levels.size and np.ptp(levels) > 0
+        ]
 
 
-def _levels(clues: Clues, kind: str, taps: int) -> np.ndarray:
-    """Mean level of each tap, DN, beside a parabola over the field; empty where not to be seen."""
-    if kind == "blocks":
-        strips = strip_profile(clues)
-        if strips.size < 2 * taps:
-            return np.empty(0)
+def _told(levels: np.ndarray) -> tuple[float, ...]:
+    return tuple(round(float(v), 4) for v in (levels - levels.mean()) / np.std(levels))
+
+
+def _interleaved(clues: Clues) -> np.ndarray:
+    """Mean level of each tap, DN, beside a parabola over the fitted half; empty: no sign."""
+    names = [f"column_periodic_{p}" for p in _PERIODS]
+    if not shows(clues, names):
+        return np.empty(0)
+    share = dict(zip(_PERIODS, (typical_positive(clues.measured(n)) for n in names), strict=True))
+    taps = _fewest(share)
+    places, means = (part[: clues.shape[1]] for part in line_profile(clues, "columns"))
+    if means.size < 3 * taps:
+        return np.empty(0)
+    x = np.linspace(-1.0, 1.0, means.size)
+    member = (places[:, None] % taps == np.arange(taps)).astype(float)
+    terms = np.hstack([member, np.stack([x, x**2 - 1 / 3], axis=1)])
+    return np.asarray(np.linalg.lstsq(terms, means, rcond=None)[0][:taps])
+
+
+def _blocks(clues: Clues) -> np.ndarray:
+    """Mean level of each strip of the whole field, DN; empty: no sign.
+
+    Steps inside the fitted half show in its columns; one between the halves as shading alone.
+    """
+    strips = strip_profile(clues)
+    counts = [p for p in _STRIPS if strips.size >= 2 * p]
+    if not counts or not shows(clues, _SEAMS, 0):
+        return np.empty(0)
+    levels, share = {}, {}
+    for taps in counts:
         ends = np.linspace(0.0, taps, strips.size + 1)  # of the blocks, in taps
         tap = np.arange(taps)[None, :]
-        share = np.minimum(ends[1:, None], tap + 1) - np.maximum(ends[:-1, None], tap)
-        member, smooth = (
-            np.clip(share, 0.0, None) / np.diff(ends)[:, None],
-            np.empty((strips.size, 0)),
-        )
-    else:
-        places, strips = line_profile(clues, "columns")
-        places, strips = places[: clues.shape[1]], strips[: clues.shape[1]]  # of the fitted half
-        if strips.size < 3 * taps:
-            return np.empty(0)
-        member = (places[:, None] % taps == np.arange(taps)).astype(float)
-        x = np.linspace(-1.0, 1.0, strips.size)
-        smooth = np.stack([x, x**2 - 1 / 3], axis=1)
-    levels = np.linalg.lstsq(np.hstack([member, smooth]), strips, rcond=None)[0][:taps]
-    return np.asarray(levels - levels.mean())
+        within = np.minimum(ends[1:, None], tap + 1) - np.maximum(ends[:-1, None], tap)
+        member = np.clip(within, 0.0, None) / np.diff(ends)[:, None]
+        levels[taps] = np.linalg.lstsq(member, strips, rcond=None)[0]
+        share[taps] = 1.0 - float(np.var(strips - member @ levels[taps]) / np.var(strips))
+    return np.asarray(levels[_fewest(share)])
+
+
+def _fewest(share: dict[int, float]) -> int:
+    """The least number of taps that explains nearly as much as any."""
+    best = max(share.values())
+    return min(p for p in share if share[p] >= NEARLY * best)

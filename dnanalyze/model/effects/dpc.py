@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,10 +10,14 @@ import numpy as np
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, excess, shows, typical_positive
+from dnanalyze.model.evidence import bounded, excess, shows, strongest, typical_positive
 
 _CALIBRATION_FRAMES = 2
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
+_TAIL = (  # quantiles of the pattern, and the share of the pixels above them
+    ("pattern_q0.9", 0.1), ("pattern_q0.99", 0.01), ("pattern_q0.999", 1e-3),
+    ("pattern_q0.9999", 1e-4),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -132,7 +137,8 @@ class Dpc(Effect):
         tied = shows(clues, ["ties_max8"])
         ranks = shows(clues, ["frame_pmax8", "pattern_pmax8", "temporal_pmax8"], -1)
         sparse = shows(clues, ["hot_count_16", "hot_count_32", "hot_count_64"], -1)
-        if not (rare or tied or ranks or sparse):
+        cut = shows(clues, [name for name, _ in _TAIL[-2:]], -1)
+        if not (rare or tied or ranks or sparse or cut):
             return []
         noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
         threshold = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
@@ -147,8 +153,20 @@ class Dpc(Effect):
             level = level[np.isfinite(level)]
             black = float(level.min()) if level.size else 0.0
             found.append(cls(threshold, 2.0, black, kind="ratio"))
-        if sparse and not ranks:
-            lost = -excess(clues, "hot_count_16")
-            share = typical_positive(lost) / (clues.shape[0] * clues.shape[1])
-            found.append(cls(fraction=bounded(cls, "fraction", share), kind="static"))
+        if sparse or cut:
+            found.append(cls(fraction=bounded(cls, "fraction", _listed(clues)), kind="static"))
         return found
+
+
+def _listed(clues: Clues) -> float:
+    """Share of the pixels that the model has and the measurement lacks above its 99.99 % quantile.
+
+    At the setting where that is farthest off; between quantiles the logarithm of the share goes
+    with their value.
+    """
+    setting = strongest(clues, [_TAIL[-1][0]]) or 0
+    top = float(np.asarray(clues.measured(_TAIL[-1][0]), float)[setting])
+    modelled = [float(np.asarray(clues.simulated(name), float)[setting]) for name, _ in _TAIL]
+    if not np.all(np.isfinite([top, *modelled])):
+        return typical_positive(-excess(clues, "hot_count_16")) / np.prod(clues.shape)
+    return math.exp(np.interp(top, modelled, [math.log(share) for _, share in _TAIL]))

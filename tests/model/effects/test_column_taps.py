@@ -38,25 +38,6 @@ def test_follows_gain_but_not_temperature():
     np.testing.assert_allclose(loud, 2 * plain, atol=1e-4)
 
 
-def clues(shares, off):
-    bands = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
-    return Given(seen={**dict.fromkeys(bands, 256 * 0.5), **shares}, off=dict.fromkeys(off, 9.0))
-
-
-def test_guess_takes_the_smallest_period_that_explains_it():
-    shares = {"column_periodic_2": 0.98, "column_periodic_4": 0.985, "column_periodic_8": 0.99}
-    (effect,) = ColumnTaps.guess(clues(shares, shares))
-    assert (effect.kind, effect.taps) == ("interleaved", 2)
-    assert effect.sigma == pytest.approx(0.7, rel=0.02)
-
-
-def test_guess_of_strips():
-    shares = {"column_taps_2": 0.1, "column_taps_4": 0.9, "column_taps_8": 0.91}
-    (effect,) = ColumnTaps.guess(clues(shares, shares))
-    assert (effect.kind, effect.taps) == ("blocks", 4)
-    assert ColumnTaps.guess(clues(shares, [])) == []
-
-
 LEVELS = (1.0, -2.0, 0.5, 0.5)
 
 
@@ -77,9 +58,9 @@ def test_guess_reads_interleaved_levels_off_the_columns_beside_a_gradient():
     column = np.arange(256)
     profile = 0.8 * np.array(LEVELS)[column % 4] / np.std(LEVELS) + 0.01 * column
     profile += 0.02 * rng.standard_normal(256)
-    shares = {"column_periodic_2": 0.3, "column_periodic_4": 0.99, "column_periodic_8": 0.99}
-    seen = clues(shares, shares)
-    (effect,) = ColumnTaps.guess(dataclasses.replace(seen, profiles={"columns": [profile]}))
+    shares = {"column_periodic_2": 0.3, "column_periodic_4": 0.985, "column_periodic_8": 0.99}
+    seen = Given(seen=shares, off=dict.fromkeys(shares, 9.0), profiles={"columns": [profile]})
+    (effect,) = ColumnTaps.guess(seen)
     assert effect.taps == 4
     # each level is the mean of 64 columns: 5 of its standard deviations, .0125 DN
     np.testing.assert_allclose(effect.levels, np.array(LEVELS) / np.std(LEVELS), atol=0.02)
@@ -88,8 +69,8 @@ def test_guess_reads_interleaved_levels_off_the_columns_beside_a_gradient():
 
 def test_guess_reads_the_levels_of_strips_off_the_blocks():
     blocks = np.repeat(np.array([[3.0, -1.0, -1.0, -1.0]]), 8, axis=1).repeat(6, axis=0)
-    shares = {"column_taps_2": 0.3, "column_taps_4": 0.99, "column_taps_8": 0.99}
-    seen = dataclasses.replace(clues(shares, shares), curves={"block_means": [blocks]})
+    seen = Given(off={"shading_0_1": -5.0}, curves={"block_means": [blocks]})
     (effect,) = ColumnTaps.guess(seen)
     assert (effect.kind, effect.taps) == ("blocks", 4)
     np.testing.assert_allclose(effect.levels, np.array([3, -1, -1, -1]) / np.sqrt(3), atol=1e-3)
+    assert ColumnTaps.guess(dataclasses.replace(seen, off={})) == []

@@ -112,7 +112,19 @@ def test_guess_takes_the_threshold_from_what_is_missing():
     assert found["ratio"].black == 66.0
 
 
-def test_guess_of_a_list_needs_ranks_that_are_untouched():
+def test_guess_of_a_list_from_what_the_tail_lacks():
+    tail = ["pattern_q0.9", "pattern_q0.99", "pattern_q0.999", "pattern_q0.9999"]
+    clues = Given(
+        seen=dict(zip(tail, (10.0, 20.0, 30.0, 35.0), strict=True)),
+        model=dict(zip(tail, (10.0, 20.0, 40.0, 60.0), strict=True)),
+        off=dict(zip(tail, (0.0, 0.0, -9.0, -20.0), strict=True)),
+    )
+    found = {e.kind: e for e in Dpc.guess(clues)}
+    # 35 DN lie three quarters of the way from the 99 % to the 99.9 % quantile of the model
+    assert found["static"].fraction == pytest.approx(10 ** -(2 + 0.75))
+
+
+def test_guess_of_a_list_from_the_hot_pixels_that_are_not_there():
     clues = Given(
         seen={"temporal_noise_core": 2.0, "hot_count_16": 2.0},
         model={"hot_count_16": 60.0}, off={"hot_count_16": -7.0},
