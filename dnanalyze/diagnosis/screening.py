@@ -29,7 +29,8 @@ class Prospect:
         With the effect at its first guess.
     promise : float
         Fall of the fitted half's loss, at the two most telling settings, if the statistics moved
-        linearly along the guess, with the model's own parameters free to follow.
+        linearly along the guess, with the model's own parameters free to follow; beyond what these
+        parameters, free at two settings alone, would gain without it.
     """
 
     effect: str
@@ -59,10 +60,11 @@ def prospects(
     few = _telling(bench, state)
     small = bench.only(few)
     part = _restricted(bench, state, few)
+    idle = _reachable(part, part.train)
     found = []
     for name, effect in known.items():
         tell(name)
-        made = [p for g in effect.guess(clues) for p in _at_guess(small, part, g)]
+        made = [p for g in effect.guess(clues) for p in _at_guess(small, part, g, idle)]
         found += sorted(made, key=lambda p: -p.promise)[:2]
     return sorted(found, key=lambda p: -p.promise)
 
@@ -85,8 +87,11 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
     )
 
 
-def _at_guess(small: Bench, part: State, guess: Effect) -> list[Prospect]:
-    """The guess in the model as it is, and in one whose numbers no longer make up for it."""
+def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Prospect]:
+    """The guess in the model as it is, and in one whose numbers no longer make up for it.
+
+    ``idle``: the loss that an effect which moves nothing would reach.
+    """
     models, bent = [part.model], guess.bent()
     if bent:
         knobs = knobs_of(part.model)
@@ -100,7 +105,7 @@ def _at_guess(small: Bench, part: State, guess: Effect) -> list[Prospect]:
         except InputError:
             continue
         moved, _ = small.z(larger)
-        found.append(Prospect(guess.name, larger, part.loss - _reachable(part, moved)))
+        found.append(Prospect(guess.name, larger, idle - _reachable(part, moved)))
     return found
 
 
