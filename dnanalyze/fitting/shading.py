@@ -56,8 +56,8 @@ def shading_values(
     dict
         shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the
         power of the next orders of its kind: a random low-frequency field shows there, and a
-        second sensor would draw it anew. ``mean`` and ``median`` of the colour take the place of
-        those of the half, whose errors they keep.
+        second sensor would draw it anew. ``mean`` and ``median`` of the half are
+        moved by how far the blocks of the colour lie from its own.
     """
     if "block_means" not in left.curves or "block_means" not in right.curves:
         return {}
@@ -82,11 +82,10 @@ def shading_values(
         for k in low
         if orders[k] != (0, 0)
     }
-    half = (left, right)[parity].values
-    if "mean" in half:
-        shift = float(blocks.ravel()[where].mean()) - half["mean"].value
-        found |= {n: replace(half[n], value=half[n].value + shift) for n in LEVELS if n in half}
-    return found
+    half = (left, right)[parity]
+    shift = float(blocks.ravel()[where].mean() - half.curves["block_means"].mean())
+    levels = {n: half.values[n] for n in LEVELS if n in half.values}
+    return found | {n: replace(v, value=v.value + shift) for n, v in levels.items()}
 
 
 def _kind(order: tuple[int, int]) -> str:

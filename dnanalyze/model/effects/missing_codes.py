@@ -8,12 +8,15 @@ from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, shows, typical_positive
+from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 _BLOCK = 64  # codes; also a multiple of every period
+_MOST_CODES = 1 << 20  # of a histogram that is looked at
+_CORE = 0.05  # of the largest count: codes that occur often enough to tell their widths
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 
 
@@ -52,6 +55,18 @@ class MissingCodes(Effect):
     sigma: float = parameter(0.2, "1", 1e-3, 1.5, "rms of the relative width errors d_k")
     kind: str = choice("random", "every code its own, or a period", "random", "periodic")
     period: int = choice(4, "codes (periodic)", 2, 4, 8, 16, 32, 64)
+    widths: tuple[float, ...] = choice(
+        (), "d_k over a period in proportion, from a code that is a multiple of it, as measured; "
+        "drawn at random where there are none"
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.widths and (len(self.widths) != self.period or np.ptp(self.widths) == 0):
+            raise InputError(
+                f"missing_codes.widths: {len(self.widths)} numbers for a period of {self.period}; "
+                "give one a code, not all alike, or none"
+            )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """The code of every pixel."""
@@ -67,7 +82,9 @@ class MissingCodes(Effect):
         sigma = self.value("sigma", site.point)
         stream = site.silicon.child("widths")
         if self.kind == "periodic":
-            d = stream.normal(Window(0, 1, 0, self.period), self.period).astype(float)
+            d = np.array(self.widths, float)
+            if not self.widths:
+                d = stream.normal(Window(0, 1, 0, self.period), self.period).astype(float)
             d -= d.mean()
             d /= np.sqrt(np.mean(d**2))
             d = np.tile(d, (last - first + 1, _BLOCK // self.period))
@@ -95,5 +112,42 @@ class MissingCodes(Effect):
         if shows(clues, ["code_comb"]) and period:
             turns = {p: p / period for p in (2, 4, 8, 16, 32, 64)}  # a harmonic may be strongest
             fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
-            found = [cls(sigma, "periodic", p) for p in fits[:2]] + found
+            found = [_periodic(clues, sigma, p) for p in fits[:2]] + found
         return found
+
+
+def _periodic(clues: Clues, sigma: float, period: int) -> MissingCodes:
+    """With the widths of the codes of a period, where the histograms can tell."""
+    d = _widths(clues, period)
+    if not d.size or np.ptp(d) == 0:
+        return MissingCodes(sigma, "periodic", period)
+    told = tuple(round(float(v), 4) for v in d / np.std(d))
+    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", period, told)
+
+
+def _widths(clues: Clues, period: int) -> np.ndarray:
+    """d_k over a period: how often a code occurs over the mean of the period around it.
+
+    From histograms that are at least two periods wide; empty where there is none.
+    """
+    seen, expected = np.zeros(period), np.zeros(period)
+    window = np.full(period + 1, 1.0 / period)
+    window[[0, -1]] /= 2.0  # the period is even: half a code more on either side
+    for setting in range(len(clues.points)):
+        codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
+        if codes is None or counts is None or np.any(codes % 1) or np.ptp(codes) > _MOST_CODES:
+            continue
+        place = codes.astype(int) - int(codes[0])
+        dense = np.bincount(place, counts)
+        usual = np.convolve(dense, window, mode="same") if dense.size > period else dense
+        core = np.flatnonzero(usual > _CORE * usual.max())
+        if core.size < 2 * period:
+            continue
+        core = core[(core >= period) & (core < dense.size - period)]
+        residue = (core + int(codes[0])) % period
+        seen += np.bincount(residue, dense[core], period)
+        expected += np.bincount(residue, usual[core], period)
+    if np.any(expected == 0):
+        return np.empty(0)
+    ratio = seen / expected
+    return np.asarray(ratio / ratio.mean() - 1.0)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from readout_bench import Given, Ramp, frames
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.missing_codes import MissingCodes
 
@@ -67,3 +68,37 @@ def test_guess_from_the_roughness_of_the_histogram():
     first = MissingCodes.guess(clues)[0]
     assert (first.kind, first.period) == ("periodic", 8)
     assert MissingCodes.guess(Given()) == []
+
+
+WIDTHS = (-0.6, 0.0, 0.0, 0.6)
+
+
+def test_measured_widths_keep_their_places():
+    width, se = counts(MissingCodes(0.3, "periodic", 4, WIDTHS))
+    folded = width.reshape(-1, 4).mean(axis=0)
+    wanted = 1.0 + 0.3 * np.array(WIDTHS) / np.std(WIDTHS)
+    np.testing.assert_allclose(folded, wanted, atol=5 * se / np.sqrt(width.size / 4))
+
+
+@pytest.mark.parametrize("widths", [(1.0, 2.0), (1.0, 1.0, 1.0, 1.0)])
+def test_widths_that_make_no_pattern_are_refused(widths):
+    with pytest.raises(InputError, match=r"missing_codes\.widths"):
+        MissingCodes(0.3, "periodic", 4, widths)
+
+
+@pytest.mark.parametrize("sd", [2.5, 20.0])
+def test_guess_reads_the_widths_off_the_histogram(sd):
+    x = 200.3 + sd * np.random.default_rng(3).standard_normal(200_000)
+    upper = np.arange(1, 401)
+    edges = upper - 0.5 + 0.6 * (upper % 4 == 0)  # the last code of four wider, the first narrower
+    codes, n = np.unique(np.searchsorted(edges, x, side="right"), return_counts=True)
+    clues = Given(
+        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
+        off={"code_roughness": 9.0, "code_comb": 9.0},
+        curves={"histogram_codes": [codes], "histogram_counts": [n]},
+    )
+    effect = MissingCodes.guess(clues)[0]
+    assert (effect.kind, effect.period) == ("periodic", 4)
+    d = effect.sigma * np.array(effect.widths)
+    # counts of 50,000 in each class of codes: .5 %; a Gaussian 2.5 DN wide is not level over four
+    np.testing.assert_allclose(d, WIDTHS, atol=0.05 if sd > 10 else 0.2)
