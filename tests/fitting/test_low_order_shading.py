@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -48,3 +48,20 @@ def test_random_rows_do_not_pass_for_shading():
         found = shading_values(*halves(blocks), 0)
         pulls.append(found["shading_1_0"].value / found["shading_1_0"].se)
     assert np.std(pulls) < 1.2
+
+
+def test_halves_of_different_level_are_shaded_and_not_wrong_in_level():
+    rng = np.random.default_rng(4)
+    blocks = 64.0 + 0.01 * rng.normal(size=(16, 16))
+    blocks[:, 8:] += 3.0
+    tail = 0.5  # of the mean over the median: no matter of shading
+    parts = halves(blocks)
+    for part in parts:
+        level = float(part.curves["block_means"].mean())
+        part.values.update(mean=Value(level + tail, 0.02), median=Value(level, 0.03))
+    for parity in (0, 1):
+        found = shading_values(*parts, parity)
+        # 128 blocks of each colour: .01 / sqrt(128), and as much of the level that is taken off
+        assert abs(found["median"].value - 65.5) < 5 * 0.01 * np.sqrt(2 / 128)
+        assert abs(found["mean"].value - found["median"].value - tail) < 1e-9
+        assert (found["mean"].se, found["median"].se) == (0.02, 0.03)
