@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.detection.edge import tightest_line
 from dnanalyze.detection.evidence import ViewEvidence
-from dnanalyze.detection.excess import SLOPES, Excess
+from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
 from dnanalyze.detection.questions import LEAST_SITES, Asked
 from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.results import FilterEstimate, TailBound
@@ -65,8 +66,9 @@ def _correction(
     cut = [a for t in ("dynamic_threshold", "ratio_rule", "ratio_and_threshold") for a in tests[t]]
     seen = [e for e in evidence if e.view == view]
     neighbours = min((a.neighbours for a in cut), default=24 if rule == "mean of 24" else 8)
-    lines = [(_line(e, neighbours), e) for e in seen]
-    known = [(line, e) for line, e in lines if line is not None]
+    tops = [(e.noise, e.above8 if neighbours == 8 else e.above24) for e in seen]
+    lines = [(_line(out, noise), noise, out) for noise, out in tops]
+    known = [(line, noise, out) for line, noise, out in lines if line is not None]
     if cut or 2 * len(known) > len(seen):
         return _cut(replace(base, neighbours=neighbours), known, tests["dynamic_threshold"])
     if tests["static_replacement"] and _grows(found, rule):
@@ -79,14 +81,14 @@ def _correction(
 
 
 def _cut(
-    base: FilterEstimate, lines: list[tuple[tuple[float, float], ViewEvidence]],
+    base: FilterEstimate, lines: list[tuple[tuple[float, float], float, StandingOut]],
     dynamic: list[Asked],
 ) -> FilterEstimate:  # fmt: skip
     """The line x = slope max + bound that (almost) nothing crosses, both above the base level."""
-    slopes = [a for (a, _), _ in lines]
+    slopes = [a for (a, _), _, _ in lines]
     slope = float(np.quantile(slopes, 0.5, method="lower")) if slopes else 1.0
     if slope <= 1:
-        at = [(b, e.noise) for (a, b), e in lines if a <= 1]
+        at = [(b, noise) for (a, b), noise, _ in lines if a <= 1]
         at = at or [(a.at, a.evidence.noise) for a in dynamic]
         if not at:
             return replace(base, subkind="dynamic")
@@ -94,33 +96,31 @@ def _cut(
         return replace(
             base, subkind="dynamic", threshold_dn=float(bound), threshold_sigma=float(bound / noise)
         )
-    bases = [e.above8.base for _, e in lines]
-    level = min(bases)
-    lowered = [  # a bound above one base is another above a lower one
-        b - (slope - 1) * (base_ - level)
-        for ((a, b), _), base_ in zip(lines, bases, strict=True)
-        if a == slope
-    ]
-    return replace(
-        base, subkind="ratio", ratio=slope, threshold_dn=max(0.0, float(np.median(lowered))),
-        level_dn=level,
-    )  # fmt: skip
+    own = [(b, out) for (a, b), _, out in lines if a == slope]
+    level = min(out.base for _, _, out in lines)
+    k = SLOPES.index(slope)
+    pairs = np.concatenate([out.pairs for _, out in own]) - np.float32(level)
+    # a bound above one base is another above a lower one
+    coarse = float(np.median([b - (slope - 1) * (out.base - level) for b, out in own]))
+    slope, bound = tightest_line(
+        pairs, SLOPES[max(0, k - 2)], SLOPES[min(k + 2, len(SLOPES) - 1)]
+    ) or (slope, coarse)
+    return replace(base, subkind="ratio", ratio=slope, threshold_dn=max(0.0, bound), level_dn=level)
 
 
-def _line(e: ViewEvidence, neighbours: int) -> tuple[float, float] | None:
+def _line(out: StandingOut, noise: float) -> tuple[float, float] | None:
     """Slope and bound of the rule (DN above the base); None where the tail ends nowhere abruptly.
 
     Below the rule's own slope the bound falls as fast as the hottest survivors' neighbours are
     hot; above it only as fast as neighbours rise above the base by noise.
     """
-    out = e.above8 if neighbours == 8 else e.above24
-    bounds = np.array([_end(top, e.noise) for top in out.sloped])
+    bounds = np.array([_end(top, noise) for top in out.sloped])
     for k in range(len(SLOPES) - 1):
         if not np.isfinite(bounds[k]):
             continue
         step = SLOPES[k + 1] - SLOPES[k]
         ladder = 0.12 * bounds[k]  # its steps are of 10 %
-        if not bounds[k] - bounds[k + 1] > QUIET * e.noise * step + ladder:
+        if not bounds[k] - bounds[k + 1] > QUIET * noise * step + ladder:
             return SLOPES[k], float(bounds[k])
     return None
 

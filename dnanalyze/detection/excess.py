@@ -22,6 +22,8 @@ from numba import njit
 CONTROLS = ((0, 8), (8, 0))  # and opposite: same row or column, same colour
 LADDER = np.concatenate([np.arange(0, 8, 0.25), np.geomspace(8, 4000, 64)])  # in units of the noise
 RATIOS = np.geomspace(1.0, 20.0, LADDER.size)  # crosstalk of 2 % forbids more than 42 by itself
+HOT = 6.0  # above the base, in units of the noise: what the rules of a slope look at
+MOST_PAIRS = 1 << 13  # kept of a stack
 SLOPES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 RATIO = 0.0
 
@@ -86,6 +88,24 @@ def _survival(
     return found
 
 
+def _pairs(
+    frame: np.ndarray, top: np.ndarray, skip: np.ndarray, reach: int,
+    base: float, floor: float, ceiling: float,
+) -> np.ndarray:  # fmt: skip
+    """Pixels ``floor`` above ``base`` with the maxima of their own and of displaced rings, DN."""
+    margin = reach + max(max(c) for c in CONTROLS)
+    inner = (slice(margin, -margin), slice(margin, -margin))
+    hot = (frame[inner] >= base + floor) & (frame[inner] < ceiling) & ~skip[inner]
+    y, x = (n + margin for n in np.nonzero(hot))
+    sides = [
+        np.maximum(
+            top[y + dy - reach, x + dx - reach], top[y - dy - reach, x - dx - reach]
+        ) for dy, dx in CONTROLS
+    ]  # fmt: skip
+    values = [frame[y, x], top[y - reach, x - reach], *sides]
+    return np.stack(values, axis=1).astype(np.float32)
+
+
 def without_transients(stack: np.ndarray, noise: float, sigmas: float = 6.0) -> np.ndarray:
     """Values far from the pixel's median over time replaced by it: hits and blinking, not hot
     pixels.
@@ -114,6 +134,9 @@ class StandingOut:
         (x - median) - a (max - median), DN, of the same pixels, for each a of ``SLOPES``.
     base : float
         Median of the frames, DN.
+    pairs : ndarray
+        (n, 4), some of the same pixels, DN as recorded, with the largest of their own ring and
+        the larger of two rings on opposite sides, along rows, along columns.
     """
 
     neighbours: int
@@ -121,12 +144,17 @@ class StandingOut:
     ratio: Excess
     sloped: tuple[Excess, ...]
     base: float
+    pairs: np.ndarray
+
+    def along(self, slope: float) -> Excess:
+        """(x - median) - slope (max - median) for one of ``SLOPES``."""
+        return self.sloped[SLOPES.index(slope)]
 
     def __add__(self, other: StandingOut) -> StandingOut:
         sloped = tuple(a + b for a, b in zip(self.sloped, other.sloped, strict=True))
         return StandingOut(
             self.neighbours, self.difference + other.difference, self.ratio + other.ratio, sloped,
-            min(self.base, other.base),
+            min(self.base, other.base), np.concatenate([self.pairs, other.pairs]),
         )  # fmt: skip
 
 
@@ -160,16 +188,17 @@ def standing_out(
     hot = (
         np.array([RATIO, *SLOPES]),
         np.concatenate([RATIOS[None], np.tile(ladder, (len(SLOPES), 1))]),
-        6.0 * unit,
+        HOT * unit,
     )
     counts = [np.zeros((len(rules), 2, LADDER.size + 1)) for rules, _, _ in (plain, hot)]
-    bases = []
+    bases, pairs = [], []
     skip = np.zeros(stack.shape[1:], bool)
     for y, x in replaced if replaced is not None else ():
         skip[max(0, y - reach) : y + reach + 1, max(0, x - reach) : x + reach + 1] = True
     for frame in stack:
         top = ring_maximum(frame, reach)
         bases.append(float(np.median(frame[::5, ::5])))
+        pairs.append(_pairs(frame, top, skip, reach, bases[-1], HOT * unit, ceiling))
         for count, (rules, bounds, floor) in zip(counts, (plain, hot), strict=True):
             count += _survival(
                 frame, top, skip, reach, np.array(CONTROLS),
@@ -182,5 +211,10 @@ def standing_out(
         for k in range(rules.size)
     ]
     return StandingOut(
-        (2 * reach + 1) ** 2 - 1, found[0], found[1], tuple(found[2:]), float(np.median(bases))
+        (2 * reach + 1) ** 2 - 1,
+        found[0],
+        found[1],
+        tuple(found[2:]),
+        float(np.median(bases)),
+        np.concatenate([p[:: -(-len(stack) * len(p) // MOST_PAIRS) or 1] for p in pairs]),
     )

@@ -15,7 +15,7 @@ from scipy import stats
 
 from dnanalyze.detection.correlation import CrosstalkBound, largest_crosstalk, shot_share
 from dnanalyze.detection.evidence import ViewEvidence
-from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
+from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
@@ -41,6 +41,7 @@ class Asked:
     words: str
     at: float = np.nan  # threshold, ratio or rule that the answer points to
     neighbours: int = 8
+    slope: float = 1.0  # of the neighbours' maximum, in a rule of a slope and a bound
 
 
 def one_sided(value: float, se: float) -> float:
@@ -197,7 +198,7 @@ def _slope(e: ViewEvidence, out: StandingOut) -> Asked | None:
     """
     best: Asked | None = None
     for a in ASKED_SLOPES if e.frames >= 3 else ():
-        top = out.sloped[SLOPES.index(a)]
+        top = out.along(a)
         control, own = top.control / top.frames, top.own / top.frames
         left = own / np.maximum(control, 1e-9)
         half = left[np.searchsorted(top.bounds, top.bounds / 2)]
@@ -212,7 +213,7 @@ def _slope(e: ViewEvidence, out: StandingOut) -> Asked | None:
             f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} DN above {a:g} times "
             f"the largest of their {out.neighbours} neighbours, {control[j]:.0f} were expected "
             "from rings elsewhere",
-            edge(top, j), out.neighbours,
+            edge(top, j), out.neighbours, a,
         )  # fmt: skip
         if best is None or found.p < best.p:
             best = found
