@@ -161,7 +161,9 @@ def _memory(parts: list[Plane]) -> Autocorrelation | None:
     found = [m for m in (autocorrelation(p.raw) for p in parts) if m is not None]
     if not found:
         return None
-    excess_ = float(np.mean([m.excess for m in found]))
+    mean = {
+        name: float(np.mean([getattr(m, name) for m in found]))
+        for name in ("excess", "shared_se", "everywhere", "memory")
+    }
     se = float(np.sqrt(np.sum([m.se**2 for m in found])) / len(found))
-    memory = float(np.mean([m.memory for m in found]))
-    return Autocorrelation(excess_, se, memory, found[0].frames)
+    return Autocorrelation(se=se, frames=found[0].frames, **mean)

@@ -3,6 +3,11 @@
 Given the values that a pixel takes in its K frames, in whatever order, E[r1] = -1/K exactly,
 whatever their
 distribution (permutation null). A recursive filter orders them.
+
+Pixels are not independent of one another: what a frame shares (1/f noise where rounding makes each
+pixel answer it in its own way, a sensor that warms up) leaves every pair of frames a correlation of
+its own, however many pixels there are. So the mean over pairs next to one another is held against
+the scatter of pairs that lie equally far apart.
 """
 
 from __future__ import annotations
@@ -10,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
+from scipy import optimize, stats
 
 from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
 
@@ -19,14 +24,42 @@ LEAST_PIXELS = 200
 
 @dataclass(frozen=True)
 class Autocorrelation:
-    """Mean over pixels of r1 + 1/K, its standard error, and the recursive memory that explains
-    it.
+    """How much a pixel remembers.
+
+    Parameters
+    ----------
+    excess : float
+        Mean over pixels of r1 + 1/K.
+    se : float
+        Its standard error for independent pixels.
+    shared_se : float
+        For what pixels of a frame share: from the scatter of pairs of frames equally far apart.
+    everywhere : float
+        What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that
+        drifts spares the other corners.
+    memory : float
+        Of the recursive filter that explains the excess.
+    frames : int
+        K.
     """
 
     excess: float
     se: float
+    shared_se: float
+    everywhere: float
     memory: float
     frames: int
+
+    @property
+    def p(self) -> float:
+        """The larger of both nulls' p-values; the scatter has (K - 1)(K - 2)/2 degrees of
+        freedom.
+        """
+        if not (self.se > 0 and self.shared_se > 0):
+            return 1.0
+        freedom = (self.frames - 1) * (self.frames - 2) / 2
+        alone = float(stats.norm.sf(self.excess / self.se))
+        return max(alone, float(stats.t.sf(self.excess / self.shared_se, freedom)))
 
 
 def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
@@ -45,32 +78,57 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         return None
     pattern_here = np.where(ordinary, pattern, np.float32(0))
     power = float((pattern_here * pattern_here).mean())
-    second = None
     squares = np.zeros_like(mean)
-    products = np.zeros_like(mean)
-    for frame in stack:
+    rest = np.empty_like(stack)
+    for n, frame in enumerate(stack):
         d = frame - mean
         d = d - np.float32(centre_and_sd(d, 8192)[0])
         slope = np.float32(float((d * pattern_here).mean()) / power) if power else np.float32(0)
         reach = np.float32(4 * centre_and_sd(d - slope * pattern, 8192)[1])
         d = without_lines(d - slope * pattern)
         tones = np.clip(d, -reach, reach)
-        d = d - (tones - without_tones(tones))
-        squares = squares + d * d
-        if second is not None:
-            products = products + d * second
-        second = d
+        rest[n] = d - (tones - without_tones(tones))
+        squares += rest[n] * rest[n]
     typical = np.median(squares)
     if typical <= 0:
         return None
     keep = ordinary & (squares > 0.05 * typical) & (squares < 2.5 * typical)
     if keep.sum() < LEAST_PIXELS:
         return None
-    r1 = products[keep] / squares[keep]
-    value = float(r1.mean()) + 1 / frames
+    scaled = rest[:, keep] / np.sqrt(squares[keep])
+    # what is removed of each frame need not sum to zero over them: the mean over all orders, then,
+    # is that over all pairs
+    any_order = (scaled.sum(axis=0) ** 2 - 1) / frames
+    r1 = np.sum(scaled[1:] * scaled[:-1], axis=0) - any_order
+    value = float(r1.mean())
+    of_sums = float(np.average(r1, weights=squares[keep]))
     return Autocorrelation(
-        value, float(r1.std() / np.sqrt(r1.size)), memory_of(value, frames), frames
-    )
+        value, float(r1.std() / np.sqrt(r1.size)), _shared(scaled @ scaled.T / r1.size),
+        _everywhere(r1, keep), memory_of(of_sums, frames), frames,
+    )  # fmt: skip
+
+
+def _everywhere(r1: np.ndarray, keep: np.ndarray, parts: int = 4) -> float:
+    """Lower quartile of the means over parts x parts of the frame that hold enough pixels."""
+    y, x = np.nonzero(keep)
+    part = y * parts // keep.shape[0] * parts + x * parts // keep.shape[1]
+    counts = np.bincount(part, minlength=parts**2)
+    sums = np.bincount(part, r1, parts**2)
+    enough = counts >= LEAST_PIXELS // parts
+    return float(np.quantile(sums[enough] / counts[enough], 0.25))
+
+
+def _shared(pairs: np.ndarray) -> float:
+    """Standard error of the sum over neighbouring frames, from the scatter along the diagonals of
+    the (K, K) mean products of pairs.
+    """
+    frames = len(pairs)
+    own = np.sqrt(np.diag(pairs))
+    related = pairs / (own[:, None] * own) if own.all() else pairs
+    lags = [np.diagonal(related, lag) for lag in range(1, frames)]
+    scatter = sum(float(np.sum((one - one.mean()) ** 2)) for one in lags)
+    freedom = (frames - 1) * (frames - 2) / 2
+    return float(np.sqrt(scatter / freedom * (frames - 1))) / frames
 
 
 def _at_an_end(stack: np.ndarray) -> np.ndarray:

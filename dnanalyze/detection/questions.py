@@ -280,11 +280,11 @@ def memory(e: ViewEvidence) -> list[Asked]:
             "temporal_autocorrelation",
             "temporal_denoise",
             e,
-            one_sided(m.excess, m.se),
-            m.excess,
+            m.p,
+            m.everywhere,
             0.03,
             f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of "
-            f"independent frames: a recursive memory of {m.memory:.0%}",
+            f"frames in any order: a recursive memory of {m.memory:.0%}",
             m.memory,
         )
     ]
