@@ -14,10 +14,10 @@ import os
 import sys
 import tempfile
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 ENDS = 1 << 16  # bytes at either end of a file that go into the digest
 LIMIT = 1 << 30  # bytes; the entries that were not used for longest are removed first
 SUFFIX = ".npz"
+Made = TypeVar("Made")
 
 
 def default_folder() -> Path | None:
@@ -62,7 +63,7 @@ def held(captures: CaptureSet, *asked: object) -> Entry | None:
         settings = [
             (s.point, [(f.name, repr(f.load)) for f in s.frames]) for s in captures.settings
         ]
-        for part in (code(), captures.sensor, settings, files, asked):
+        for part in (code(*READERS), captures.sensor, settings, files, asked):
             digest.update(repr(part).encode())
             digest.update(b"\0")
     except (OSError, _NoFile):
@@ -102,12 +103,15 @@ def _content(path: Path) -> tuple[int, int, str]:
     return state.st_size, state.st_mtime_ns, hashlib.blake2b(ends, digest_size=16).hexdigest()
 
 
+HERE = Path(__file__).parent
+READERS = (HERE, HERE.parent / "loaders", HERE.parent / "loaders" / "formats")
+
+
 @cache
-def code() -> str:
-    """Digest of the code that makes statistics: another version has its own entries."""
+def code(*folders: Path) -> str:
+    """Digest of the modules of folders: what another version makes has entries of its own."""
     digest = hashlib.blake2b(digest_size=16)
-    here = Path(__file__).parent
-    for folder in (here, here.parent / "loaders", here.parent / "loaders" / "formats"):
+    for folder in folders:
         for path in sorted(folder.glob("*.py")):
             digest.update(path.read_bytes())
     return digest.hexdigest()
@@ -121,10 +125,13 @@ class Entry:
 
     def get(self, captures: CaptureSet) -> list[Statistics] | None:
         """What was put; None where there is nothing, or nothing that can be read."""
+        return self.read(lambda plain, archive: [_statistics(i, archive, captures) for i in plain])
+
+    def read(self, build: Callable[[Any, Mapping[str, np.ndarray]], Made]) -> Made | None:
+        """What ``build`` makes of the JSON and the arrays; None where it cannot."""
         try:
             with self.path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-                plain = json.loads(archive["json"].tobytes())
-                found = [_statistics(item, archive, captures) for item in plain]
+                found = build(json.loads(archive["json"].tobytes()), archive)
             os.utime(self.path)
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
             return None
@@ -134,6 +141,10 @@ class Entry:
         """Keep them; a folder that cannot be written keeps nothing."""
         curves: dict[str, np.ndarray] = {}
         plain = [_plain(item, str(k), curves) for k, item in enumerate(statistics)]
+        self.write(plain, curves)
+
+    def write(self, plain: Any, curves: Mapping[str, np.ndarray]) -> None:
+        """Keep what JSON holds, and arrays."""
         text = np.frombuffer(json.dumps(plain).encode(), np.uint8)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather
 from dnanalyze.detection.results import Detection, Finding
@@ -27,6 +28,9 @@ def detect(
 ) -> Detection:
     """Look for hidden defect-pixel correction, denoise and temporal denoise.
 
+    What the tests need is kept where the statistics are (see `analyze`), if the captures have a
+    cache.
+
     Parameters
     ----------
     captures : CaptureSet
@@ -41,7 +45,12 @@ def detect(
     -------
     Detection
     """
-    evidence = _gather(groups(captures), progress)
+    entry = kept.held(captures)
+    evidence = kept.get(entry) if entry else None
+    if evidence is None:
+        evidence = _gather(groups(captures), progress)
+        if entry:
+            kept.put(entry, evidence)
     answers = ask(evidence, alpha)
     kind, flags = decide(answers)
     found = estimate(kind, flags, evidence) if flags else None
@@ -58,6 +67,7 @@ def detect(
         tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
         effect=effect_of(kind, found, evidence) if found else {},
         series=series,
+        answers=tuple(answers),
     )
 
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dnanalyze.detection.series import SuppressionSeries
+
+if TYPE_CHECKING:
+    from dnanalyze.detection.verdict import Answer
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,8 @@ class Detection:
         empty for none.
     series : SuppressionSeries, optional
         Suppression of high frequencies over temperature, for the figure.
+    answers : tuple of Answer
+        The questions with the evidence behind them, for the figures; findings are their summary.
     """
 
     filtered: bool
@@ -164,6 +169,7 @@ class Detection:
     tail: tuple[TailBound, ...] = ()
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
+    answers: tuple[Answer, ...] = field(default=(), repr=False, compare=False)
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report; numbers finite or null."""

@@ -25,6 +25,17 @@ MIDDLE, HIGH = (0.03, 0.12), 0.45  # bands of the paper's ratio
 
 
 @dataclass(frozen=True)
+class Chord:
+    """Rise of ln P, and its error, at the second of three ``octaves`` above the line between the
+    others.
+    """
+
+    octaves: tuple[int, int, int]
+    rise: float
+    se: float
+
+
+@dataclass(frozen=True)
 class OctaveSpectrum:
     """Powers of octaves of radial frequency.
 
@@ -52,24 +63,31 @@ class OctaveSpectrum:
         level = float(np.nansum(weights * self.log_power[middle]) / weights.sum())
         return self.log_power[last] - level, float(np.hypot(self.se[last], weights.sum() ** -0.5))
 
-    def concavity(self) -> tuple[float, float]:
-        """Largest rise of ln P above the chord between a lower and a higher octave, and its error.
+    def chord(self) -> Chord | None:
+        """Where ln P rises most above the chord between a lower and a higher octave.
 
-        At most zero, but for sampling error, for white noise with 1/f noise of any strength and
-        slope.
         The one taken is the largest after four standard errors are taken off.
         """
         p, s = self.log_power, self.se
-        best, error, score = 0.0, np.inf, -np.inf
+        best: Chord | None = None
         for i, j, k in combinations(np.flatnonzero(np.isfinite(p)), 3):
             if p[j] > p[i] + 3 * np.hypot(s[i], s[j]):
                 continue  # noise that grows up to the middle is a hump, not a low-pass filter's
             share = float(CENTRES[k] - CENTRES[j]) / float(CENTRES[k] - CENTRES[i])
             value = float(p[j] - share * p[i] - (1 - share) * p[k])
             se = float(np.sqrt(s[j] ** 2 + (share * s[i]) ** 2 + ((1 - share) * s[k]) ** 2))
-            if value - 4 * se > score:
-                best, error, score = value, se, value - 4 * se
-        return best, error
+            if best is None or value - 4 * se > best.rise - 4 * best.se:
+                best = Chord((int(i), int(j), int(k)), value, se)
+        return best
+
+    def concavity(self) -> tuple[float, float]:
+        """Largest rise of ln P above a chord, and its error; (0, infinite) without octaves.
+
+        At most zero, but for sampling error, for white noise with 1/f noise of any strength and
+        slope.
+        """
+        best = self.chord()
+        return (0.0, np.inf) if best is None else (best.rise, best.se)
 
 
 def octave_spectrum(images: np.ndarray) -> OctaveSpectrum:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.report import capture
+from dnanalyze.report.figures import filter_tests
 from dnanalyze.report.figures.against_neighbours import scatter
 from dnanalyze.report.figures.style import labels
 from dnanalyze.report.figures.suppression import suppression
@@ -18,6 +19,7 @@ KINDS = {
     "denoise": "spatial denoise",
     "temporal_denoise": "temporal denoise",
 }
+TESTS = (filter_tests.smoothing, filter_tests.corrections, filter_tests.remembering)
 ESTIMATE = {
     "subkind": ("kind", ""),
     "view": ("works on the", ""),
@@ -70,6 +72,7 @@ def detect_page(captures: Any, result: Any) -> str:
                 "tests",
                 "The tests",
                 text=[f"{count} number."],
+                pictures=[draw(result.answers) for draw in TESTS],
                 tables=[t for t in (_tests(flagged, False), _tests(others, True)) if t.rows],
             ),
         ],
