@@ -163,12 +163,14 @@ def _parameters(effect: type[Effect]) -> Iterable[str]:
     default = effect().to_plain()
     for name, info in effect.parameters().items():
         unit = "" if info.unit in ("", "1") else info.unit
-        yield f"| `{name}` | {unit} | {default[name]} | {_range(info)} | {_cell(info.doc)} |"
+        cells = (f"`{name}`", unit, default[name], _range(info, default[name]), _cell(info.doc))
+        yield "| " + " | ".join(map(str, cells)) + " |"
 
 
-def _range(info: ParameterInfo) -> str:
+def _range(info: ParameterInfo, default: object) -> str:
     if info.scale == "choice":
-        return ", ".join(map(str, info.choices)) or "whole number"
+        any_ = "a list of numbers" if default == [] else "whole number"
+        return ", ".join(map(str, info.choices)) or any_
     return f"{info.lower:g} to {info.upper:g}"
 
 

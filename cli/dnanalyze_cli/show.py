@@ -314,7 +314,7 @@ def effect(console: Console, kind: Any) -> None:
         (
             name,
             p.unit or "–",
-            " | ".join(map(str, p.choices))
+            " | ".join(map(str, p.choices)) or "numbers, or none"
             if p.scale == "choice"
             else f"{p.lower:g} to {p.upper:g}",
             p.doc,

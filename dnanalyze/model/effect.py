@@ -249,6 +249,13 @@ class Effect:
         """Other forms that show nearly alike, with numbers to match; tried once this one fits."""
         return []
 
+    def warm_up(self, point: OperatingPoint) -> int:
+        """Frames before the first that were taken alike, of those that ``memory`` looks at.
+
+        For earlier ones stands the first of all.
+        """
+        return 0
+
     def idle(self) -> tuple[str, ...]:
         """Parameters that change nothing under the present choices; a fit leaves them alone."""
         return ()

@@ -106,9 +106,10 @@ class Simulator:
         effect = chain[count - 1]
         grown = window.grown(effect.reach, self.shape)
         if effect.memory:
+            first = -effect.warm_up(point)
             signal = np.stack(
                 [
-                    self._remembered(count - 1, chain, point, max(0, n), grown)
+                    self._remembered(count - 1, chain, point, max(first, n), grown)
                     for n in range(number - effect.memory, number + 1)
                 ]
             )

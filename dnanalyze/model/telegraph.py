@@ -50,7 +50,7 @@ class Telegraph:
         """Whether each pixel is in its upper state, bool."""
         on = np.zeros(self.index.size, bool)
         open_ = np.arange(self.index.size)
-        for n in range(self.frame, -1, -1):
+        for n in range(abs(self.frame), -1, -1):  # before the first as after it: as likely
             renewal, level = self._streams(n)
             if n > 0:
                 new = renewal.uniform_at(self.index[open_]) < self.renew

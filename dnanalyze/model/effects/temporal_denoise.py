@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
+TRACE = 0.02  # of a frame that is far back
+
 
 @dataclass(frozen=True)
 class TemporalDenoise(Effect):
-    """y'_n = (1 - a) y_n + a y'_(n-1); the first frame of a setting starts the recursion."""
+    """y'_n = (1 - a) y_n + a y'_(n-1), begun before the first frame or with it."""
 
     name: ClassVar[str] = "temporal_denoise"
     stage: ClassVar[Stage] = Stage.TEMPORAL_FILTER
@@ -47,6 +51,16 @@ class TemporalDenoise(Effect):
     share: float = parameter(0.2, "1", 0.0, 0.7, "memory a", "linear")
     threshold: float = parameter(20.0, "DN", 0.01, 1e5, "change that starts a pixel anew (motion)")
     motion: str = choice("off", "whether a threshold is applied", "off", "on")
+    before: str = choice(
+        "running", "frames before the first: like those after it, or none", "running", "empty"
+    )
+
+    def warm_up(self, point: OperatingPoint) -> int:
+        """As many frames as leave a trace of a fiftieth, where the camera was running."""
+        share = self.value("share", point)
+        if self.before == "empty" or share <= 0:
+            return 0
+        return min(self.memory, math.ceil(math.log(TRACE) / math.log(share)))
 
     def idle(self) -> tuple[str, ...]:
         """The threshold where there is none."""

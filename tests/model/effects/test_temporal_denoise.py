@@ -6,6 +6,7 @@ from scipy.signal import lfilter
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
 
 SENSOR = (ReadNoise(4.0),)
@@ -13,7 +14,7 @@ SENSOR = (ReadNoise(4.0),)
 
 def test_the_recursion_from_the_first_frame():
     y = frames(*SENSOR, count=8, shape=(32, 32))
-    z = frames(*SENSOR, TemporalDenoise(0.4), count=8, shape=(32, 32))
+    z = frames(*SENSOR, TemporalDenoise(0.4, before="empty"), count=8, shape=(32, 32))
     expected = lfilter([0.6], [1.0, -0.4], y, axis=0, zi=0.4 * y[:1])[0]
     np.testing.assert_allclose(z, expected, atol=1e-4)
 
@@ -28,9 +29,26 @@ def test_variance_and_correlation_in_the_long_run():
     assert abs(spatial) < 5 / np.sqrt(n)
 
 
+def test_in_a_running_camera_the_first_frame_is_filtered_as_the_last():
+    a, shape = 0.4, (128, 128)
+    z = frames(*SENSOR, TemporalDenoise(a), count=3, shape=shape, pedestal=0.0)
+    pixels = shape[0] * shape[1]
+    for frame in z:  # all but a fiftieth of the memory, squared
+        assert frame.var() == pytest.approx(16 * (1 - a) / (1 + a), rel=5 * np.sqrt(2 / pixels))
+    assert np.mean(z[1] * z[0]) / z.var() == pytest.approx(a, abs=5 / np.sqrt(pixels))
+
+
+def test_blinking_pixels_before_a_running_camera_filters_them():
+    rts = Rts(0.5, 50.0, occupancy=0.5, dwell_frames=4.0, ea_ev=0.0, amplitudes="fixed")
+    z = frames(rts, TemporalDenoise(0.3), count=4, shape=(64, 64))
+    level = [frame.mean() for frame in z]
+    # 2048 pixels, up or down half of the time: a mean of 12.5, known to 25 / sqrt(4096) DN
+    np.testing.assert_allclose(np.array(level) - 64.0, 12.5, atol=5 * 0.4)
+
+
 def test_a_moving_pixel_starts_anew():
     y = frames(*SENSOR, count=4, shape=(64, 64))
-    z = frames(*SENSOR, TemporalDenoise(0.5, 5.0, "on"), count=4, shape=(64, 64))
+    z = frames(*SENSOR, TemporalDenoise(0.5, 5.0, "on", "empty"), count=4, shape=(64, 64))
     state = y[0]
     for n in range(1, 4):
         state = np.where(np.abs(state - y[n]) > 5.0, y[n], 0.5 * (state + y[n]))
