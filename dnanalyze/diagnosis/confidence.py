@@ -14,6 +14,9 @@ from dnanalyze.diagnosis.trial import Trial, deviance
 # be made.
 DEFLATION = 8.0
 NOTHING = 25.0
+# The few defects of a half may be more or fewer than their density says: with so much evidence the
+# error may rise by this share.
+PLENTY, LUCK = 100.0, 0.02
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion
 
 
@@ -31,7 +34,7 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     ndarray
         (candidates + 1,), sums to 1.
     """
-    known = [t.evidence if t.error < error else min(t.evidence, 0.0) for t in trials] + [NOTHING]
+    known = [t.evidence if lowers(t, error) else min(t.evidence, 0.0) for t in trials] + [NOTHING]
     excess = np.array(known) - max(known)
     weight = np.exp(excess / (2.0 * DEFLATION * _dispersion(trials)))
     return weight / weight.sum()
@@ -49,6 +52,11 @@ def _dispersion(trials: Sequence[Trial]) -> float:
     return max(1.0, left)
 
 
+def lowers(found: Trial, error: float) -> bool:
+    """Whether a model that stands at ``error`` is better with the effect, on the unseen half."""
+    return found.error < error * (1.0 + (LUCK if found.evidence > PLENTY else 0.0))
+
+
 def significant(found: Trial, error: float) -> bool:
     """Whether an effect is worth adding to a model that stands at ``error``.
 
@@ -56,7 +64,7 @@ def significant(found: Trial, error: float) -> bool:
     must give its part of it, and the pooled error of the unseen half must fall.
     """
     least = min(found.gain, found.fitted_gain)
-    return found.evidence > NOTHING and least > NOTHING / 2 and found.error < error
+    return found.evidence > NOTHING and least > NOTHING / 2 and lowers(found, error)
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from dnanalyze.diagnosis.adequacy import FEW, adequacy
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import confidences, rivals, significant
+from dnanalyze.diagnosis.confidence import confidences, lowers, rivals, significant
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, trials
 from dnanalyze.fitting.design import design
@@ -101,10 +101,10 @@ def judge(
     """The verdict, with candidates in the order of what they explain."""
     error = error_of(held, state)
     chances = confidences(tried, error)
-    kept = [t for t in tried if t.gain > 0 and t.error < error]
+    kept = [t for t in tried if t.gain > 0 and lowers(t, error)]
     candidates = []
     for t, chance in zip(tried, chances, strict=False):
-        if t.gain <= 0 or t.error >= error:
+        if t.gain <= 0 or not lowers(t, error):
             continue
         against = kept[1] if t is kept[0] and len(kept) > 1 else kept[0]
         words = evidence_for(held, state, t.state, known[t.effect])

@@ -1,5 +1,7 @@
 """Confidences from gains on data that no fit saw."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -40,3 +42,19 @@ def test_what_is_still_wrong_makes_gains_count_for_less():
 def test_a_near_rival_is_named():
     best, near, far = made("a", 300.0, 1.0), made("b", 280.0, 1.0), made("c", 90.0, 1.4)
     assert rivals(best, [best, near, far]) == ["b"]
+
+
+@pytest.mark.parametrize(
+    ("gain", "fitted", "enough"),
+    [(23.0, 47.0, True), (55.0, 0.0, False), (2.0, 300.0, False), (14.0, 14.0, False)],
+)
+def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enough):
+    found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)
+    assert found.evidence == (gain + fitted) / 2
+    assert significant(found, 1.1) is enough
+
+
+def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
+    assert significant(made("a", 150.0, 1.01), 1.0)
+    assert not significant(made("a", 150.0, 1.03), 1.0)
+    assert not significant(made("a", 40.0, 1.01), 1.0)
