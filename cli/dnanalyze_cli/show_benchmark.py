@@ -10,7 +10,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from dnanalyze.report.benchmark import headline
+from dnanalyze.report.benchmark import headline, summary
 from dnanalyze.report.words import number, sentence, with_error
 
 SHOWN = {
@@ -23,7 +23,6 @@ def result(console: Console, held: Any) -> None:
     """The verdict, the figures at one common temperature, what each is made of, the caveats."""
     console.print(Padding(Text(headline(held), style="bold"), (0, 0, 1, 2)))
     names = [s.name for s in held.sensors]
-    middle = held.temperatures[len(held.temperatures) // 2] if held.temperatures else None
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="dim")
     table.add_column("figure", no_wrap=True)
     wide = len(names) < 4
@@ -33,8 +32,8 @@ def result(console: Console, held: Any) -> None:
     if not wide:
         legend = ", ".join(f"{a} {b}" for a, b in zip(letters, names, strict=True))
         console.print(Padding(Text(legend), (0, 0, 1, 2)))
-    for ranking in held.rankings:
-        if ranking.criterion not in SHOWN or ranking.temperature_c not in (middle, None):
+    for ranking in summary(held):
+        if ranking.base not in SHOWN:
             continue
         at = f", {ranking.temperature_c:g} °C" if ranking.temperature_c is not None else ""
         unit = f" [{ranking.unit}]" if ranking.unit not in ("", "1") else ""

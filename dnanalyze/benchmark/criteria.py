@@ -13,7 +13,8 @@ class Criterion:
     ----------
     name, title, unit : str
     statistics : tuple of str
-        Where it is read from: the first that the frames tell.
+        Where it is read from: the first that the frames tell; those after it are told by single
+        frames, in which the fixed pattern is not told from the noise.
     better : str
         "low", "high", or "" where neither is.
     thermal : bool
@@ -48,14 +49,14 @@ CRITERIA = (
     Criterion("row_noise", "temporal row noise", "DN", ("temporal_row_mean_sd",), electrons=True),
     Criterion("column_noise", "temporal column noise", "DN", ("temporal_column_mean_sd",),
               electrons=True),
-    Criterion("hot_pixels", "hot pixels", "ppm", ("hot_density_pattern", "hot_density_frame"),
-              floor=False),
+    Criterion("hot_pixels", "hot pixels above 5 sigma", "ppm",
+              ("hot_density_pattern", "hot_density_frame"), floor=False),
 )  # fmt: skip
 
 SINGLE = (
-    Criterion("read_noise", "noise at the coldest and shortest", "DN",
+    Criterion("read_noise", "noise, coldest and shortest", "DN",
               ("temporal_noise_core", "frame_noise_core"), thermal=False, electrons=True),
-    Criterion("spectral_slope", "low-frequency spectral slope", "1",
+    Criterion("spectral_slope", "1/f slope of the spectrum", "1",
               ("pattern_slope_low", "frame_slope_low"), better="", thermal=False),
     Criterion("tail_index", "tail index", "1", ("tail_index",), better="", thermal=False),
     Criterion("pedestal", "black level", "DN", ("pedestal",), better="", thermal=False),
@@ -67,6 +68,6 @@ SINGLE = (
 
 ERRORS = (
     Criterion("error_gaussian", "error of a plain Gaussian", "", (), thermal=False, better=""),
-    Criterion("error_paper", "error of the paper's model", "", (), thermal=False),
-    Criterion("error_refined", "error of the refined model", "", (), thermal=False),
+    Criterion("error_paper", "error of the paper's model", "", (), thermal=False, better=""),
+    Criterion("error_refined", "error of the refined model", "", (), thermal=False, better=""),
 )

@@ -22,11 +22,12 @@ ENERGIES = (0.5, 0.65, 0.9, 1.2)
 
 @dataclass(frozen=True)
 class Reading:
-    """A figure at one temperature: C, value and standard error in plain units."""
+    """A figure at one temperature: C, value, standard error in plain units, and what told it."""
 
     temperature_c: float
     value: float
     se: float
+    statistic: str = ""
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,15 @@ CLEAR = 5.0  # standard errors from which the slope of variance over mean counts
 
 @dataclass(frozen=True)
 class Figure:
-    """A number with its error; ``note`` says where it comes from, or why it is absent."""
+    """A number with its error; ``note`` says where it comes from, or why it is absent.
+
+    ``one_frame``: told by single frames, so that the fixed pattern is in it.
+    """
 
     value: float
     se: float
     note: str = ""
+    one_frame: bool = False
 
     @property
     def known(self) -> bool:
@@ -79,6 +83,8 @@ class SensorRecord:
     filtered : bool or None
     filter_kind : str
     notes : list of str
+    reference : str
+        Operating point at which the strengths of the effects are told.
     """
 
     name: str
@@ -94,6 +100,7 @@ class SensorRecord:
     filtered: bool | None = None
     filter_kind: str = ""
     notes: list[str] = field(default_factory=list)
+    reference: str = ""
 
     @property
     def sensor(self) -> Sensor:
@@ -140,18 +147,21 @@ def record(
     tell(f"{name}: statistics")
     statistics = analyze(captures)
     notes: list[str] = list(captures.notes)
-    errors, effects, verdict, own_gain = _modelled(name, captures, quick, tell, notes)
+    errors, result = _modelled(name, captures, quick, tell, notes)
+    own_gain = _gain_of_model(result) if result else ABSENT
     filtered, kind = _filtered(name, captures, tell, notes)
     return SensorRecord(
         name, folder, captures, statistics, readings_of(statistics), single_of(statistics),
-        own_gain if own_gain.known else gain_of(statistics), errors, effects, verdict,
-        filtered, kind, notes,
+        own_gain if own_gain.known else gain_of(statistics), errors,
+        strengths(result.model) if result else [], result.verdict if result else "",
+        filtered, kind, notes, result.model.reference.label() if result else "",
     )  # fmt: skip
 
 
 def _modelled(
     name: str, captures: CaptureSet, quick: bool, tell: Callable[[str], None], notes: list[str]
-) -> tuple[dict[str, float], list[Strength], str, Figure]:
+) -> tuple[dict[str, float], Any]:
+    """Errors of the Gaussian, the paper's and the refined model; the refinement, or None."""
     from dnanalyze.comparator.compare import compare
     from dnanalyze.diagnosis.refine import refine
     from dnanalyze.fitting.design import design
@@ -163,13 +173,13 @@ def _modelled(
         comparison = compare(captures, held=held)
     except InputError as error:
         notes.append(f"no model could be held against it: {error}")
-        return {}, [], "", ABSENT
+        return {}, None
     errors = {k: comparison.baselines[k] for k in ("gaussian", "paper")}
     if quick:
-        return errors, [], "", ABSENT
+        return errors, None
     result = refine(captures, held=held, trying=lambda effect: tell(f"{name}: trying {effect}"))
     errors["refined"] = result.steps[-1].error
-    return errors, strengths(result.model), result.verdict, _gain_of_model(result)
+    return errors, result
 
 
 def strengths(model: Any) -> list[Strength]:
@@ -251,15 +261,20 @@ def readings_of(statistics: Statistics) -> dict[str, list[Reading]]:
     longest = [s for s in _longest(statistics) if s.point.temperature_c is not None]
     made: dict[str, list[Reading]] = {}
     for criterion in CRITERIA:
-        rows = []
-        known = {s.point.temperature_c for s in longest} - {None}
-        for celsius in sorted(float(t) for t in known if t is not None):
-            here = [s for s in longest if s.point.temperature_c == celsius]
-            figure = _value(here, criterion.statistics)
-            if figure.known:
-                rows.append(Reading(celsius, figure.value, figure.se))
-        made[criterion.name] = rows
+        series = [_series(longest, name) for name in criterion.statistics]
+        made[criterion.name] = next((s for s in series if len(s) > 1), max(series, key=len))
     return made
+
+
+def _series(settings: list[SettingStatistics], name: str) -> list[Reading]:
+    """One statistic over the temperatures, where it is told."""
+    known = {s.point.temperature_c for s in settings} - {None}
+    rows = []
+    for celsius in sorted(float(t) for t in known if t is not None):
+        figure = _value([s for s in settings if s.point.temperature_c == celsius], (name,))
+        if figure.known:
+            rows.append(Reading(celsius, figure.value, figure.se, name))
+    return rows
 
 
 def single_of(statistics: Statistics) -> dict[str, Figure]:
@@ -284,7 +299,10 @@ def _single(statistics: Statistics, criterion: Criterion) -> Figure:
 
     chosen = min(points, key=heat) if criterion.name == "read_noise" else max(points, key=heat)
     figure = _value([s for s in statistics.settings if s.point == chosen], criterion.statistics)
-    return Figure(figure.value, figure.se, f"at {chosen.label()}") if figure.known else ABSENT
+    if not figure.known:
+        return ABSENT
+    one_frame = figure.note in criterion.statistics[1:]
+    return Figure(figure.value, figure.se, f"at {chosen.label()}", one_frame)
 
 
 _TRENDS = {"pedestal", "activation_energy_ev", "doubling_step_c"}

@@ -18,7 +18,11 @@ TELLING = 2.0  # standard errors of a difference, from which two sensors are tol
 
 @dataclass(frozen=True)
 class Placed:
-    """A sensor's place under a criterion; equal ranks are not told apart."""
+    """A sensor's place under a criterion; equal ranks are not told apart.
+
+    Without a rank are figures that are not to be believed, or compared: those of a filtered output,
+    and those of single frames beside others that tell noise from pattern.
+    """
 
     sensor: str
     figure: Figure
@@ -38,7 +42,7 @@ class Ranking:
     better : str
         "low", "high" or "".
     places : list of Placed
-        Best first; without a figure last.
+        Best first; then those without a rank, without a figure last.
     """
 
     criterion: str
@@ -47,6 +51,11 @@ class Ranking:
     temperature_c: float | None
     better: str
     places: list[Placed]
+
+    @property
+    def base(self) -> str:
+        """The criterion, whatever the unit."""
+        return self.criterion.removesuffix("_e").removesuffix("_area")
 
     def of(self, sensor: str) -> Figure:
         """A sensor's figure."""
@@ -152,18 +161,23 @@ def side_by_side(sensors: Sequence[SensorRecord], temperatures: Sequence[float] 
 
 
 def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
+    """Measured there, else by the sensor's own law."""
     readings = sensor.readings[criterion.name]
+    one_frame = any(r.statistic in criterion.statistics[1:] for r in readings)
+    there = [r for r in readings if abs(r.temperature_c - celsius) < 0.5 and r.value > 0]
+    if there:
+        nearest = min(there, key=lambda r: abs(r.temperature_c - celsius))
+        return Figure(nearest.value, nearest.se, "measured there", one_frame)
     found = estimate(readings, celsius, criterion.floor)
     if found is None:
         why = "one temperature tells no law" if readings else "these captures do not tell it"
         return Figure(math.nan, math.nan, why)
-    measured = any(abs(r.temperature_c - celsius) < 0.5 for r in readings)
-    note = "measured there" if measured else "by its law"
+    note = "by its law"
     if found.outside_c > 0.5:
         note = f"extrapolated by {found.outside_c:.0f} C"
     if found.cost > 1.5:
         note += f"; the error is {found.cost:.1f} times that of its own nearest measurement"
-    return Figure(found.value, found.se, note)
+    return Figure(found.value, found.se, note, one_frame)
 
 
 def _forms(
@@ -184,7 +198,8 @@ def _electrons(sensor: SensorRecord, figure: Figure) -> Figure:
         why = figure.note if k.known else "its conversion gain is not known"
         return Figure(math.nan, math.nan, why)
     value = figure.value / k.value
-    return Figure(value, math.hypot(figure.se / k.value, value * k.se / k.value), figure.note)
+    se = math.hypot(figure.se / k.value, value * k.se / k.value)
+    return replace(figure, value=value, se=se)
 
 
 def _per_area(sensor: SensorRecord, figure: Figure) -> Figure:
@@ -193,7 +208,7 @@ def _per_area(sensor: SensorRecord, figure: Figure) -> Figure:
     if area is None:
         return Figure(math.nan, math.nan, "its pixel pitch is not known")
     factor = ELECTRON / area * 1e12
-    return Figure(electrons.value * factor, electrons.se * factor, electrons.note)
+    return replace(electrons, value=electrons.value * factor, se=electrons.se * factor)
 
 
 def _rank(
@@ -203,9 +218,14 @@ def _rank(
     figures: Sequence[Figure],
 ) -> Ranking:
     """Best first; a sensor that is not told apart from the one before it shares its rank."""
-    pairs = list(zip([s.name for s in sensors], figures, strict=True))
+    doubts = [
+        _doubt(s, f, figures) if criterion.better else ""
+        for s, f in zip(sensors, figures, strict=True)
+    ]
+    entries = list(zip([s.name for s in sensors], figures, doubts, strict=True))
     sign = -1.0 if criterion.better == "high" else 1.0
-    known = sorted((p for p in pairs if p[1].known), key=lambda p: sign * p[1].value)
+    known = [(name, figure) for name, figure, doubt in entries if figure.known and not doubt]
+    known.sort(key=lambda p: sign * p[1].value)
     places: list[Placed] = []
     for i, (name, figure) in enumerate(known):
         rank: int | None = i + 1
@@ -214,10 +234,22 @@ def _rank(
             if not _told_apart(last.figure, figure):
                 rank = last.rank
         places.append(Placed(name, figure, rank if criterion.better else None))
-    places += [Placed(n, f, None) for n, f in pairs if not f.known]
+    for name, figure, doubt in entries:
+        if figure.known and doubt:
+            places.append(Placed(name, replace(figure, note=f"{figure.note}; {doubt}"), None))
+    places += [Placed(n, f, None) for n, f, _ in entries if not f.known]
     return Ranking(
         criterion.name, criterion.title, criterion.unit, celsius, criterion.better, places
     )
+
+
+def _doubt(sensor: SensorRecord, figure: Figure, figures: Sequence[Figure]) -> str:
+    """Why a figure has no rank; nothing where it has one."""
+    if sensor.filtered:
+        return "of a filtered output, so not ranked"
+    if figure.one_frame and any(f.known and not f.one_frame for f in figures):
+        return "of single frames, the fixed pattern in it, so not ranked"
+    return ""
 
 
 def _told_apart(a: Figure, b: Figure) -> bool:
@@ -237,7 +269,7 @@ def _notes(
             kind = s.filter_kind.replace("_", " ")
             made.append(
                 f"the frames of {s.name} were filtered ({kind}), so that its noise, hot pixels and "
-                "spectrum flatter it; do not believe its place"
+                "spectrum are not the sensor's; it is not ranked"
             )
         if not s.temperatures:
             made.append(

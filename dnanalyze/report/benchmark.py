@@ -103,34 +103,44 @@ def _sensor(sensor: Any) -> dict[str, Any]:
     }
 
 
-def _fairest(result: Any, name: str, celsius: float | None) -> Any:
-    """The ranking in electrons, where as many sensors have a place there, else the one in DN."""
+def fairest(result: Any, name: str, celsius: float | None) -> Any:
+    """The ranking in electrons, where it tells two sensors or more; else in DN; None without one.
 
-    def places(ranking: Any) -> int:
-        return sum(p.rank is not None for p in ranking.places)
+    DN of different conversion gains compare nothing.
+    """
+    found = {
+        r.criterion: r for r in result.rankings if r.base == name and r.temperature_c == celsius
+    }
+    electrons = found.get(f"{name}_e")
+    if electrons and sum(p.figure.known for p in electrons.places) > 1:
+        return electrons
+    return found.get(name)
 
-    found = [
-        r
-        for r in result.rankings
-        if r.criterion in (f"{name}_e", name) and r.temperature_c in (celsius, None)
-    ]
-    found.sort(key=lambda r: (-places(r), r.criterion == name))
-    return found[0] if found else None
+
+def middle_of(result: Any) -> float | None:
+    """The middle one of the common temperatures."""
+    return result.temperatures[len(result.temperatures) // 2] if result.temperatures else None
+
+
+def summary(result: Any) -> list[Any]:
+    """One ranking a criterion: at the middle temperature, in the unit that compares most fairly."""
+    names = dict.fromkeys(r.base for r in result.rankings)
+    middle = middle_of(result)
+    found = (fairest(result, n, middle) or fairest(result, n, None) for n in names)
+    return [r for r in found if r is not None]
 
 
 def headline(result: Any) -> str:
-    """Who leads where, of those that no filter flatters; no overall score."""
+    """Who leads where, of those that are ranked; no overall score."""
     leads: dict[str, list[str]] = {}
-    filtered = {s.name for s in result.sensors if s.filtered}  # whose places flatter them
-    middle = result.temperatures[len(result.temperatures) // 2] if result.temperatures else None
-    for name in ("dark_current", "read_noise", "dsnu", "hot_pixels"):
-        ranking = _fairest(result, name, middle)
-        if ranking is None:
+    middle = middle_of(result)
+    for ranking in summary(result):
+        if ranking.base not in ("dark_current", "read_noise", "dsnu", "hot_pixels"):
             continue
-        known = [p for p in ranking.places if p.rank is not None and p.sensor not in filtered]
+        known = [p for p in ranking.places if p.rank is not None]
         first = [p.sensor for p in known if p.rank == known[0].rank]
         if len(known) > 1 and len(first) == 1:
-            told = "" if len(known) == len(result.sensors) else f" of the {len(known)} that tell it"
+            told = "" if len(known) == len(result.sensors) else f" of the {len(known)} ranked"
             title = f"{ranking.title} ({ranking.unit}){told}"
             leads.setdefault(first[0], []).append(title)
     at = f" at {middle:g} °C" if is_number(middle) else ""

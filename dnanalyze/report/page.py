@@ -26,6 +26,8 @@ class Table:
         Closed until the reader opens it; printed in full.
     sortable : bool
         By a click on a column's name; the page then carries the few lines of script for it.
+    narrow : bool
+        Many columns: their names may take several lines.
     """
 
     columns: Sequence[str]
@@ -34,6 +36,7 @@ class Table:
     title: str = ""
     folded: bool = False
     sortable: bool = False
+    narrow: bool = False
 
 
 @dataclass(frozen=True)

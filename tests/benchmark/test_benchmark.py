@@ -113,7 +113,37 @@ def test_gain_and_area_normalise():
 
 def test_a_filtered_sensor_is_not_to_be_believed():
     made = [made_record("a", 3.0, filtered=True, filter_kind="dpc"), made_record("b", 3.0)]
-    assert any("the frames of a were filtered (dpc)" in n for n in side_by_side(made, [45.0]).notes)
+    result = side_by_side(made, [45.0])
+    assert any("the frames of a were filtered (dpc)" in n for n in result.notes)
+    (ranking,) = [r for r in result.rankings if r.criterion == "dark_current"]
+    assert [(p.sensor, p.rank) for p in ranking.places] == [("b", 1), ("a", None)]
+    assert ranking.of("a").note == "measured there; of a filtered output, so not ranked"
+
+
+def test_single_frames_are_not_ranked_beside_what_tells_noise_from_pattern():
+    noise = {"read_noise": Figure(2.0, 0.01)}
+    both = {"read_noise": Figure(1.0, 0.01, one_frame=True)}
+    several, single = made_record("several", 3.0), made_record("single", 3.0)
+    several.single.update(noise)
+    single.single.update(both)
+
+    def ranks(*records):
+        (ranking,) = [r for r in side_by_side(records).rankings if r.criterion == "read_noise"]
+        return [(p.sensor, p.rank) for p in ranking.places]
+
+    assert ranks(single, several) == [("several", 1), ("single", None)]
+    assert ranks(single, replace(single, name="other")) == [("single", 1), ("other", 1)]
+
+
+def test_a_figure_measured_at_the_temperature_stands_as_measured():
+    a, b = made_record("a", 3.0), made_record("b", 3.0)
+    kept = [r for r in b.readings["dark_current"] if r.temperature_c != 45.0]
+    a.readings["dark_current"][1] = Reading(45.0, 4.0, 0.01)  # off its law
+    b.readings["dark_current"] = kept
+    (ranking,) = side_by_side([a, b], [45.0]).rankings
+    assert (ranking.of("a").value, ranking.of("a").note) == (4.0, "measured there")
+    assert ranking.of("b").value == pytest.approx(3.0, rel=0.05)
+    assert ranking.of("b").note.startswith("by its law")
 
 
 def virtual(name, mu, seed, temperatures=(25.0, 45.0, 65.0), k=0.5):
@@ -240,7 +270,12 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
         assert record.effects[2].rms_dn == pytest.approx(1.5, rel=0.1)
     written = document(["a", "b"], result)["sensors"]
     assert [s["errors"]["refined"] for s in written] == [1.1, 1.1]
-    assert "dark_shot_noise" in benchmark_page(result)
+    page = benchmark_page(result)
+    assert "dark_shot_noise" in page
+    assert "dn_per_e 0.5" in page  # its strength, since it has no closed form
+    assert [r.reference for r in result.sensors] == [
+        r.captures.settings[1].point.label() for r in result.sensors
+    ]
 
 
 def test_the_channels_of_one_sensor_stand_side_by_side(no_filters):
@@ -273,7 +308,7 @@ def test_the_headline_compares_electrons_where_they_are_known():
         "Of 2 sensors at 45 °C, high leads in dark current (e-/s)."
     )
     best = made_record("best", 1.0, filtered=True, filter_kind="dpc", dn_per_e=high.dn_per_e)
-    assert "high leads in dark current (e-/s) of the 2" in headline(
+    assert "high leads in dark current (e-/s) of the 2 ranked" in headline(
         side_by_side([low, best, high], [45.0])
     )
     unknown = [made_record("low", 3.0), made_record("high", 9.0)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dnanalyze.report.benchmark import headline
+from dnanalyze.report.benchmark import fairest, headline, middle_of, summary
 from dnanalyze.report.capture import facts
 from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.page import Page, Section, Table, render
@@ -20,6 +20,7 @@ def benchmark_page(result: Any) -> str:
         listing(names),
         headline(result),
         [
+            _glance(result),
             _temperatures(result),
             _one_each(result),
             _models(result),
@@ -33,35 +34,100 @@ def benchmark_page(result: Any) -> str:
     return render(page)
 
 
+GLANCE = (
+    "dark_current", "temporal_noise", "dsnu", "row_noise", "column_noise", "hot_pixels",
+    "read_noise", "spectral_slope", "tail_index", "activation_energy", "doubling_step",
+    "error_refined",
+)  # fmt: skip
+FILTERED, ONE_FRAME = "†", "*"
+MARKS = (
+    (FILTERED, "of a filtered output: not the sensor's, and not ranked."),
+    (ONE_FRAME, "of single frames, in which the fixed pattern is not told from the noise."),
+)
+
+
 def _cell(figure: Any) -> str:
-    return with_error(figure.value, figure.se) if figure.known else "–"
+    if not figure.known:
+        return "–"
+    return with_error(figure.value, figure.se) + (f" {ONE_FRAME}" if figure.one_frame else "")
+
+
+def _names(result: Any) -> list[str]:
+    """The sensors, those with a filtered output marked."""
+    return [f"{s.name} {FILTERED}" if s.filtered else s.name for s in result.sensors]
+
+
+def _marks(result: Any) -> list[str]:
+    """What the marks say, of those that stand in the tables."""
+    figures = [p.figure for r in result.rankings for p in r.places]
+    used = {
+        FILTERED: any(s.filtered for s in result.sensors),
+        ONE_FRAME: any(f.known and f.one_frame for f in figures),
+    }
+    return [f"{mark} {text}" for mark, text in MARKS if used[mark]]
+
+
+def _glance(result: Any) -> Section:
+    """A row a sensor, a column a criterion."""
+    shown = [r for r in summary(result) if r.base in GLANCE]
+    columns = [r.title + (f" [{r.unit}]" if r.unit not in ("", "1") else "") for r in shown]
+    rows = []
+    for sensor, name in zip(result.sensors, _names(result), strict=True):
+        cells = []
+        for r in shown:
+            (place,) = (p for p in r.places if p.sensor == sensor.name)
+            text = number(place.figure.value) if place.figure.known else "–"
+            mark = f" {ONE_FRAME}" if place.figure.known and place.figure.one_frame else ""
+            cells.append(text + mark + (f" ({place.rank})" if place.rank else ""))
+        rows.append((name, *cells))
+    middle = middle_of(result)
+    at = f"What runs with temperature is that at {middle:g} °C. " if middle is not None else ""
+    return Section(
+        "glance",
+        "At a glance",
+        text=[f"{at}In brackets the rank; sensors that are not told apart share one.",
+              *_marks(result)],
+        tables=[Table(("sensor", *columns), rows, sortable=True, narrow=True)],
+    )  # fmt: skip
 
 
 def _temperatures(result: Any) -> Section:
     """What runs with temperature: a row a criterion and temperature, a column a sensor."""
-    names = [s.name for s in result.sensors]
-    cells = [
-        (r.title, r.unit, f"{r.temperature_c:g}", *(_cell(r.of(n)) for n in names))
-        for r in result.rankings
-        if r.temperature_c is not None
-    ]
+    head = ("figure", "unit", "°C", *_names(result))
+    shown: list[tuple[str, ...]] = []
+    rest: list[tuple[str, ...]] = []
+    for r in result.rankings:
+        if r.temperature_c is not None:
+            cells = (_cell(r.of(s.name)) for s in result.sensors)
+            row = (r.title, r.unit, f"{r.temperature_c:g}", *cells)
+            (rest if _told_in_electrons(result, r) else shown).append(row)
+    tables = [Table(head, shown, words=2, sortable=True)]
+    if rest:
+        tables.append(Table(head, rest, words=2, title="The same in DN", folded=True))
     return Section(
         "temperatures",
         "At common temperatures",
         text=[
-            "Each figure is read off the sensor's own law over temperature. Its error holds what "
-            "that costs: sampling, misfit, the choice of the law, and the distance to what was "
-            "measured."
+            "A figure that was measured at the temperature stands as measured. Any other is read "
+            "off the sensor's own law over temperature, and its error holds what that costs: "
+            "sampling, misfit, the choice of the law, and the distance to what was measured."
         ],
         pictures=[figures.over_temperature(result)],
-        tables=[Table(("figure", "unit", "°C", *names), cells, words=2, sortable=True)],
+        tables=tables,
     )
 
 
+def _told_in_electrons(result: Any, ranking: Any) -> bool:
+    """Whether every sensor that has this figure in DN has it in electrons, too."""
+    told = fairest(result, ranking.base, ranking.temperature_c)
+    if ranking.criterion != ranking.base or told is None or told is ranking:
+        return False
+    return all(told.of(p.sensor).known for p in ranking.places if p.figure.known)
+
+
 def _one_each(result: Any) -> Section:
-    names = [s.name for s in result.sensors]
     cells = [
-        (r.title, r.unit, *(_cell(r.of(n)) for n in names))
+        (r.title, r.unit, *(_cell(r.of(s.name)) for s in result.sensors))
         for r in result.rankings
         if r.temperature_c is None and not r.criterion.startswith("error_")
     ]
@@ -69,7 +135,9 @@ def _one_each(result: Any) -> Section:
     return Section(
         "figures",
         "One figure each",
-        tables=[Table(("figure", "unit", *names), [*cells, gains], words=2, sortable=True)],
+        tables=[
+            Table(("figure", "unit", *_names(result)), [*cells, gains], words=2, sortable=True)
+        ],
     )
 
 
@@ -80,11 +148,10 @@ def _models(result: Any) -> Section:
         kind = "not tested" if s.filtered is None else "no"
         if s.filtered:
             kind = f"yes: {s.filter_kind.replace('_', ' ')}"
-        rows.append(
-            (s.name, kind, *(number(s.errors.get(k)) for k in ("gaussian", "paper", "refined")))
-        )
-    columns = ("sensor", "filtered", "Gaussian", "paper's model", "refined")
-    tables = [Table(columns, rows, words=2, sortable=True)]
+        told = (number(s.errors.get(k)) for k in ("gaussian", "paper", "refined"))
+        rows.append((s.name, kind, s.verdict or "not refined", *told))
+    columns = ("sensor", "filtered", "verdict", "Gaussian", "paper's model", "refined")
+    tables = [Table(columns, rows, words=3, sortable=True)]
     strengths = [
         (e.effect, s.name, number(e.rms_dn), _numbers(e.parameters))
         for s in result.sensors
@@ -93,14 +160,18 @@ def _models(result: Any) -> Section:
     if strengths:
         names = [s.name for s in result.sensors]
         head, title = ("effect", "sensor", "rms [DN]", "parameters"), "Parameters of every effect"
-        tables.append(Table(("rms of the effect [DN]", *names), _strengths(result), sortable=True))
+        tables.append(Table(("rms of the effect [DN]", *names), _strengths(result)))
         tables.append(Table(head, sorted(strengths), words=4, title=title, folded=True))
     return Section(
         "models",
         "What each sensor is made of",
         text=[
-            "A filtered output flatters noise, hot pixels and spectra: such figures are not "
-            "the sensor's."
+            "Filtered: whether a defect correction or a denoise was found in the frames, which "
+            "makes noise, hot pixels and spectra not the sensor's own. Verdict: adequate, where "
+            "the refined model leaves nothing to find; unexplained, where something is left that "
+            "no effect of the catalogue accounts for. The strength of an effect is the rms that "
+            "it adds to a pixel at the operating point of the first row, or its first parameter "
+            "where no closed form gives that."
         ],
         pictures=[figures.errors(result)],
         tables=tables,
@@ -108,16 +179,19 @@ def _models(result: Any) -> Section:
 
 
 def _strengths(result: Any) -> list[tuple[str, ...]]:
-    """A row an effect, a column a sensor: its rms, "yes" where no closed form tells it."""
+    """A row an effect, a column a sensor: its rms, a parameter where no closed form tells it."""
     effects = dict.fromkeys(e.effect for s in result.sensors for e in s.effects)
     found = [{e.effect: e for e in s.effects} for s in result.sensors]
 
     def cell(effect: Any) -> str:
         if effect is None:
             return "–"
-        return "yes" if effect.rms_dn is None else number(effect.rms_dn)
+        if effect.rms_dn is not None:
+            return number(effect.rms_dn)
+        return _numbers(dict(list(effect.parameters.items())[:1])) or "yes"
 
-    return [(name, *(cell(own.get(name)) for own in found)) for name in effects]
+    at = ("at", *(s.reference or "–" for s in result.sensors))
+    return [at] + [(name, *(cell(own.get(name)) for own in found)) for name in effects]
 
 
 def _numbers(parameters: Mapping[str, tuple[float, str]]) -> str:
@@ -129,26 +203,32 @@ def _numbers(parameters: Mapping[str, tuple[float, str]]) -> str:
 
 
 def _rankings(result: Any) -> Section:
-    """Per criterion, best first."""
+    """Per criterion, best first, in the unit that compares most fairly."""
+    names = dict(zip((s.name for s in result.sensors), _names(result), strict=True))
     rows = []
     for r in result.rankings:
         ranked = [p for p in r.places if p.rank is not None]
-        if len(ranked) < 2:
+        if len(ranked) < 2 or r is not fairest(result, r.base, r.temperature_c):
             continue
         at = f"{r.temperature_c:g}\N{NO-BREAK SPACE}°C" if r.temperature_c is not None else ""
-        order = "   ".join(f"{p.rank}. {p.sensor} ({_cell(p.figure)})" for p in ranked)
+        order = "; ".join(f"{p.rank}. {p.sensor} ({_cell(p.figure)})" for p in ranked)
+        left = [names[p.sensor] for p in r.places if p.rank is None and p.figure.known]
+        order += f"; not ranked: {listing(left)}" if left else ""
         rows.append((r.title, r.unit, at, order))
     return Section(
         "rankings",
         "Ranking per criterion",
-        text=["Sensors whose figures differ by less than two standard errors share a rank."],
+        text=[
+            "Sensors whose figures differ by less than two standard errors share a rank.",
+            *_marks(result),
+        ],
         tables=[Table(("criterion", "unit", "at", "best first"), rows, words=4)] if rows else [],
     )
 
 
 def _captures(result: Any) -> Section:
-    keys = ("frames", "temperature", "exposure", "gain")
+    keys = ("frames", "temperature", "exposure", "gain", "pixel pitch")
     rows = [(s.name, *(facts(s.captures).get(k, "–") for k in keys)) for s in result.sensors]
     notes = [f"{s.name}: {sentence(n)}" for s in result.sensors for n in s.notes]
     columns = ("sensor", *keys)
-    return Section("captures", "The captures", points=notes, tables=[Table(columns, rows, words=5)])
+    return Section("captures", "The captures", points=notes, tables=[Table(columns, rows, words=6)])

@@ -12,10 +12,10 @@ for (const table of document.querySelectorAll("table.sortable")) {
       const text = (row) => row.cells[column].textContent.trim();
       const order = (a, b) => {
         const x = parseFloat(text(a)), y = parseFloat(text(b));
-        if (isNaN(x) && isNaN(y)) return text(a).localeCompare(text(b));
-        return (isNaN(x) ? Infinity : x) - (isNaN(y) ? Infinity : y);
+        if (isNaN(x) !== isNaN(y)) return isNaN(x) ? 1 : -1; // what has no number stays last
+        return (down ? -1 : 1) * (isNaN(x) ? text(a).localeCompare(text(b)) : x - y);
       };
-      const rows = [...body.rows].sort((a, b) => (down ? -order(a, b) : order(a, b)));
+      const rows = [...body.rows].sort(order);
       body.append(...rows);
     };
     head.addEventListener("click", sort);
