@@ -64,7 +64,7 @@ def significant(found: Trial, error: float) -> bool:
     must give its part of it, and the pooled error of the unseen half must fall.
     """
     least = min(found.gain, found.fitted_gain)
-    return found.evidence > NOTHING and least > NOTHING / 2 and lowers(found, error)
+    return found.evidence > NOTHING and least > NOTHING / 4 and lowers(found, error)
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:
