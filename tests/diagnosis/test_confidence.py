@@ -46,7 +46,13 @@ def test_a_near_rival_is_named():
 
 @pytest.mark.parametrize(
     ("gain", "fitted", "enough"),
-    [(23.0, 47.0, True), (55.0, 0.0, False), (2.0, 300.0, False), (14.0, 14.0, False), (6.0, 90.0, False)],
+    [
+        (23.0, 47.0, True),
+        (55.0, 0.0, False),
+        (2.0, 300.0, False),
+        (14.0, 14.0, False),
+        (6.0, 90.0, False),
+    ],
 )
 def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enough):
     found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)

@@ -11,12 +11,12 @@ import numpy as np
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.clues import Clues
+from dnanalyze.model.code_widths import code_widths
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 _BLOCK = 64  # codes; also a multiple of every period
-_MOST_CODES = 1 << 20  # of a histogram that is looked at
-_CORE = 0.05  # of the largest count: codes that occur often enough to tell their widths
+_MOST_CODES = 1 << 14  # of a histogram that is looked at
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 
 
@@ -118,36 +118,14 @@ class MissingCodes(Effect):
 
 def _periodic(clues: Clues, sigma: float, period: int) -> MissingCodes:
     """With the widths of the codes of a period, where the histograms can tell."""
-    d = _widths(clues, period)
-    if not d.size or np.ptp(d) == 0:
-        return MissingCodes(sigma, "periodic", period)
-    told = tuple(round(float(v), 4) for v in d / np.std(d))
-    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", period, told)
-
-
-def _widths(clues: Clues, period: int) -> np.ndarray:
-    """d_k over a period: how often a code occurs over the mean of the period around it.
-
-    From histograms that are at least two periods wide; empty where there is none.
-    """
-    seen, expected = np.zeros(period), np.zeros(period)
-    window = np.full(period + 1, 1.0 / period)
-    window[[0, -1]] /= 2.0  # the period is even: half a code more on either side
+    found = []
     for setting in range(len(clues.points)):
         codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
         if codes is None or counts is None or np.any(codes % 1) or np.ptp(codes) > _MOST_CODES:
             continue
-        place = codes.astype(int) - int(codes[0])
-        dense = np.bincount(place, counts)
-        usual = np.convolve(dense, window, mode="same") if dense.size > period else dense
-        core = np.flatnonzero(usual > _CORE * usual.max())
-        if core.size < 2 * period:
-            continue
-        core = core[(core >= period) & (core < dense.size - period)]
-        residue = (core + int(codes[0])) % period
-        seen += np.bincount(residue, dense[core], period)
-        expected += np.bincount(residue, usual[core], period)
-    if np.any(expected == 0):
-        return np.empty(0)
-    ratio = seen / expected
-    return np.asarray(ratio / ratio.mean() - 1.0)
+        found.append((codes, counts))
+    d = code_widths(found, period)
+    if not d.size or np.ptp(d) == 0:
+        return MissingCodes(sigma, "periodic", period)
+    told = tuple(round(float(v), 4) for v in d / np.std(d))
+    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", period, told)

@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+from dnanalyze.model.code_widths import code_widths
+
+# every fourth edge .6 DN too high: the code below it 1.6 wide, the one above it .4
+EXPECTED = (-0.6, 0.0, 0.0, 0.6)
+
+
+def converted(mean, sd, shift=0.6, count=200_000, seed=3):
+    x = mean + sd * np.random.default_rng(seed).standard_normal(count)
+    upper = np.arange(1, 1001)
+    edges = upper - 0.5 + shift * (upper % 4 == 0)
+    return np.unique(np.searchsorted(edges, x, side="right"), return_counts=True)
+
+
+@pytest.mark.parametrize("sd", [1.8, 2.5, 20.0])
+def test_widths_of_a_mismatched_bit_whatever_the_spread(sd):
+    d = code_widths([converted(100.3, sd)], 4)
+    # a class has 50,000 counts (.5 %), more in the wide one; few codes share with the density
+    np.testing.assert_allclose(d, EXPECTED, atol=0.04 if sd > 2 else 0.06)
+
+
+def test_histograms_too_narrow_alone_tell_together():
+    told = [converted(100.3 + 1.7 * n, 1.0, seed=n) for n in range(5)]
+    np.testing.assert_allclose(code_widths(told, 4), EXPECTED, atol=0.1)
+
+
+def test_a_code_that_never_occurs_has_no_width():
+    d = code_widths([converted(300.0, 12.0, shift=1.0)], 4)
+    np.testing.assert_allclose(d, (-1.0, 0.0, 0.0, 1.0), atol=0.03)
+
+
+def test_equal_codes_are_equally_wide():
+    d = code_widths([converted(300.0, 5.0, shift=0.0)], 8)
+    assert np.abs(d).max() < 5 / np.sqrt(200_000 / 8)
+
+
+def test_no_answer_where_codes_of_a_class_are_not_seen():
+    assert code_widths([converted(100.0, 0.3)], 16).size == 0
+    assert code_widths([converted(100.0, 1.0)], 4).size == 0
+    assert code_widths([], 4).size == 0
