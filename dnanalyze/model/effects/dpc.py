@@ -14,6 +14,7 @@ from dnanalyze.model.evidence import bounded, excess, shows, strongest, typical_
 
 _CALIBRATION_FRAMES = 2
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
+_ENOUGH = 5.0  # pixels that should stand out
 _TAIL = (  # quantiles of the pattern, and the share of the pixels above them
     ("pattern_q0.9", 0.1), ("pattern_q0.99", 0.01), ("pattern_q0.999", 1e-3),
     ("pattern_q0.9999", 1e-4),
@@ -132,7 +133,7 @@ class Dpc(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Threshold from the least excess over the neighbours that is rarer than modelled."""
+        """Threshold from where pixels that stand out begin to be rarer than modelled."""
         rare = [k for name, k in _EXCESS if shows(clues, [name], -1)]
         tied = shows(clues, ["ties_max8"])
         ranks = shows(clues, ["frame_pmax8", "pattern_pmax8", "temporal_pmax8"], -1)
@@ -141,13 +142,15 @@ class Dpc(Effect):
         if not (rare or tied or ranks or sparse or cut):
             return []
         noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
-        threshold = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
+        usual = (rare[0] if rare else 4.0) * noise
+        threshold = bounded(cls, "threshold", _threshold(clues) or usual)
         found: list[Effect] = []
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess"))
             found.append(cls(threshold, kind="excess", sides="both"))
             found.append(cls(threshold, kind="median"))
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
+            found.append(cls(threshold, kind="clamp"))
         if rare:
             level = np.asarray(clues.measured("median"), float)
             level = level[np.isfinite(level)]
@@ -156,6 +159,33 @@ class Dpc(Effect):
         if sparse or cut:
             found.append(cls(fraction=bounded(cls, "fraction", _listed(clues)), kind="static"))
         return found
+
+
+def _threshold(clues: Clues) -> float:
+    """DN above all neighbours from which pixels are gone, over all settings; 0: not to be seen.
+
+    The noise, and with it what so many deviations are in DN, differs from setting to setting, so
+    the counts bracket the threshold closer than those of one setting could.
+    """
+    noise = np.asarray(clues.measured("temporal_noise_core"), float)
+    leads, left, weights = [], [], []
+    for name, k in _EXCESS:
+        expected = np.asarray(clues.simulated(name), float)
+        seen = np.asarray(clues.measured(name), float)
+        told = np.isfinite(noise * expected * seen) & (expected > _ENOUGH)
+        leads += list(k * noise[told])
+        left += list(np.minimum(seen[told] / expected[told], 1.0))
+        weights += list(np.sqrt(expected[told]))
+    if not leads:
+        return 0.0
+    order = np.argsort(leads)
+    lead, share, weight = (np.array(v)[order] for v in (leads, left, weights))
+    # what is missing below a threshold, and what is left above it, speak against it
+    below = np.append(0.0, np.cumsum(weight * (1.0 - share)))
+    above = np.append(np.cumsum((weight * share)[::-1])[::-1], 0.0)
+    at = int(np.argmin(below + above))
+    ends = np.concatenate([lead[:1] / 2.0, lead, lead[-1:] * 2.0])
+    return float(np.sqrt(ends[at] * ends[at + 1]))
 
 
 def _listed(clues: Clues) -> float:

@@ -112,6 +112,20 @@ def test_guess_takes_the_threshold_from_what_is_missing():
     assert found["ratio"].black == 66.0
 
 
+def test_settings_of_different_noise_bracket_the_threshold():
+    clues = Given(
+        points=(OperatingPoint(25.0, 1.0, 1.0), OperatingPoint(65.0, 1.0, 1.0)),
+        seen={
+            "temporal_noise_core": [2.0, 3.0],  # leads of 8, 16, 32 and of 12, 24, 48 DN
+            "excess_4": [90.0, 70.0], "excess_8": [30.0, 0.0], "excess_16": [0.0, 0.0],
+        },
+        model={"excess_4": 100.0, "excess_8": 40.0, "excess_16": 20.0},
+        off={"excess_8": -6.0},
+    )  # fmt: skip
+    found = {e.kind: e for e in Dpc.guess(clues)}
+    assert 16.0 < found["excess"].threshold < 24.0
+
+
 def test_guess_of_a_list_from_what_the_tail_lacks():
     tail = ["pattern_q0.9", "pattern_q0.99", "pattern_q0.999", "pattern_q0.9999"]
     clues = Given(
