@@ -36,11 +36,11 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     """
     known = [t.evidence if lowers(t, error) else min(t.evidence, 0.0) for t in trials] + [NOTHING]
     excess = np.array(known) - max(known)
-    weight = np.exp(excess / (2.0 * DEFLATION * _dispersion(trials)))
+    weight = np.exp(excess / (2.0 * DEFLATION * dispersion(trials)))
     return weight / weight.sum()
 
 
-def _dispersion(trials: Sequence[Trial]) -> float:
+def dispersion(trials: Sequence[Trial]) -> float:
     """Misfit per statistic that even the best candidate leaves, at least 1.
 
     While more than one effect is missing, differences of gain measure how the candidates bend
@@ -57,14 +57,16 @@ def lowers(found: Trial, error: float) -> bool:
     return found.error < error * (1.0 + (LUCK if found.evidence > PLENTY else 0.0))
 
 
-def significant(found: Trial, error: float) -> bool:
+def significant(found: Trial, error: float, spread: float = 1.0) -> bool:
     """Whether an effect is worth adding to a model that stands at ``error``.
 
     The mean of its gains must be beyond what a useless effect could reach by chance, either half
-    must give its part of it, and the pooled error of the unseen half must fall.
+    must give its part of it, and the pooled error of the unseen half must fall. Chance reaches
+    farther in proportion to the `dispersion` that is left: a useless effect bends with it.
     """
     least = min(found.gain, found.fitted_gain)
-    return found.evidence > NOTHING and least > NOTHING / 4 and lowers(found, error)
+    enough = found.evidence > NOTHING * spread and least > NOTHING * spread / 4
+    return enough and lowers(found, error)
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

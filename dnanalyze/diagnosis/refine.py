@@ -134,7 +134,8 @@ def refine(
         tried = trials(held, state, open_to, trying)
         added = sum(1 for s in steps[1:] if s.added not in EVERYDAY)
         error = error_of(held, state)
-        best = next((t for t in tried if significant(t, error)), None)
+        spread = dispersion(tried)
+        best = next((t for t in tried if significant(t, error, spread)), None)
         if best is None:
             break
         if most_effects is not None and added >= most_effects:

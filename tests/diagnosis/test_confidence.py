@@ -5,7 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.confidence import NOTHING, confidences, rivals, significant
+from dnanalyze.diagnosis.confidence import (
+    NOTHING,
+    confidences,
+    dispersion,
+    rivals,
+    significant,
+)
 from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.model.noise_model import NoiseModel
@@ -64,3 +70,10 @@ def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
     assert significant(made("a", 150.0, 1.01), 1.0)
     assert not significant(made("a", 150.0, 1.03), 1.0)
     assert not significant(made("a", 40.0, 1.01), 1.0)
+
+
+def test_while_much_is_wrong_chance_reaches_farther():
+    messy = [made("a", 60.0, 1.0, left=2.0)]
+    assert dispersion(messy) == pytest.approx(36 * np.log1p(1 / 9))
+    assert significant(messy[0], 3.0)
+    assert not significant(messy[0], 3.0, dispersion(messy))
