@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from dnanalyze.diagnosis.confidence import NOTHING, confidences, significant
+from dnanalyze.diagnosis.confidence import NOTHING, confidences, dispersion, significant
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
