@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import re
-import shutil
-import tempfile
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.remote import Origin, fetched
 
 MAX_FILES = 100_000
 MANIFESTS = ("manifest.csv", "manifest.yaml", "manifest.yml")
@@ -33,12 +29,15 @@ class Place:
         All files below it in natural order, or the one file that was named.
     single : bool
         Whether one file was named.
+    origin : Origin, optional
+        Where the files were copied from.
     """
 
     name: str
     root: Path
     files: tuple[Path, ...]
     single: bool = False
+    origin: Origin | None = None
 
     def relative(self, path: Path) -> str:
         """The file as it is named to the user, below the root."""
@@ -124,35 +123,5 @@ def _below(root: Path) -> tuple[Path, ...]:
 
 
 def _fetched(url: str) -> Place:
-    """A local copy of a remote folder or file, removed when the program ends."""
-    try:
-        fsspec: Any = import_module("fsspec")
-    except ImportError as error:
-        raise InputError(
-            f"{url}: remote captures need fsspec; pip install 'dnanalyze[remote]'"
-        ) from error
-    local = Path(tempfile.mkdtemp(prefix="dnanalyze-"))
-    atexit.register(shutil.rmtree, local, ignore_errors=True)
-    try:
-        system, remote = fsspec.core.url_to_fs(url)
-        sizes = {name: info["size"] or 0 for name, info in system.find(remote, detail=True).items()}
-        if not sizes:
-            raise InputError(f"{url}: no such file or folder; check the address")
-        if len(sizes) > MAX_FILES:
-            raise InputError(f"{url}: more than {MAX_FILES} files; give the folder of one capture")
-        if sum(sizes.values()) > shutil.disk_usage(local).free:
-            raise InputError(f"{url}: larger than the free space of {local.parent}")
-        single = remote in sizes
-        base = remote.rpartition("/")[0] if single else remote.rstrip("/")
-        root = local / (base.rpartition("/")[2] or "captures")
-        for name in sizes:
-            target = root / name.removeprefix(base).lstrip("/")
-            inside(local, target, f"{url}: {name}")
-            target.parent.mkdir(parents=True, exist_ok=True)
-            system.get_file(name, str(target))
-    except InputError:
-        raise
-    except Exception as error:  # every protocol has its own errors
-        text = " ".join(str(error).split())[:160] or type(error).__name__
-        raise InputError(f"{url}: cannot be fetched ({text}); check address and access") from error
-    return Place(url, root, _below(root), single)
+    origin, single = fetched(url, MAX_FILES, inside)
+    return Place(url, origin.root, _below(origin.root), single, origin)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
@@ -18,6 +19,7 @@ from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.manifest import read_manifest
 from dnanalyze.loaders.names import from_names, from_regex
 from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
+from dnanalyze.loaders.remote import Fetched
 
 if TYPE_CHECKING:
     Region = Literal["active", "masked", "all"]
@@ -116,6 +118,8 @@ def _recordings(
         if recording.left_out:
             left_out[recording.left_out] += 1
         else:
+            if place.origin is not None:
+                recording = replace(recording, read=Fetched(recording.read, file, place.origin))
             found.append((file, recording))
     notes += [f"{n} files are left out: {reason}." for reason, n in left_out.items()]
     if not found:

@@ -158,3 +158,21 @@ def test_no_scheduler_is_one_line(folder, dask, monkeypatch):
     monkeypatch.setattr(dist, "TIMEOUT", 0.5)
     with pytest.raises(InputError, match="no Dask scheduler answers there"):
         analyze(load(folder), scheduler="tcp://127.0.0.1:1")
+
+
+def test_workers_open_the_url_where_the_copy_is_not(cluster, folder):
+    """The copy that the client made is away, as it is for a worker on another machine."""
+    import shutil
+
+    pytest.importorskip("fsspec", reason="fsspec is not installed")
+    here = analyze(load(folder))
+    captures = load(f"file://{folder}")
+    copies = {p for f in captures.frames() for p in [f.load.read.path]}
+    (root,) = {p.parents[1] for p in copies}
+    assert not root.is_relative_to(folder)
+    shutil.rmtree(root.parent)
+    assert_like(analyze(captures, scheduler=cluster.scheduler_address), here)
+    shutil.rmtree(folder / "25C")
+    shutil.rmtree(root.parent)
+    with pytest.raises(InputError, match=r"file://.*cannot be fetched .*check address and access"):
+        next(captures.frames()).read()
