@@ -3,7 +3,9 @@
 A limit is k spreads wide, k the quantile of Student's t for the wanted rate of false failures
 shared out over all limits (Bonferroni: safe whatever their correlations). The spread comes from the
 statistic's own standard error and, with a model, from its scatter over simulated sensors: a new
-seed draws a new silicon, and what CI sees is exactly that scatter.
+seed draws a new silicon, and what CI sees is exactly that scatter. On a log scale, where a wide
+spread means a variance of few degrees of freedom, such as that of four frames' means, the limit is
+at least the quantile of chi square (of F, for two captures): its low tail is heavy.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -25,6 +28,7 @@ RATE = 1e-3
 REPLICATES = 16
 BLOCK_FREEDOM = 8  # degrees of freedom that a standard error from blocks is trusted with
 VAGUE = math.log(30.0)  # half width on a log scale from which a limit says nothing
+LEAST_SPREAD = 0.02  # on a log scale; below it a chi square is as good as normal
 SMALLEST_ERROR = 0.03  # relative spread of an error over seeds, at least
 HEADLINE = (
     "mean", "median", "temporal_noise", "temporal_noise_core", "pattern_noise",
@@ -102,8 +106,9 @@ def propose(
     limits = len(readings) + len(families)
     width = _width(rate, limits, replicates if drawn else 0)
     made = [_error(f, np.array([e[f] for e in errors]), rate, limits) for f in families]
-    told = [r for r in readings if not (r.scale is Scale.LOG and width * r.spread > VAGUE)]
-    made += [_target(r, width, bool(drawn)) for r in told]
+    sides = [(r, _Width(width, rate / (2 * max(limits, 1)), r)) for r in readings]
+    told = [(r, w) for r, w in sides if not (r.scale is Scale.LOG and w.down > VAGUE)]
+    made += [_target(r, w, bool(drawn)) for r, w in told]
     least = min(len(s.frames) for s in bench.plan.captures.settings)
     return Targets(
         schema=SCHEMA,
@@ -151,16 +156,60 @@ def _width(rate: float, limits: int, replicates: int) -> float:
     return float(t.isf(rate / (2 * max(limits, 1)), freedom))
 
 
-def _target(r: _Reading, width: float, simulated: bool) -> Target:
+@dataclass(frozen=True)
+class _Width:
+    """How far a reading may lie off: ``width`` spreads, or what ``share`` of the draws exceed."""
+
+    width: float
+    share: float
+    reading: _Reading
+
+    @cached_property
+    def freedom(self) -> float:
+        """Degrees of freedom of a variance whose logarithm scatters as much; infinite elsewhere."""
+        from scipy.optimize import brentq
+        from scipy.special import polygamma
+
+        spread = max(self.reading.spread, self.reading.se)
+        if self.reading.scale is not Scale.LOG or spread < LEAST_SPREAD:
+            return math.inf
+        return float(brentq(lambda v: 0.5 * math.sqrt(polygamma(1, v / 2)) - spread, 1e-3, 1e6))
+
+    @property
+    def up(self) -> float:
+        """Above what is expected."""
+        return self.width * self.reading.spread
+
+    @property
+    def down(self) -> float:
+        """Below what is expected."""
+        from scipy.stats import chi2
+
+        v = self.freedom
+        heavy = 0.0 if math.isinf(v) else 0.5 * math.log(v / max(chi2.ppf(self.share, v), 1e-300))
+        return max(self.up, heavy)
+
+    @property
+    def apart(self) -> float:
+        """Between two captures."""
+        from scipy.stats import f
+
+        v = self.freedom
+        heavy = 0.0 if math.isinf(v) else 0.5 * math.log(min(f.isf(self.share, v, v), 1e300))
+        return max(math.sqrt(2.0) * self.up, heavy)
+
+
+def _target(r: _Reading, width: _Width, simulated: bool) -> Target:
     """As wide as two captures differ; wide enough for the model's seeds where it agrees."""
-    reach = width * math.sqrt(2.0) * r.spread
+    reach = width.apart
     low, high = r.measured - reach, r.measured + reach
     note, enforced = "", True
     if simulated:
         middle = float(np.mean(r.drawn))
-        own = width * r.spread * math.sqrt(1 + 1 / r.drawn.size)
+        more = math.sqrt(1 + 1 / r.drawn.size)  # the middle is not known better
         if abs(middle - r.measured) <= reach:
-            low, high = min(low, middle - own), max(high, middle + own)
+            low = min(low, middle - width.down * more)
+            high = max(high, middle + width.up * more)
         else:
             off = abs(middle - r.measured) / (math.sqrt(2.0) * r.spread)
             note, enforced = f"the model misses it by {off:.0f} floors", False

@@ -6,9 +6,11 @@ import json
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import yaml
 
+from dnanalyze.comparator import margins
 from dnanalyze.comparator.check import check
 from dnanalyze.comparator.margins import propose
 from dnanalyze.comparator.targets import dump_targets, load_targets, targets_from_plain
@@ -291,6 +293,28 @@ def test_the_command_inits_holds_and_exits_as_it_promises(tmp_path, capsys):
     assert "men" in capsys.readouterr().err
     assert run("check", tmp_path / "dark", "--model", model) == 2
     assert "--targets" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("frames", [2, 4, 8, 64])
+def test_limits_hold_for_a_variance_of_few_frames(frames):
+    """The scatter of few frames' means has a heavy low tail on the log scale, which t lacks."""
+    from scipy.stats import t
+
+    from dnanalyze.analyzers.time import log_spread_error
+
+    rng, freedom, share = np.random.default_rng(frames), frames - 1, 5e-4
+    outside, tried = 0, 0
+    for _ in range(100):
+        draws = 0.5 * np.log(rng.chisquare(freedom, 17) / freedom)
+        reading = margins._Reading(
+            P(25.0), "", "drift", draws[0], log_spread_error(freedom), draws[1:]
+        )
+        width = margins._Width(float(t.isf(share, 23)), share, reading)
+        limit = margins._target(reading, width, simulated=True)
+        new = np.sqrt(rng.chisquare(freedom, 4000) / freedom)
+        outside += int(np.sum((new < limit.min) | (new > limit.max))) if limit.enforced else 0
+        tried += new.size
+    assert outside <= 2 * share * tried
 
 
 @pytest.mark.slow
