@@ -17,6 +17,7 @@ from dnanalyze.detection.flatten import clipped
 from dnanalyze.detection.spectrum import EDGES, OctaveSpectrum, kernel_log_power
 
 LARGEST_CROSSTALK = 0.02  # share to each of the 8 neighbours
+DECAY = 2.5  # of rho(1), and of its steps, for which 1/f noise over the scan may account
 LEAST_EA_EV = 0.40  # below the activation energy of any bulk dark current
 BOLTZMANN_EV_K = 8.617e-5
 
@@ -45,12 +46,26 @@ class LagCorrelation:
 
     @property
     def short_range(self) -> float:
-        """The lesser over rows and columns of rho(1) - 2.5 rho(2).
+        """Correlation that is gone two pixels away in rows and in columns; at most zero for 1/f
+        noise.
 
-        At most zero for 1/f noise of either kind; a readout that is slow along rows, too, is left
-        out.
+        In a direction: rho(1) - 2.5 rho(2). Strong 1/f noise over the scan buries that of a filter
+        in one direction; there the steps (rho(1) - rho(2)) - 2.5 (rho(2) - rho(3)) count too, as
+        long as the other direction, which such noise leaves alone, shows its own. A readout that is
+        slow along one of them is left out.
         """
-        return min(a - 2.5 * max(b, 0.0) for a, b, _ in (self.along_rows, self.along_columns))
+        rows, columns = self.along_rows, self.along_columns
+        plain = _gone(rows), _gone(columns)
+        steps = [
+            max(one, _gone((r[0] - max(r[1], 0.0), r[1] - r[2])))
+            for one, r in zip(plain, (rows, columns), strict=True)
+        ]
+        return max(min(steps[0], plain[1]), min(plain[0], steps[1]))
+
+
+def _gone(near_and_far: tuple[float, ...]) -> float:
+    near, far = near_and_far[:2]
+    return near - DECAY * max(far, 0.0)
 
 
 def lag_correlation(images: np.ndarray) -> LagCorrelation:
@@ -100,7 +115,7 @@ def largest_crosstalk() -> CrosstalkBound:
 
     power = kernel_log_power(taps)
     spectrum = OctaveSpectrum(power, np.full(EDGES.size - 1, 1.0))
-    return CrosstalkBound(lag(1) - 2.5 * lag(2), spectrum.concavity()[0])
+    return CrosstalkBound(_gone((lag(1), lag(2))), spectrum.concavity()[0])
 
 
 def shot_share(

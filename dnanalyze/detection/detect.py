@@ -12,7 +12,7 @@ from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather
 from dnanalyze.detection.results import Detection, Finding
-from dnanalyze.detection.sample import Group, groups, read
+from dnanalyze.detection.sample import SMALLEST, Group, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
 from dnanalyze.detection.verdict import Answer, ask, decide
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
@@ -153,7 +153,14 @@ def _ambiguous(
         )
     if kind == "denoise":
         said.append("A correction of hot pixels on top of the denoise cannot be told from it.")
-    if not any(e.temporal for e in evidence):
+    if not evidence:
+        said.append(f"Frames of fewer than {SMALLEST} rows or columns are too small for the tests.")
+    elif not any(e.usable for e in evidence):
+        said.append(
+            "Frames that do not differ, or with more than 10 % of the pixels at an end of the "
+            "scale: the tests of noise do not apply."
+        )
+    elif not any(e.temporal for e in evidence):
         said.append(
             "Single frames: temporal filters leave no trace, static replacement none either."
         )

@@ -156,8 +156,8 @@ def _denoise(flags: list[Answer], view: str, coldest: float | None) -> FilterEst
     e = max((a.asked.evidence for a in mine), key=lambda e: -e.correlation.variance)
     removed = float(-np.expm1(e.spectrum.suppression[0]))
     lag = e.correlation
-    side = (lag.along_rows[0] + lag.along_columns[0]) / 2
-    far = (lag.along_rows[1] + lag.along_columns[1]) / 2
+    # 1/f noise over the scan reaches far along rows: the direction that is free of it
+    side, far, _ = min(lag.along_rows, lag.along_columns, key=lambda r: r[1])
     if tests == {"row_phase"}:
         subkind = "some_rows"
         removed = float(np.median([a.asked.effect for a in mine]))

@@ -203,6 +203,24 @@ def test_degenerate_frames_give_an_answer(stack):
     json.dumps(found.to_plain(), allow_nan=False)
 
 
+@pytest.mark.parametrize(
+    ("stack", "words"),
+    [
+        (np.random.default_rng(0).integers(0, 9, (4, 8, 8)).astype(np.uint16), "too small"),
+        (
+            np.where(np.random.default_rng(0).random((4, 64, 64)) < 0.5, 4095, 100).astype("u2"),
+            "do not apply",
+        ),
+    ],
+    ids=["tiny", "saturated"],
+)
+def test_where_the_tests_cannot_be_put_that_is_said(stack, words):
+    found = detect(from_stacks({25.0: lambda: stack}, stack.shape[1:], len(stack)))
+    assert found.kind == "none"
+    assert found.confidence == 0
+    assert any(words in said for said in found.ambiguous)
+
+
 def test_progress_is_told_and_the_answer_repeats():
     sensor = VirtualSensor(ORDINARY, (96, 96), 8)
     told: list[tuple[int, int]] = []

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from dnanalyze.detection.correlation import (
+    LagCorrelation,
     growth,
     lag_correlation,
     largest_crosstalk,
@@ -148,3 +149,19 @@ def test_no_row_phase_departs_in_exchangeable_rows_of_unequal_noise():
 def test_holm_against_its_definition():
     p = np.array([0.01, 0.04, 0.03, 0.005])
     assert holm(p) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "gone"),
+    [
+        ((0.12, 0.01, 0.0), (0.13, 0.01, 0.0), True),  # a slight blur
+        ((0.378, 0.251, 0.217), (0.132, 0.014, 0.007), True),  # the same under 1/f of the scan
+        ((0.741, 0.618, 0.56), (-0.02, -0.01, 0.0), False),  # 1/f noise over the scan
+        ((0.307, 0.126, 0.091), (0.304, 0.122, 0.09), False),  # 1/f noise over the frame
+        ((0.5, 0.25, 0.125), (0.0, 0.0, 0.0), False),  # a slow amplifier
+        ((0.0, 0.0, 0.0), (0.2, 0.0, 0.0), False),  # columns alone
+    ],
+)
+def test_only_a_blur_in_both_directions_is_short_ranged(rows, columns, gone):
+    for pair in ((rows, columns), (columns, rows)):
+        assert (LagCorrelation(*pair, 0.0, 1e-3, 1.0).short_range > 0.03) == gone

@@ -36,6 +36,11 @@ ESTIMATE = {
 
 def headline(result: Any) -> str:
     """The verdict in one or two sentences."""
+    if not result.filtered and result.confidence == 0:
+        return (
+            "Cannot tell: no sign of defect correction or denoise, but these frames could show "
+            "few of them."
+        )
     if not result.filtered:
         return "No sign of defect correction or denoise: these frames behave as raw ones do."
     text = f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}"
