@@ -35,7 +35,7 @@ PEERS = {
 }
 PAPER = ["convolved_lognormal"]
 # means and variances of the pixels, spectra along rows and columns, histograms and quantiles
-EMVA1288 = ["level", "distribution", "spectrum", "time"]
+EMVA1288 = ["level", "distribution", "pattern_spectrum", "time"]
 TIMEOUT = 1800
 Result = dict[str, Any]
 

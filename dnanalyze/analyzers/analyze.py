@@ -22,6 +22,7 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor
 Progress = Callable[[int, int], None]
 SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
 NAMES = tuple(family.INFOS[0].family for family in FAMILIES)
+SUBSETS = {spectrum.PATTERN_ALONE: "spectrum"}  # of a family, with less work
 LEAST = 8  # rows and columns of the smallest plane that can be analysed
 
 
@@ -50,6 +51,8 @@ def analyze(
         run that was interrupted goes on where it was, if the captures have a cache.
     families : sequence of str, optional
         Families of statistics that are wanted, such as ("level", "spectrum"); all by default.
+        "pattern_spectrum" stands for what of "spectrum" the mean frame alone tells, as EMVA 1288
+        has it: one transform instead of one a frame.
 
     Raises
     ------
@@ -101,10 +104,11 @@ def analyze_windows(
 
 
 def _known(families: Sequence[str]) -> tuple[str, ...]:
+    valid = (*NAMES, *SUBSETS)
     for name in families:
-        if name not in NAMES:
-            raise InputError(f"no family is called {name!r}; valid: {', '.join(NAMES)}")
-    return tuple(name for name in NAMES if name in families)
+        if name not in valid:
+            raise InputError(f"no family is called {name!r}; valid: {', '.join(valid)}")
+    return tuple(name for name in valid if name in families)
 
 
 def _here(
@@ -316,7 +320,8 @@ def finish(
     out = SettingStatistics(point, plane, acc.frames, acc.plan.shape, {})
     run = map if pool is None else pool.map
     acc.prepare(run)
-    wanted = [f for name, f in zip(NAMES, FAMILIES, strict=True) if acc.plan.wants(name)]
+    asked = {SUBSETS.get(name, name) for name in acc.plan.families or NAMES}
+    wanted = [f for name, f in zip(NAMES, FAMILIES, strict=True) if name in asked]
     # the longest first, so that the others run beside it
     begun = sorted(wanted, key=lambda family: family is not spectrum)
     results = dict(zip(begun, run(lambda family: family.finish(acc), begun), strict=True))

@@ -35,7 +35,9 @@ from dnanalyze.analyzers.spectral_peaks import Peak, largest_peak, nyquist_ratio
 from dnanalyze.analyzers.spectrum_infos import INFOS, band_names, profile_names
 from dnanalyze.analyzers.statistics import Value
 
-__all__ = ["INFOS", "finish"]
+__all__ = ["INFOS", "PATTERN_ALONE", "finish"]
+
+PATTERN_ALONE = "pattern_spectrum"  # of the family, what the mean frame alone tells
 
 _SAMPLE = 1 << 18  # pixels from which the spread of heavy tails is taken
 _COARSE = 0.16  # c/px; waves longer than this take a hit on several pixels for one
@@ -82,7 +84,8 @@ def finish(acc: Accumulated) -> FamilyResult:
         result.missing["spectrum"] = (
             "one frame does not tell the fixed pattern from the temporal noise: only frame_ spectra"
         )
-    for part in _parts(acc):
+    whole = acc.plan.wants(INFOS[0].family)
+    for part in _parts(acc) if whole else _pattern_alone(acc):
         _bands(part, result)
         if part.name != "frame":
             _structure(part, result)
@@ -91,39 +94,55 @@ def finish(acc: Accumulated) -> FamilyResult:
         if part.errors:
             _shape(part, result)
             _curves(part, result)
-    if acc.plan.errors:
+    if acc.plan.errors and whole:
         quiet = reduce_power(power_of(_quiet(acc)), modes_of(acc.plan.shape))
         _high_to_mid("frame_hf_mf_quiet", quiet, 1.0, result)
     return result
 
 
 def _parts(acc: Accumulated) -> list[_Part]:
-    modes = modes_of(acc.plan.shape)
+    modes, errors = modes_of(acc.plan.shape), acc.plan.errors
     power = acc.spectra.frame_power()
     frame = reduce_power(power, modes)
-    errors = acc.plan.errors
-    tails = (_pattern_spread(acc), _tile_spread(acc.clipped_pattern)) if errors else (0.0, 0.0)
     temporal = acc.spectra.temporal_power()
     if temporal is None:
-        return [_Part("frame", power, frame, 1.0, *tails, errors=errors)]
-    changing = reduce_power(temporal, modes)
-    fixed = power_of(acc.clipped_pattern)
-    if not errors:
-        return [
-            _Part("frame", power, frame, 1.0, 0.0, errors=False),
-            _Part("pattern", fixed, reduce_power(fixed, modes), 1.0, 0.0, errors=False),
-            _Part("temporal", temporal, changing, acc.frames - 1.0, 0.0, errors=False),
-        ]
+        return [_Part("frame", power, frame, 1.0, *_tails(acc), errors=errors)]
+    pattern, changing = _pattern(acc, temporal), reduce_power(temporal, modes)
+    repeats, spread = 1.0, 0.0
+    if errors:
+        repeats = frame_repeats(float(frame.radial.sum()), float(changing.radial.sum()), acc.frames)
+        spread = _temporal_spread(acc)
+    tails = pattern.spread, pattern.coarse_spread
+    return [
+        _Part("frame", power, frame, repeats, *tails, errors=errors),
+        pattern,
+        _Part("temporal", temporal, changing, acc.frames - 1.0, spread, errors=errors),
+    ]
+
+
+def _pattern_alone(acc: Accumulated) -> list[_Part]:
+    """The spectrum of the mean frame, by one transform; the temporal noise is taken for white."""
+    if acc.frames < 2:
+        return []
+    rows, columns = acc.spectra.shape
+    return [_pattern(acc, np.full((rows, columns // 2 + 1), acc.temporal_mean))]
+
+
+def _pattern(acc: Accumulated, residue: np.ndarray) -> _Part:
+    power = power_of(acc.clipped_pattern)
+    reduced = reduce_power(power, modes_of(acc.plan.shape))
+    if not acc.plan.errors:
+        return _Part("pattern", power, reduced, 1.0, 0.0, errors=False)
     means = line_means(acc.clipped_pattern)
     lines = _excess(means.columns), _excess(means.rows)
-    repeats = frame_repeats(float(frame.radial.sum()), float(changing.radial.sum()), acc.frames)
-    return [
-        _Part("frame", power, frame, repeats, *tails),
-        _Part(
-            "pattern", fixed, reduce_power(fixed, modes), 1.0, *tails, lines, temporal, acc.frames
-        ),
-        _Part("temporal", temporal, changing, acc.frames - 1.0, _temporal_spread(acc)),
-    ]
+    return _Part("pattern", power, reduced, 1.0, *_tails(acc), lines, residue, acc.frames)
+
+
+def _tails(acc: Accumulated) -> tuple[float, float]:
+    """``spread`` and ``coarse_spread`` of the pattern."""
+    if not acc.plan.errors:
+        return 0.0, 0.0
+    return _pattern_spread(acc), _tile_spread(acc.clipped_pattern)
 
 
 def _pattern_spread(acc: Accumulated) -> float:

@@ -167,6 +167,24 @@ def test_chosen_families_have_the_values_of_all_and_nothing_else():
         )
 
 
+def test_the_spectrum_of_the_mean_frame_alone_is_that_of_the_whole_family():
+    captures = capture_of(dark_frames(3, 6, (64, 80)))
+    whole = analyze(captures, families=("spectrum",)).settings[0]
+    alone = analyze(captures, families=("pattern_spectrum",)).settings[0]
+    assert set(alone.values) == {n for n in whole.values if n.startswith("pattern_")}
+    for name, value in alone.values.items():
+        assert value.value == whole.values[name].value
+        if not name.endswith("peak"):  # whose error knows how white the temporal noise is
+            assert value.se == whole.values[name].se, name
+    both = analyze(captures, families=("pattern_spectrum", "spectrum")).settings[0]
+    assert both.values == whole.values
+    (single,) = analyze(
+        capture_of(dark_frames(3, 1, (64, 80))), families=("pattern_spectrum",)
+    ).settings
+    assert not single.values
+    assert "one frame does not tell" in single.missing["spectrum"]
+
+
 def test_an_unknown_family_is_named_with_the_valid_ones():
     with pytest.raises(InputError, match="no family is called 'colour'; valid: level, dist"):
         analyze(capture_of(dark_frames(3, 2)), families=("colour",))
