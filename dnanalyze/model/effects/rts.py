@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -12,8 +13,10 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, shows
+from dnanalyze.model.evidence import bounded, curve, shows
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
+
+ALIKE = 3.0  # times: two fractions nearer than this are one guess
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,10 @@ class Rts(Effect):
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
+    def bent(self) -> dict[str, float]:
+        """A spread of sigma over pixels makes noisier pixels too."""
+        return {"read_noise.spread": 0.0}
+
     def relatives(self) -> list[Effect]:
         """The other law of the step that has the same second and fourth moment over pixels.
 
@@ -161,19 +168,27 @@ class Rts(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Step from the noisiest pixels' unexplained variance, fraction from the frame's."""
+        """Step from the noisiest pixels' variance beyond Gaussian noise, fraction from the frame's.
+
+        And from how far down the pixels are noisier than Gaussian noise has them: the frame's
+        variance tells few blinking pixels badly.
+        """
         if not shows(clues, cls.fingerprint[:6]):
             return []
         total = np.asarray(clues.measured("temporal_noise"), float) ** 2
         core = np.asarray(clues.measured("temporal_noise_core"), float) ** 2
         top = np.asarray(clues.measured("temporal_variance_q0.999"), float) * total
+        gaussian = _gaussian_quantile(clues, 0.999)
         usual = np.asarray(clues.simulated("temporal_variance_q0.999"), float)
-        step2 = 4.0 * (top - usual * core)
+        step2 = 4.0 * (top - np.minimum(usual, gaussian) * core)
         if not (np.isfinite(step2) & (step2 > 0)).any():
             return []
         lost = np.where(step2 > 0, 4.0 * (total - core) / step2, np.nan)
         lost = lost[np.isfinite(lost) & (lost > 0)]
-        fraction = float(np.median(lost)) if lost.size else 0.01
+        fractions = [float(np.median(lost)) if lost.size else 0.01]
+        few = _noisier(clues)
+        if not 1 / ALIKE < few / fractions[0] < ALIKE:
+            fractions.append(few)
         step = np.sqrt(np.where(step2 > 0, step2, np.nan))
         thermal = hints.thermal_fit(clues, step / hints.exposure_and_gain(clues), 0.6)
         fixed = float(np.nanmedian(step / hints.gains(clues)))
@@ -183,7 +198,7 @@ class Rts(Effect):
         # the noisiest pixels of few frames overstate the step; p E[A^2] o (1 - o) is kept
         shares = {"exponential": (0.35, 2.0), "fixed": (0.6, 1.0)}
         guesses: list[Effect] = []
-        for size, ea, exposure in kinds:
+        for fraction, (size, ea, exposure) in itertools.product(fractions, kinds):
             for law, (share, square) in shares.items():
                 p = fraction / (share**2 * square)
                 values = hints.clip(cls, fraction=p, amplitude=size * share, ea_ev=ea)
@@ -191,3 +206,30 @@ class Rts(Effect):
                 centred = {"polarity": "centred", "occupancies": "spread"}
                 guesses += [cls.from_plain(chosen), cls.from_plain({**chosen, **centred})]
         return guesses
+
+
+def _gaussian_quantile(clues: Clues, level: float) -> float:
+    """Quantile of the variances over pixels of equal Gaussian noise, over their mean."""
+    from scipy.special import chdtri
+
+    means = [curve(clues, "frame_means", i) for i in range(len(clues.points))]
+    freedom = max((m.size for m in means if m is not None), default=8) - 1
+    return float(chdtri(freedom, 1.0 - level)) / max(freedom, 1)
+
+
+def _noisier(clues: Clues) -> float:
+    """Share of the pixels that are noisier than the rest, from where their variance leaps.
+
+    Over the quantile that Gaussian noise has, so that rounding, which widens all alike, is no leap;
+    at the quietest setting, where shot noise differs least from pixel to pixel.
+    """
+    levels = (0.5, 0.9, 0.99, 0.999)
+    core = np.asarray(clues.measured("temporal_noise_core"), float)
+    quiet = int(np.nanargmin(core))
+    seen = [
+        np.asarray(clues.measured(f"temporal_variance_q{p:g}"), float)[quiet]
+        / _gaussian_quantile(clues, p)
+        for p in levels
+    ]
+    leaps = np.diff(np.log(np.nan_to_num(seen, nan=1.0)))
+    return 3.0 * (1.0 - levels[1 + int(np.argmax(leaps))])

@@ -196,6 +196,26 @@ def test_blinking_is_guessed_from_the_noisiest_pixels():
     assert fixed.exposure == "none"  # alike at both temperatures
 
 
+def test_few_blinking_pixels_are_guessed_from_how_far_down_the_noise_is_higher():
+    rng = np.random.default_rng(8)
+    noise = 3.0 * rng.standard_normal((6, 512, 512))
+    where = rng.random((512, 512)) < 0.005
+    noise[:, where] += 20.0 * (rng.random((6, int(where.sum()))) < 0.5)
+    variance = noise.var(axis=0, ddof=1)
+    levels = (0.5, 0.9, 0.99, 0.999)
+    seen = {
+        f"temporal_variance_q{p:g}": np.quantile(variance, p) / variance.mean() for p in levels
+    } | {"temporal_noise": np.sqrt(variance.mean()), "temporal_noise_core": 3.03}
+    clues = MadeUpClues(
+        seen=seen,
+        model={"temporal_variance_q0.999": 0.8 * seen["temporal_variance_q0.999"]},
+        stands_out=("temporal_kurtosis",),
+        curves={"frame_means": [noise.mean(axis=(1, 2))]},
+    )
+    fixed = [g for g in Rts.guess(clues) if g.amplitudes == "fixed"]
+    assert any(0.002 < g.fraction < 0.02 and 10 < g.amplitude < 30 for g in fixed)
+
+
 @pytest.mark.parametrize("polarity", ["up", "both", "centred", "three"])
 @pytest.mark.parametrize("occupancies", ["same", "spread"])
 def test_every_kind_of_blinking_has_the_variance_of_its_closed_form(polarity, occupancies):
