@@ -11,7 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.effects.hot_pixels import tail_of_counts
+from dnanalyze.model.effects.hot_pixels import amplitude, heavier, tail_of_counts
 from dnanalyze.model.evidence import shows
 
 REACH = 8
@@ -36,7 +36,8 @@ class HotClusters(Effect):
     )
     formula: ClassVar[str] = (
         "parents: Poisson, density d a pixel; offspring of each: Pois(m), uniform within radius "
-        "r; each adds Exp(nu) t/t_ref e^(-Ea/k (1/T - 1/T_ref))"
+        "r; each adds Exp(nu) t/t_ref e^(-Ea/k (1/T - 1/T_ref)), or with a tail s > 0 a "
+        "generalised Pareto law as in hot_pixels"
     )
     references: ClassVar[tuple[str, ...]] = ("Neyman and Scott, J. R. Stat. Soc. B 20 (1958)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
@@ -65,6 +66,18 @@ class HotClusters(Effect):
         0.55, "eV", 0.0, 1.6, "activation energy of the extra signal", "linear"
     )
 
+    tail: float = parameter(
+        0.0, "1", 0.0, 1.5, "exponent s of a power-law tail; 0 for an exponential", "linear"
+    )
+
+    def idle(self) -> tuple[str, ...]:
+        """The exponent of a tail that is exponential."""
+        return ("tail",) if self.tail == 0.0 else ()
+
+    def relatives(self) -> list[Effect]:
+        """The heavy tail that has as much at a tenth of the pixels."""
+        return [heavier(self)] if self.tail == 0.0 else []
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the clusters."""
         signal += site.keep("map", lambda: self._map(site))
@@ -91,15 +104,26 @@ class HotClusters(Effect):
             angle = 2 * np.pi * stream.child(n, "angle").uniform_at(index)
             y = row + np.rint(far * np.sin(angle)).astype(int)
             x = column + np.rint(far * np.cos(angle)).astype(int)
-            hot = -scale * np.log(stream.child(n, "amplitude").uniform_at(index))
+            share = 1.0 / stream.child(n, "amplitude").uniform_at(index)
+            hot = scale * amplitude(share, self.value("tail", site.point))
             inside = (y >= 0) & (y < out.shape[0]) & (x >= 0) & (x < out.shape[1])
             np.add.at(out, (y[inside], x[inside]), hot[inside])
         return out.astype(np.float32)
 
-    def variance(self, point: OperatingPoint) -> float:
-        """DN^2 at the reference: d nu^2 (2 m + m^2 s), s = chance that two share a pixel."""
-        d, m = self.value("density", point), self.value("members", point)
-        return d * self.value("scale", point) ** 2 * (2 * m + m * m * self._shared(point))
+    def variance(self, point: OperatingPoint) -> float | None:
+        """DN^2 at the reference: d nu^2 (m E a^2 + m^2 (E a)^2 c), a the amplitude over nu (E a^2 =
+        2 without a tail), c = chance that two share a pixel; none from s = 1/2 on.
+        """
+        d, m, s = (self.value(n, point) for n in ("density", "members", "tail"))
+        if s >= 0.5:
+            return None
+        mean = 1 / (1 - s)
+        square = 2 * mean / (1 - 2 * s)
+        return (
+            d
+            * self.value("scale", point) ** 2
+            * (m * square + (m * mean) ** 2 * self._shared(point))
+        )
 
     def _shared(self, point: OperatingPoint) -> float:
         """Chance that two offspring fall on one pixel, by quadrature over the disc."""

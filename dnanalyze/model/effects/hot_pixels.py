@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +12,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import excess, shows
+from dnanalyze.model.laws import scaled
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)
 
@@ -30,16 +31,19 @@ class HotPixels(Effect):
         "out in every frame, above the log-normal spread of the rest, and their signal grows in "
         "proportion to exposure. A high field lowers the barrier, so their activation energy is "
         "often below that of the bulk (.3 to .6 eV against .6 to 1.2 eV): they stand out more "
-        "when cold. Remedies: cooling, dark-frame subtraction, a defect map; their number grows "
-        "with radiation dose."
+        "when cold. A field spreads their currents over decades: then the tail is a power law, not "
+        "an exponential (`tail`). Remedies: cooling, dark-frame subtraction, a defect map; their "
+        "number grows with radiation dose."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) nu max(0, ln(p/u)), u ~ U(0,1) fixed: Exp(nu) "
-        "with probability p"
+        "with probability p; with a tail s > 0 ((p/u)^s - 1) / s for ln(p/u): a generalised Pareto "
+        "law"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Widenhorn et al. and Dunlap et al. (activation energies of hot pixels)",
         "Belloir et al., IEEE TED (2017) (radiation damage)",
+        "Pickands, Ann. Statist. 3, 119 (1975) (what lies above a high threshold is Pareto)",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "hot_count_16",
@@ -70,6 +74,18 @@ class HotPixels(Effect):
         0.55, "eV", 0.0, 1.6, "activation energy of the extra signal", "linear"
     )
 
+    tail: float = parameter(
+        0.0, "1", 0.0, 1.5, "exponent s of a power-law tail; 0 for an exponential", "linear"
+    )
+
+    def idle(self) -> tuple[str, ...]:
+        """The exponent of a tail that is exponential."""
+        return ("tail",) if self.tail == 0.0 else ()
+
+    def relatives(self) -> list[Effect]:
+        """The heavy tail that has as much at a tenth of the pixels."""
+        return [heavier(self)] if self.tail == 0.0 else []
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the hot pixels."""
         signal += site.keep("map", lambda: self._map(site))
@@ -78,13 +94,19 @@ class HotPixels(Effect):
     def _map(self, site: Site) -> np.ndarray:
         scale = self.value("scale", site.point) * site.thermal(self.value("ea_ev", site.point))
         scale *= site.exposure_ratio * site.gain_ratio
-        hot = np.log(np.float32(self.value("fraction", site.point)) / site.fixed_uniform())
-        return np.float32(scale) * np.maximum(hot, np.float32(0))
+        share = np.float32(self.value("fraction", site.point)) / site.fixed_uniform()
+        hot = amplitude(np.maximum(share, np.float32(1)), self.value("tail", site.point))
+        return np.float32(scale) * hot
 
-    def variance(self, point: OperatingPoint) -> float:
-        """nu^2 (2 p - p^2), DN^2, at the reference temperature, exposure and gain."""
-        p = self.value("fraction", point)
-        return self.value("scale", point) ** 2 * (2 * p - p * p)
+    def variance(self, point: OperatingPoint) -> float | None:
+        """nu^2 (2 p / ((1 - s) (1 - 2 s)) - (p / (1 - s))^2), DN^2, at the reference temperature,
+        exposure and gain; none from s = 1/2 on.
+        """
+        p, s = self.value("fraction", point), self.value("tail", point)
+        if s >= 0.5:
+            return None
+        mean = p / (1 - s)
+        return self.value("scale", point) ** 2 * (2 * mean / (1 - 2 * s) - mean**2)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
@@ -100,6 +122,26 @@ class HotPixels(Effect):
             return []
         scale, ea = fitted
         return [cls(**hints.clip(cls, fraction=fraction, scale=scale, ea_ev=ea))]
+
+
+HEAVY = 0.5  # exponent from which a heavy tail is tried
+
+
+def amplitude(share: np.ndarray, tail: float) -> np.ndarray:
+    """Quantile of the hot signal over its scale where ``1 / share`` of the hot pixels lie above.
+
+    ln(share), exponential; with a tail s > 0 (share^s - 1) / s, generalised Pareto.
+    """
+    log = np.log(share)
+    return log if tail == 0.0 else np.expm1(log.dtype.type(tail) * log) / log.dtype.type(tail)
+
+
+def heavier(effect: Effect) -> Effect:
+    """A hot effect with a heavy tail, as strong as it was at a tenth of its pixels."""
+    ten = np.array(10.0)
+    factor = float(amplitude(ten, 0.0) / amplitude(ten, HEAVY))
+    scale = scaled(effect.scale, factor)  # type: ignore[attr-defined]
+    return replace(effect, tail=HEAVY, scale=scale)  # type: ignore[call-arg]
 
 
 def tail_of_counts(clues: Clues) -> tuple[float, np.ndarray] | None:

@@ -263,3 +263,32 @@ def test_rare_atoms_are_guessed_from_their_single_peak(spread, found):
     for g in guesses:
         assert g.step == pytest.approx(200, rel=0.02)
         assert g.mean_number == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))
+
+
+@pytest.mark.parametrize("tail", [0.2, 0.7])
+def test_a_heavy_tail_is_a_generalised_pareto_law(tail):
+    p, nu = 0.02, 40.0
+    hot = frames(HotPixels(p, nu, tail=tail), SHAPE, 1)[0]
+    hot = hot[hot > 0]
+    assert abs(hot.size - N * p) < 5 * np.sqrt(N * p)
+    assert stats.kstest(hot, "genpareto", (tail, 0, nu)).pvalue > 1e-6
+    y = frames(HotClusters(1e-3, 4.0, 6.0, nu, tail=tail), SHAPE, 1)[0]
+    alone = y[y > 0]  # few share a pixel: 4 in a disc of 113
+    share = stats.genpareto(tail, 0, nu).sf(5 * nu)
+    assert np.mean(alone > 5 * nu) == pytest.approx(share, abs=5 * np.sqrt(share / 1000) + 0.01)
+
+
+def test_the_variance_of_a_light_power_law_tail_and_none_of_a_heavy_one():
+    light = HotPixels(0.05, 10.0, tail=0.1)
+    law = stats.genpareto(0.1, 0, 10.0)
+    mean, square = 0.05 * law.moment(1), 0.05 * law.moment(2)
+    assert light.variance(HERE) == pytest.approx(square - mean**2, rel=1e-9)
+    assert HotPixels(0.05, 10.0, tail=0.6).variance(HERE) is None
+    assert HotClusters(tail=0.6).variance(HERE) is None
+
+
+def test_a_heavier_relative_is_as_strong_at_a_tenth_of_the_hot_pixels():
+    (other,) = HotPixels(0.01, 30.0).relatives()
+    assert other.relatives() == [] == list(other.idle())
+    law = stats.genpareto(other.tail, 0, other.scale)
+    assert law.isf(0.1) == pytest.approx(stats.expon(0, 30.0).isf(0.1), rel=1e-6)
