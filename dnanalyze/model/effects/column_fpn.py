@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import (
     LINE_BANDS,
     band_excess,
@@ -21,12 +21,16 @@ from dnanalyze.model.evidence import (
     shows,
     typical,
 )
+from dnanalyze.model.line_profile import line_profile
 from dnanalyze.model.streams import Stream
+
+_BLOCK = 4  # columns that are averaged before a transient is fitted
+_FEWEST = 64  # columns from which one is looked for
 
 
 @dataclass(frozen=True)
 class ColumnFpn(Effect):
-    """y += c_j; c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma n_j, the same in every frame."""
+    """y += c_j + a e^(-j/l); c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma n_j, in every frame."""
 
     name: ClassVar[str] = "column_fpn"
     stage: ClassVar[Stage] = Stage.LINE_READ
@@ -38,11 +42,16 @@ class ColumnFpn(Effect):
         "do not grow with temperature or exposure, since they are made after the pixel, but follow "
         "the analogue gain where the offset sits before the gain stage. Neighbouring columns that "
         "share bias lines have like offsets (rho > 0); column pairs that share a circuit may "
-        "alternate (rho < 0). Cure: subtract the column means of optically black rows, or of a "
-        "master dark; correlated double sampling in the column circuit or digital in the "
-        "converter."
+        "alternate (rho < 0). A CCD reads all columns through one amplifier, whose level settles "
+        "after each line transfer: the columns that are read first stand off the others and "
+        "approach them exponentially (`settle`, `length`). Cure: subtract the column means of "
+        "optically black rows, or of a master dark; correlated double sampling in the column "
+        "circuit or digital in the converter."
     )
-    formula: ClassVar[str] = "y_ij += c_j;  c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma N(0,1)"
+    formula: ClassVar[str] = (
+        "y_ij += c_j + a e^(-j/l), j from the column that is read first;  "
+        "c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma N(0,1)"
+    )
     references: ClassVar[tuple[str, ...]] = (
         "El Gamal, Fowler, Min, Liu, Modeling and estimation of FPN components in CMOS image "
         "sensors, SPIE 3301 (1998)",
@@ -60,12 +69,31 @@ class ColumnFpn(Effect):
 
     sigma: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation of the column offsets")
     rho: float = parameter(0.0, "1", -0.95, 0.99, "correlation of neighbouring columns", "linear")
+    settle: float = parameter(
+        0.0, "DN", -1e4, 1e4, "offset a of the first column where the level settles", "linear"
+    )
+    length: float = parameter(50.0, "column", 1.0, 1e4, "columns l over which it settles by e")
+    first: str = choice("left", "side that is read first", "left", "right")
+
+    def idle(self) -> tuple[str, ...]:
+        """The transient where there is none."""
+        return ("settle", "length") if self.settle == 0.0 else ()
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
         signal += np.float32(sigma) * self._offsets(site)
+        if self.settle != 0.0:
+            signal += np.float32(site.gain_ratio) * self._settling(site)
         return signal
+
+    def _settling(self, site: Site) -> np.ndarray:
+        """The transient over the window's columns, float32, DN at the reference gain."""
+        order = site.column_index
+        if self.first == "right":
+            order = site.shape[1] - 1 - order
+        level = np.exp(-order / self.value("length", site.point))
+        return (self.value("settle", site.point) * level).astype(np.float32)
 
     def _offsets(self, site: Site) -> np.ndarray:
         """Unit offsets of the window's columns; the recursion runs over the whole row."""
@@ -76,18 +104,54 @@ class ColumnFpn(Effect):
         return site.keep("offsets", lambda: _autoregressive(stream, site, rho))
 
     def variance(self, point: OperatingPoint) -> float:
-        """sigma^2, DN^2."""
+        """sigma^2, DN^2; a transient adds a^2 l / (2 columns), for l far below the columns."""
         return self.value("sigma", point) ** 2
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """sigma from the unexplained power of the v = 0 axis, rho from its slope."""
+        """sigma from the unexplained power of the v = 0 axis, rho from its slope; a transient from
+        the column means, where one explains most of them.
+        """
         if not shows(clues, cls.fingerprint):
             return []
         sigma = line_sigma(clues, "pattern_columns", clues.shape[0])
         power = [typical(row) for row in band_excess(clues, "pattern_columns")]
         rho = _correlation(power[1], power[3])
-        return [cls(bounded(cls, "sigma", sigma), rho)]
+        found: list[Effect] = [cls(bounded(cls, "sigma", sigma), rho)]
+        transient = _transient(clues)
+        if transient is not None:
+            alone = bounded(cls, "sigma", math.sqrt(max(power[3], 0.0) / clues.shape[0]))
+            found.append(cls(alone, 0.0, *transient))
+        return found
+
+
+def _transient(clues: Clues) -> tuple[float, float, str] | None:
+    """Offset of the first column (DN), length (columns) and side of an exponential settling.
+
+    Least squares of c + a e^(-j/l) on the fitted half's column means over a grid of lengths. None
+    where it leaves more than half of their variance beyond the column's own scatter, or where the
+    length cannot be told from a slope.
+    """
+    places, means = (part[: clues.shape[1]] for part in line_profile(clues, "columns"))
+    if means.size < _FEWEST:
+        return None
+    blocks = means[: means.size // _BLOCK * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
+    at = places[: blocks.size * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
+    level = blocks - blocks.mean()
+    best = (0.5 * float(level @ level), 0.0, 0.0, "")
+    longest = 0.4 * means.size
+    for first in ("left", "right"):
+        order = at if first == "left" else clues.field[1] - 1 - at
+        for length in np.geomspace(_BLOCK, longest, 24):
+            decay = np.exp(-(order - order.min()) / length)
+            shape = decay - decay.mean()
+            height = float(shape @ level / (shape @ shape))
+            left = float(np.sum((level - height * shape) ** 2))
+            if left < best[0]:
+                start = height * math.exp(min(float(order.min()) / length, 5.0))
+                best = left, start, float(length), first
+    _, start, length, first = best
+    return (start, length, first) if 0.0 < length < longest else None
 
 
 def _autoregressive(stream: Stream, site: Site, rho: float) -> np.ndarray:

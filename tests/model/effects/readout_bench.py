@@ -66,14 +66,16 @@ class Given:
     curves: dict = field(default_factory=dict)
     reference: OperatingPoint = POINT
     profiles: dict = field(default_factory=dict)
+    whole: tuple[int, int] | None = None
 
     @property
     def field(self):
-        return self.shape
+        return self.whole or self.shape
 
     def lines(self, axis, setting):
         means = self.profiles.get(axis, [np.empty(0)] * len(self.points))[setting]
-        return np.arange(means.size), means
+        places = self.profiles.get("places", {})
+        return (places[setting] if len(places) else np.arange(means.size)), means
 
     def _array(self, values, name):
         return np.broadcast_to(np.asarray(values.get(name, np.nan), float), len(self.points))

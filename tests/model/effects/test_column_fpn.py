@@ -54,3 +54,40 @@ def test_guess_of_correlated_columns():
 def test_no_guess_without_a_sign():
     assert ColumnFpn.guess(line_clues("pattern_columns", 9.0, 3.0, z=2.0)) == []
     assert ColumnFpn.guess(Given()) == []
+
+
+@pytest.mark.parametrize("first", ["left", "right"])
+def test_a_settling_level_fades_exponentially_from_the_column_read_first(first):
+    c = offsets(ColumnFpn(1e-4, settle=-20.0, length=40.0, first=first))
+    wanted = -20.0 * np.exp(-np.arange(c.size) / 40.0)
+    np.testing.assert_allclose(c if first == "left" else c[::-1], wanted, atol=1e-3)
+
+
+def test_a_settling_level_follows_gain_alone_and_is_idle_where_it_is_none():
+    effect = ColumnFpn(1e-4, settle=20.0, length=40.0)
+    loud = offsets(effect, point=OperatingPoint(85.0, 10.0, 4.0))
+    np.testing.assert_allclose(loud, 4 * offsets(effect), atol=2e-3)
+    assert effect.idle() == ()
+    assert ColumnFpn(1.0).idle() == ("settle", "length")
+
+
+@pytest.mark.parametrize(("first", "margin"), [("left", 0), ("left", 60), ("right", 0)])
+def test_guess_reads_a_settling_level_off_the_columns(first, margin):
+    """The transient of the whole field from the columns of its left half, noise beside it."""
+    column = np.arange(margin, 512 + margin)
+    away = column if first == "left" else 1023 - column
+    profile = 30.0 * np.exp(-away / 90.0) + 0.3 * np.random.default_rng(4).standard_normal(512)
+    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
+    clues = Given(
+        (256, 512), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
+        off=dict.fromkeys(names, 9.0), whole=(256, 1024),
+        profiles={"columns": [profile], "places": [column]},
+    )  # fmt: skip
+    found = ColumnFpn.guess(clues)
+    if first == "right":  # 512 columns off it is e^(-5.7) of its start, below the noise
+        assert len(found) == 1
+        return
+    assert found[1].first == first
+    assert found[1].length == pytest.approx(90.0, rel=0.12)  # the grid's step
+    assert found[1].settle == pytest.approx(30.0, rel=0.12)
+    assert ColumnFpn.guess(line_clues("pattern_columns", 50.0, 3.0))[1:] == []
