@@ -74,3 +74,32 @@ def test_guess_reads_the_levels_of_strips_off_the_blocks():
     assert (effect.kind, effect.taps) == ("blocks", 4)
     np.testing.assert_allclose(effect.levels, np.array([3, -1, -1, -1]) / np.sqrt(3), atol=1e-3)
     assert ColumnTaps.guess(dataclasses.replace(seen, off={})) == []
+
+
+def test_taps_that_slip_move_by_whole_columns_from_frame_to_frame():
+    effect = ColumnTaps(2.0, "interleaved", 4, LEVELS, slip=1.0)
+    lines = added(effect, count=5, shape=(4, 64))[:, 0]
+    for n in range(1, 5):
+        np.testing.assert_allclose(lines[n], np.roll(lines[0], -n), atol=1e-4)
+    np.testing.assert_allclose(lines[4], lines[0], atol=1e-4)
+
+
+def test_guess_sees_which_settings_slip_and_turns_the_others_to_agree():
+    rng = np.random.default_rng(6)
+    points = tuple(OperatingPoint(t, 1.0) for t in (0.0, 20.0, 40.0))
+    frequency = np.arange(1, 121) / 240
+    column = np.arange(240)
+    noise = rng.exponential(1.0, (3, 120))
+    noise[1, 79] = 400.0  # 1/3 cycle a pixel, in the differences of the second setting
+    levels = np.array([2.0, -1.0, -1.0])
+    profiles = [levels[(column + shift) % 3] for shift in (0, 1, 2)]
+    shares = {f"column_periodic_{p}": 0.99 if p == 3 else 0.0 for p in (2, 3, 4, 8)}
+    seen = Given(
+        (240, 240), points, seen=shares, off=dict.fromkeys(shares, 99.0),
+        profiles={"columns": profiles},
+        curves={"temporal_column_spectrum": list(noise), "column_spectrum_f": [frequency] * 3},
+    )  # fmt: skip
+    (effect,) = ColumnTaps.guess(seen)
+    assert [effect.value("slip", p) for p in points] == [0.0, 1.0, 0.0]
+    assert effect.sigma == pytest.approx(np.std(levels), rel=1e-6)
+    assert sorted(effect.levels) == pytest.approx([-0.7071, -0.7071, 1.4142], abs=1e-3)
