@@ -13,7 +13,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import SIGN, curve
 
-TERMS = ("x", "y", "xx", "yy")
+TERMS = ("x", "y", "xx", "yy", "xy")
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class DarkGradient(Effect):
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) [a_x P1(x) + a_y P1(y) + a_xx P2(x) + a_yy "
-        "P2(y)], x and y from -1 (left, top) to 1, P1 = sqrt(3) x, P2 = sqrt(5)(3 x^2 - 1)/2; "
-        "scaled: h (1 + a_x P1(x) + ...)"
+        "P2(y) + a_xy P1(x) P1(y)], x and y from -1 (left, top) to 1, P1 = sqrt(3) x, P2 = "
+        "sqrt(5)(3 x^2 - 1)/2; scaled: h (1 + a_x P1(x) + ...)"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0",
@@ -61,6 +61,9 @@ class DarkGradient(Effect):
     xx: float = parameter(0.0, "DN", -1e5, 1e5, "bowl along a row, rms over the field", "linear")
     yy: float = parameter(0.0, "DN", -1e5, 1e5, "bowl along a column, rms over the field", "linear")
     ea_ev: float = parameter(0.63, "eV", 0.0, 1.6, "activation energy", "linear")
+    xy: float = parameter(
+        0.0, "DN", -1e5, 1e5, "twist of the corners, rms over the field", "linear"
+    )
     form: str = choice(
         "added", "added to the dark signal; or a share of it, coefficients 1", "added", "scaled"
     )
@@ -79,11 +82,12 @@ class DarkGradient(Effect):
         return signal
 
     def _map(self, site: Site) -> np.ndarray:
-        p, q = legendre(site.column_index, site.shape[1])
-        along_row = self.value("x", site.point) * p + self.value("xx", site.point) * q
-        p, q = legendre(site.row_index, site.shape[0])
-        along_column = self.value("y", site.point) * p + self.value("yy", site.point) * q
-        surface = along_column[:, None] + along_row[None, :]
+        x, y, xx, yy, xy = (self.value(name, site.point) for name in TERMS)
+        across, wide = legendre(site.column_index, site.shape[1])
+        down, high = legendre(site.row_index, site.shape[0])
+        surface = (y * down + yy * high)[:, None] + x * across + xx * wide
+        if xy != 0.0:
+            surface += np.outer(xy * down, across)
         if self.form == "scaled":
             return np.maximum(1.0 + surface, 0.0).astype(np.float32)
         growth = site.thermal(self.value("ea_ev", site.point))
@@ -105,7 +109,7 @@ class DarkGradient(Effect):
         if not (seen > SIGN).any():
             return []
         growth = hints.exposure_and_gain(clues)
-        raw = np.full((len(growth), 4), np.nan)
+        raw = np.full((len(growth), len(TERMS)), np.nan)
         for j in range(len(growth)):
             blocks = curve(clues, "block_means", j)
             if blocks is not None and min(blocks.shape) >= 3:
@@ -123,8 +127,8 @@ class DarkGradient(Effect):
         shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
         if shares is None:
             return [added]
-        x, y, xx, yy = map(float, shares)
-        return [added, cls(x, y, xx, yy, form="scaled")]
+        share: dict[str, Any] = dict(zip(TERMS, map(float, shares), strict=True))
+        return [added, cls(**share, form="scaled")]
 
 
 def _slopes(level: np.ndarray, fits: np.ndarray) -> np.ndarray | None:
@@ -143,14 +147,14 @@ def legendre(index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def surface(blocks: np.ndarray) -> np.ndarray:
-    """Coefficients x, y, xx, yy (DN rms) of the surface closest to the block means."""
+    """Coefficients x, y, xx, yy, xy (DN rms) of the surface closest to the block means."""
     rows, columns = blocks.shape
     px, qx = legendre(np.arange(columns), columns)
     py, qy = legendre(np.arange(rows), rows)
     one_r, one_c = np.ones(rows), np.ones(columns)
     basis = [
         np.outer(one_r, one_c), np.outer(one_r, px), np.outer(py, one_c),
-        np.outer(one_r, qx), np.outer(qy, one_c),
+        np.outer(one_r, qx), np.outer(qy, one_c), np.outer(py, px),
     ]  # fmt: skip
     design = np.stack([b.ravel() for b in basis], 1)
     return np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0][1:]

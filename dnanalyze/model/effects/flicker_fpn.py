@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import pink
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import (
     BANDS,
     band_excess,
@@ -26,7 +26,7 @@ from dnanalyze.model.evidence import (
 
 @dataclass(frozen=True)
 class FlickerFpn(Effect):
-    """y += pink field of the silicon, power rho^-alpha."""
+    """y += pink field of the silicon, power rho^-alpha, or h times 1 + such a field."""
 
     name: ClassVar[str] = "flicker_fpn"
     stage: ClassVar[Stage] = Stage.LINE_READ
@@ -37,12 +37,15 @@ class FlickerFpn(Effect):
         "most. The offsets that follow form clouds whose power falls as rho^-alpha with spatial "
         "frequency, alike along rows and columns: the slope stays when the u = 0 and v = 0 axes "
         "are masked, which row and column offsets do not survive. Being an offset it does not grow "
-        "with temperature or exposure, and follows the analogue gain. No random 3x3 kernel can "
+        "with temperature or exposure, and follows the analogue gain. Where the silicon itself is "
+        "uneven (thinning, resistivity, stress), the dark current has such clouds instead, as a "
+        "share of itself (`form`: scaled). No random 3x3 kernel can "
         "make such a slope at low frequency. Cure: subtract a master dark; blocks of black pixels "
         "cannot follow it."
     )
     formula: ClassVar[str] = (
-        "S(rho) = C rho^-alpha, rho in cycles/pixel, without the mean; sum of S = rms^2"
+        "S(rho) = C rho^-alpha, rho in cycles/pixel, without the mean; sum of S = rms^2; "
+        "scaled: y (1 + field), rms as a share"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Rauscher, Teledyne H1RG, H2RG and H4RG noise generator (picture frame), PASP 127, 1144 "
@@ -61,6 +64,7 @@ class FlickerFpn(Effect):
 
     rms: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation over a frame")
     alpha: float = parameter(1.0, "1", 0.3, 4.0, "exponent of the power spectrum", "linear")
+    form: str = choice("added", "an offset, or a share of the dark signal", "added", "scaled")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the field."""
@@ -74,12 +78,21 @@ class FlickerFpn(Effect):
                 white = stream.normal(whole, site.shape[1])
             return pink.field(white, self.value("alpha", site.point))
 
-        rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
+        rms = np.float32(self.value("rms", site.point))
+        if self.form == "scaled":
+            signal *= site.keep(
+                "map",
+                lambda: np.maximum(1.0 + rms * site.share("field", make)[site.window.slices], 0.0),
+            )
+            return signal
+        rms *= np.float32(site.gain_ratio)
         signal += site.keep("map", lambda: rms * site.share("field", make)[site.window.slices])
         return signal
 
-    def variance(self, point: OperatingPoint) -> float:
+    def variance(self, point: OperatingPoint) -> float | None:
         """rms^2, DN^2."""
+        if self.form == "scaled":
+            return None  # a share of a signal that is not known here
         return self.value("rms", point) ** 2
 
     @classmethod
@@ -90,16 +103,39 @@ class FlickerFpn(Effect):
             prefix = "frame_psd"
         if not shows(clues, named(prefix, BANDS[:5])):
             return []
-        power = np.array([typical(row) for row in band_excess(clues, prefix, BANDS)])
+        excess = band_excess(clues, prefix, BANDS)
         seen = np.array([shows(clues, [name], 1, 1.5) for name in named(prefix, BANDS)], float)
-        frequency = np.array([centre(band) for band in BANDS])
-        constant, alpha = power_law(frequency, power, seen)
-        if constant <= 0:
-            constant, alpha = max(power[:5].max(), 0.0) * frequency[int(power[:5].argmax())], 1.0
-        if constant <= 0:
-            return []
-        held = bounded(cls, "alpha", alpha)
-        pivot = float(np.exp(np.average(np.log(frequency), weights=seen + 1e-9)))
-        constant *= pivot ** (held - alpha)
-        rms = math.sqrt(constant * pink.mean_power(clues.shape, held))
-        return [cls(bounded(cls, "rms", rms), held)]
+        found: list[Effect] = []
+        offset = _law(np.array([typical(row) for row in excess]), seen, clues.shape)
+        if offset is not None:
+            found.append(cls(bounded(cls, "rms", offset[0]), bounded(cls, "alpha", offset[1])))
+        share = _law(_shares(np.asarray(clues.measured("mean"), float), excess), seen, clues.shape)
+        if share is not None and share[0] < 1.0:
+            rms, alpha = bounded(cls, "rms", share[0]), bounded(cls, "alpha", share[1])
+            found.append(cls(rms, alpha, "scaled"))
+        return found
+
+
+def _shares(level: np.ndarray, excess: np.ndarray) -> np.ndarray:
+    """Power of each band over the square of the dark signal: least squares over the settings.
+
+    The signal is taken from the lowest level; zeros where the level hardly moves.
+    """
+    good = np.isfinite(level) & np.isfinite(excess).all(axis=0)
+    square = (level[good] - level[good].min()) ** 2 if good.any() else np.empty(0)
+    size = float(square @ square)
+    return excess[:, good] @ square / size if size > 0 else np.zeros(len(excess))
+
+
+def _law(power: np.ndarray, seen: np.ndarray, shape: tuple[int, int]) -> tuple[float, float] | None:
+    """Spread and exponent of a field of this power in the bands; None without any power."""
+    frequency = np.array([centre(band) for band in BANDS])
+    constant, alpha = power_law(frequency, power, seen)
+    if constant <= 0:
+        constant, alpha = max(power[:5].max(), 0.0) * frequency[int(power[:5].argmax())], 1.0
+    if constant <= 0:
+        return None
+    held = bounded(FlickerFpn, "alpha", alpha)
+    pivot = float(np.exp(np.average(np.log(frequency), weights=seen + 1e-9)))
+    constant *= pivot ** (held - alpha)
+    return math.sqrt(constant * pink.mean_power(shape, held)), held

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 
 @dataclass(frozen=True)
 class OffsetDrift(Effect):
-    """y += random walk + start transient of the frame number."""
+    """y += random walk + start transient of the frame number, or y (1 + that)."""
 
     name: ClassVar[str] = "offset_drift"
     stage: ClassVar[Stage] = Stage.LINE_READ
@@ -26,11 +27,13 @@ class OffsetDrift(Effect):
         "power-on or a change of mode it settles over some frames, then wanders slowly, a random "
         "walk of a fraction of a DN a frame. Nothing within a frame changes, so no spectrum sees "
         "it: only the mean of frames does. It is independent of exposure and follows the analogue "
-        "gain. Dark current that drifts with the chip's temperature grows with exposure instead. "
+        "gain. A chip that warms up or cools from frame to frame moves the dark signal itself "
+        "(`form`: scaled), and its pattern with it: that grows with exposure and temperature. "
         "Cure: wait, discard the first frames, subtract each frame's optically black level."
     )
     formula: ClassVar[str] = (
-        "b_n = step sum_(k=1..n) N(0,1) + transient exp(-n / settling), n = 0, 1, ..."
+        "b_n = step sum_(k=1..n) N(0,1) + transient exp(-n / settling), n = 0, 1, ...; "
+        "scaled: y (1 + b_n), step and transient as shares"
     )
     references: ClassVar[tuple[str, ...]] = ()
     fingerprint: ClassVar[tuple[str, ...]] = ("drift",)
@@ -43,6 +46,7 @@ class OffsetDrift(Effect):
     step: float = parameter(0.2, "DN/sqrt(frame)", 1e-5, 1e3, "spread of the change a frame")
     transient: float = parameter(0.0, "DN", -1e4, 1e4, "excess of the first frame", "linear")
     settling: float = parameter(1.5, "frame", 0.1, 100.0, "time constant of the start")
+    form: str = choice("added", "a level, or a share of the dark signal", "added", "scaled")
 
     def idle(self) -> tuple[str, ...]:
         """The time constant of a transient that is not there."""
@@ -54,7 +58,10 @@ class OffsetDrift(Effect):
         walk = site.silicon.child("walk", repr(site.point)).generator().standard_normal(frame).sum()
         start = math.exp(-frame / self.value("settling", site.point))
         level = self.value("step", site.point) * walk + self.value("transient", site.point) * start
-        signal += np.float32(level * site.gain_ratio)
+        if self.form == "scaled":
+            signal *= np.float32(max(0.0, 1.0 + level))
+        else:
+            signal += np.float32(level * site.gain_ratio)
         return signal
 
     @classmethod
@@ -75,7 +82,27 @@ class OffsetDrift(Effect):
         if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
             small = bounded(cls, "step", 0.1 * step)
             found.insert(0, cls(small, bounded(cls, "transient", float(np.median(jumps)))))
+        share = _share(np.asarray(clues.measured("mean"), float), means)
+        if share is not None:
+            step = bounded(cls, "step", 0.1 * abs(share))
+            start = share / (1.0 - math.exp(-1.0 / cls.settling))
+            found.append(cls(step, bounded(cls, "transient", start), form="scaled"))
         return found
+
+
+def _share(level: np.ndarray, means: Sequence[np.ndarray | None]) -> float | None:
+    """Share by which the first frame's dark signal exceeds the next's: the slope of their
+    difference over the level; None where the level hardly moves or the slope is not seen.
+    """
+    jump = np.array([np.nan if m is None or len(m) < 2 else m[0] - m[1] for m in means])
+    good = np.isfinite(level) & np.isfinite(jump)
+    if good.sum() < 3 or np.ptp(level[good]) <= 0:
+        return None
+    x = level[good] - level[good].min()
+    slope = float(x @ jump[good] / (x @ x))
+    rest = jump[good] - slope * x
+    error = math.sqrt(float(rest @ rest) / (good.sum() - 1) / float(x @ x))
+    return slope if abs(slope) > 4.0 * error else None
 
 
 def _jump(means: np.ndarray) -> float:

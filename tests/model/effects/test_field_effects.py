@@ -232,3 +232,20 @@ def test_persistence_of_a_running_sensor_lifts_the_first_frame_as_all_others():
     y, plain = frames(running, (64, 64), 6), frames(running[:1], (64, 64), 6)
     lift = 1 + 0.2 * np.exp(-np.arange(1, 5) / 2.0).sum()  # exposure 1 s
     np.testing.assert_allclose(y, lift * plain, rtol=1e-5, atol=1e-5)
+
+
+def test_a_twist_lifts_two_corners_and_lowers_the_others():
+    y = frames(DarkGradient(xy=2.0), (200, 300))[0]
+    assert y.std() == pytest.approx(2.0, rel=1e-3)
+    assert abs(y.mean(axis=0)).max() < 1e-3 > abs(y.mean(axis=1)).max()
+    assert y[0, 0] > 5 < y[-1, -1]  # 3 xy at the corners
+    assert y[0, -1] < -5 > y[-1, 0]
+
+
+def test_a_twist_is_guessed_from_the_block_means():
+    truth = DarkGradient(x=1.0, xy=2.0, ea_ev=0.7)
+    maps = [blocks(frames(truth, (256, 256), point=p)[0]) for p in (HERE, WARM)]
+    clues = MadeUpClues((HERE, WARM), HERE, (256, 256), stands_out=("shading_1_1",),
+                        curves={"block_means": maps})  # fmt: skip
+    (guess,) = DarkGradient.guess(clues)
+    assert [guess.x, guess.xy, guess.ea_ev] == pytest.approx([1.0, 2.0, 0.7], abs=0.03)

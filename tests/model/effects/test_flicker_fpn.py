@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from readout_bench import Given, added
+from readout_bench import POINT, Flat, Given, added, frames
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
@@ -73,3 +73,33 @@ def test_guess_from_masked_power():
     assert effect.alpha == pytest.approx(1.0, abs=0.02)
     assert effect.rms == pytest.approx(0.5, rel=0.05)
     assert FlickerFpn.guess(Given()) == []
+
+
+def test_a_share_of_the_dark_signal_multiplies_it():
+    shape = (64, 96)
+    field = frames(Flat(1.0), FlickerFpn(0.1), count=1, shape=shape, pedestal=0.0)[0] - 1.0
+    for level in (100.0, 500.0):
+        scaled = FlickerFpn(0.1, form="scaled")
+        made = frames(Flat(level), scaled, count=1, shape=shape, pedestal=0.0)[0]
+        np.testing.assert_allclose(made, level * (1 + field), rtol=1e-4)
+    assert scaled.variance(POINT) is None
+
+
+def test_a_share_is_guessed_from_power_that_grows_as_the_square_of_the_signal():
+    names = [f"pattern_psd_{a:g}_{b:g}" for a, b in BANDS]
+    centres = np.array([np.sqrt(max(a, b / 5) * b) for a, b in BANDS])
+    u, v = np.fft.fftfreq(256)[None, :], np.fft.fftfreq(256)[:, None]
+    rho = np.hypot(u, v)
+    constant = 0.02**2 / np.mean(np.where(rho > 0, rho, np.inf) ** -2.0)
+    signal = np.array([0.0, 50.0, 400.0])
+    clues = Given(
+        points=tuple(OperatingPoint(t, 1.0) for t in (0.0, 30.0, 60.0)),
+        seen={n: 5.0 + constant * signal**2 / c**2 for n, c in zip(names, centres, strict=True)}
+        | {"mean": 64.0 + signal},
+        model=dict.fromkeys(names, 5.0),
+        off=dict.fromkeys(names, 6.0),
+    )
+    found = FlickerFpn.guess(clues)[-1]
+    assert found.form == "scaled"
+    assert found.alpha == pytest.approx(2.0, abs=0.02)
+    assert found.rms == pytest.approx(0.02, rel=0.05)

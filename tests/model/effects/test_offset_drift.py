@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from readout_bench import POINT, Given, added
+from readout_bench import POINT, Given, Ramp, added, frames
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.offset_drift import OffsetDrift
@@ -47,3 +47,26 @@ def test_guess_of_the_step_and_of_a_transient():
     assert first.transient == pytest.approx(6.0, abs=0.1)
     assert first.idle() == ()
     assert OffsetDrift(0.1).idle() == ("transient", "settling")
+
+
+def test_a_cooling_chip_moves_the_dark_signal_by_a_share():
+    cooling = OffsetDrift(1e-5, transient=0.1, settling=1.0, form="scaled")
+    plain = frames(Ramp(), count=4, pedestal=64.0)
+    made = frames(Ramp(), cooling, count=4, pedestal=64.0)
+    share = 1 + 0.1 * np.exp(-np.arange(4.0))
+    wanted = 64 + (plain - 64) * share[:, None, None]
+    np.testing.assert_allclose(made, wanted, rtol=2e-4)
+
+
+def test_a_share_is_guessed_from_the_slope_over_the_level():
+    levels = np.array([100.0, 101.0, 110.0, 400.0])
+    points = tuple(OperatingPoint(t, 1.0) for t in (-40.0, -20.0, 0.0, 20.0))
+    lost = 0.08 * (levels - 100.0) + np.array([0.1, -0.1, 0.05, 0.1])
+    clues = Given(
+        points=points, seen={"drift": 1.0, "mean": levels}, model={"drift": 0.0},
+        off={"drift": 9.0}, curves={"frame_means": [np.array([d, 0.0]) for d in lost]},
+    )  # fmt: skip
+    found = OffsetDrift.guess(clues)[-1]
+    assert found.form == "scaled"
+    difference = found.transient * (1 - np.exp(-1 / found.settling))
+    assert difference == pytest.approx(0.08, rel=0.02)

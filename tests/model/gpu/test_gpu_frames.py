@@ -45,6 +45,14 @@ MODELS = {
         "dark_gradient": {"x": 0.1, "form": "scaled"},
         "digital_gain": {"gain": 1.25, "offset": 64.0, "top": 110.0},
     },
+    "settling columns, waiting rows, slipping taps, shares of the signal": PAPER | {
+        "column_fpn": {"settle": 9.0, "length": 12.0, "first": "right"},
+        "row_fpn": {"ramp": 6.0},
+        "column_taps": {"taps": 3, "levels": (2.0, -1.0, -1.0), "slip": 1.0},
+        "dark_gradient": {"x": 2.0, "xy": 3.0},
+        "flicker_fpn": {"rms": 0.1, "form": "scaled"},
+        "offset_drift": {"step": 0.02, "form": "scaled"},
+    },
     "fades on the host": PAPER | {"persistence": {}, "dark_shot_noise": {}},
     "codes on the host": PAPER | {"missing_codes": {}, "black_clipping": {}},
 }  # fmt: skip
