@@ -18,6 +18,7 @@ from dnanalyze.model.registry import BASE, built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
 LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
 SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
 
 
@@ -27,7 +28,8 @@ class Moments:
 
     ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are
     variances; a point with one frame cannot tell them apart: it is given the temporal variance of
-    the other points, or half of its own.
+    the other points, or half of its own. ``black`` is the pedestal over temperature, where it is
+    seen to move.
     """
 
     points: list[OperatingPoint]
@@ -35,6 +37,7 @@ class Moments:
     signal: np.ndarray
     temporal: np.ndarray
     pattern: np.ndarray
+    black: Law | None = None
 
     @property
     def reference(self) -> OperatingPoint:
@@ -66,7 +69,69 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
     pattern = np.maximum(np.where(frames > 1, stack, single - temporal), 1e-4 * single)
     pedestal = pedestal_guess(readings.points, mean, black_level)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
-    return Moments(readings.points, pedestal, np.maximum(mean - pedestal, least), temporal, pattern)
+    signal = np.maximum(mean - pedestal, least)
+    black = black_over_temperature(readings.points, mean, readings.error("mean"))
+    return Moments(readings.points, pedestal, signal, temporal, pattern, black)
+
+
+def black_over_temperature(
+    points: list[OperatingPoint], mean: np.ndarray, error: np.ndarray
+) -> TableLaw | None:
+    """Black level over temperature, where exposures of zero, or two of them, show that it moves.
+
+    A reference voltage and an amplifier have temperature coefficients. With one exposure a
+    temperature that is not told from dark current, which then takes it up.
+
+    Parameters
+    ----------
+    points : list of OperatingPoint
+    mean, error : ndarray
+        DN, one a point: the mean level and its standard error.
+
+    Returns
+    -------
+    TableLaw or None
+        The line through the two shortest exposures of a temperature, at exposure 0; None where the
+        levels agree within `CLEAR` standard errors.
+    """
+    rows: dict[OperatingPoint, tuple[float, float]] = {}
+    for kind in dict.fromkeys((p.gain, p.channel) for p in points):
+        timed = [
+            (i, p.temperature_c, p.exposure_s)
+            for i, p in enumerate(points)
+            if (p.gain, p.channel) == kind
+            and p.temperature_c is not None
+            and p.exposure_s is not None
+        ]
+        for at in _knots([t for _, t, _ in timed]):
+            near = [(e, i) for i, t, e in timed if abs(t - at) < SAME_C]
+            level = _at_zero(sorted(near), mean, error)
+            if level is not None:
+                rows[OperatingPoint(at, None, *kind)] = level
+    if len(rows) < 2 or len({(p.gain, p.channel) for p in rows}) > 1:
+        return None
+    level, spread = np.array(list(rows.values())).T
+    away = (level - np.average(level, weights=spread**-2.0)) / spread
+    if np.sum(away**2) < CLEAR**2 * (len(rows) - 1):
+        return None
+    return _table(list(rows), level)
+
+
+def _at_zero(
+    near: list[tuple[float, int]], mean: np.ndarray, error: np.ndarray
+) -> tuple[float, float] | None:
+    """Level at exposure 0 and its error, from (exposure, point) in order; None: not told."""
+    if not near:
+        return None
+    (first, i), others = near[0], [(e, j) for e, j in near if e > near[0][0]]
+    if first == 0:
+        return float(mean[i]), max(float(error[i]), 1e-3)
+    if not others:
+        return None
+    second, j = others[0]
+    share = first / (second - first)
+    level = mean[i] - share * (mean[j] - mean[i])
+    return float(level), max(math.hypot((1 + share) * error[i], share * error[j]), 1e-3)
 
 
 def pedestal_guess(
@@ -183,6 +248,9 @@ def ordinary_model(m: Moments, bits: int = 16, serial: float = 0.0) -> NoiseMode
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
+    black = m.pedestal if m.black is None else m.black
+    above = m.pedestal + m.signal - [value_at(black, p) for p in m.points]
+    m = replace(m, signal=np.maximum(above, 0.01 * np.sqrt(np.min(m.total)) + 1e-3))
     (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
     (offsets, relative), _ = nnls(
         _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
@@ -208,7 +276,7 @@ def ordinary_model(m: Moments, bits: int = 16, serial: float = 0.0) -> NoiseMode
         known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
         known["quantization"](bits=bits),  # type: ignore[call-arg]
     )
-    return NoiseModel(effects, m.pedestal, reference)
+    return NoiseModel(effects, black, reference)
 
 
 def partly_named(
@@ -266,17 +334,37 @@ def _two(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 def _by_temperature(points: list[OperatingPoint], mu: np.ndarray, lit: list[int]) -> TableLaw:
-    """One row a temperature (and gain, channel), from its longest exposure."""
-    rows: dict[OperatingPoint, tuple[float, float]] = {}
-    for i in lit:
-        p = points[i]
-        key = OperatingPoint(p.temperature_c, None, p.gain, p.channel)
-        exposure = p.exposure_s or 1.0
-        if key not in rows or exposure > rows[key][0]:
-            rows[key] = exposure, float(mu[i])
+    """One row a temperature (and gain, channel), from the longest exposure near it.
+
+    Between rows the table is a straight line over 1/T, an activation energy of its own. Even where
+    two currents with energies .6 eV apart mix, that is within 1 % over `NEAR_C`, so temperatures
+    nearer than that to the next need no row: it would hang on the frames of one short exposure.
+    """
+    rows: dict[OperatingPoint, tuple[tuple[float, float], float]] = {}
+    for kind in dict.fromkeys((points[i].gain, points[i].channel) for i in lit):
+        alike = [i for i in lit if (points[i].gain, points[i].channel) == kind]
+        knots = _knots([t for i in alike if (t := points[i].temperature_c) is not None])
+        for i in alike:
+            p = points[i]
+            at, away = p.temperature_c, 0.0
+            if at is not None:
+                away, at = min((abs(t - at), t) for t in knots)
+            key, worth = OperatingPoint(at, None, *kind), (p.exposure_s or 1.0, -away)
+            if key not in rows or worth > rows[key][0]:
+                rows[key] = worth, float(mu[i])
     if not rows:
-        rows[OperatingPoint()] = 1.0, float(np.median(mu))
+        rows[OperatingPoint()] = (1.0, 0.0), float(np.median(mu))
     return TableLaw(tuple(rows), tuple(v for _, v in rows.values()))
+
+
+def _knots(temperatures: list[float]) -> list[float]:
+    """The coldest, the warmest, and those between that are `NEAR_C` from the knots beside them."""
+    ordered = sorted(set(temperatures))
+    knots = ordered[:1]
+    for t in ordered[1:-1]:
+        if min(t - knots[-1], ordered[-1] - t) >= NEAR_C:
+            knots.append(t)
+    return knots + (ordered[-1:] if len(ordered) > 1 else [])
 
 
 def _base(m: Moments, **values: object) -> Effect:
