@@ -98,10 +98,17 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     """Go on with rivals that gain much and nearly alike, or that raise the error for all they gain.
 
     A refit of few steps may mend what is far off at the cost of much that was right, and which of
-    two is the better shows once both stand at their best.
+    two is the better shows once both stand at their best. A rival that lowers the error more than
+    the leader, with less evidence so far, is one of them.
     """
-    most = max(t.evidence for t in best.values())
-    close = [t for t in best.values() if t.evidence > CLOSE * most and t.fitted_gain > 0]
+    leader = max(best.values(), key=lambda t: t.evidence)
+    most = leader.evidence
+    close = [
+        t
+        for t in best.values()
+        if (t.evidence > CLOSE * most and t.fitted_gain > 0)
+        or (t.error < leader.error and t.state.loss < state.loss)
+    ]
     if most < SURE or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
         return
     for t in close:
