@@ -37,6 +37,9 @@ class Autocorrelation:
     everywhere : float
         What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that
         drifts spares the other corners.
+    without_trend : float
+        Excess once each pixel's straight line in time is taken off, over what that leaves of
+        independent frames: a drift has none.
     memory : float
         Of the recursive filter that explains the excess.
     frames : int
@@ -47,6 +50,7 @@ class Autocorrelation:
     se: float
     shared_se: float
     everywhere: float
+    without_trend: float
     memory: float
     frames: int
 
@@ -104,7 +108,7 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     of_sums = float(np.average(r1, weights=squares[keep]))
     return Autocorrelation(
         value, float(r1.std() / np.sqrt(r1.size)), _shared(scaled @ scaled.T / r1.size),
-        _everywhere(r1, keep), memory_of(of_sums, frames), frames,
+        _everywhere(r1, keep), _without_trend(scaled), memory_of(of_sums, frames), frames,
     )  # fmt: skip
 
 
@@ -116,6 +120,16 @@ def _everywhere(r1: np.ndarray, keep: np.ndarray, parts: int = 4) -> float:
     sums = np.bincount(part, r1, parts**2)
     enough = counts >= LEAST_PIXELS // parts
     return float(np.quantile(sums[enough] / counts[enough], 0.25))
+
+
+def _without_trend(series: np.ndarray) -> float:
+    """Of (K, n) series, in ratios of sums."""
+    frames = len(series)
+    line = np.vander(np.arange(frames), 2)
+    rest = np.eye(frames) - line @ np.linalg.pinv(line)
+    left = rest @ (series @ series.T) @ rest
+    expected = np.diagonal(rest, 1).sum() / np.trace(rest)
+    return float(np.diagonal(left, 1).sum() / np.trace(left) - expected)
 
 
 def _shared(pairs: np.ndarray) -> float:

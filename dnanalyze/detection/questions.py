@@ -281,7 +281,7 @@ def memory(e: ViewEvidence) -> list[Asked]:
             "temporal_denoise",
             e,
             m.p,
-            m.everywhere,
+            min(m.everywhere, m.without_trend),
             0.03,
             f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of "
             f"frames in any order: a recursive memory of {m.memory:.0%}",

@@ -22,6 +22,7 @@ def test_a_recursive_filter_is_significant_against_both_nulls(frames):
     assert found is not None
     assert found.p < 1e-5
     assert found.everywhere > 0.03
+    assert found.without_trend > 0.6 * found.excess
     assert found.memory == pytest.approx(0.2, abs=0.06)  # rounding hides some of it
 
 
@@ -36,6 +37,17 @@ def test_residuals_that_do_not_sum_to_zero_are_no_memory():
     assert found is not None
     assert abs(found.excess) < 5 * np.hypot(found.se, found.shared_se)
     assert found.p > 1e-5
+
+
+def test_a_trend_of_every_pixel_is_no_memory():
+    # an eighth of the noise a frame, up or down: significant, and little without the trend
+    slopes = np.random.default_rng(8).normal(0, 0.4, (128, 128))
+    stack = _noise(16) + slopes * (np.arange(16) - 7.5)[:, None, None]
+    found = autocorrelation(stack.astype(np.float32))
+    assert found is not None
+    assert found.excess > 0.05
+    assert found.everywhere > 0.05
+    assert found.without_trend < 0.03
 
 
 @pytest.mark.parametrize("frames", [8, 16])
