@@ -20,7 +20,7 @@ def export(
         Path,
         typer.Argument(
             metavar="M.yaml",
-            help="Model file; a table (.csv, .json) is read back.",
+            help="Model file; a table (.csv, .json) or exported code (.py) is read back.",
             show_default=False,
         ),
     ],
@@ -33,7 +33,7 @@ def export(
         typer.Option(
             "--format",
             help="csv, json: parameters over temperature; numpy: one file with dark_frames(); "
-            "torch: the same with a transform; yaml: the model file of a table.",
+            "torch: the same with a transform; yaml: the model file, of what is read back.",
         ),
     ] = "json",
     temperatures: Annotated[
@@ -48,7 +48,7 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """A model as a table, as a NumPy function, as a torch transform; for frames see simulate."""
-    from dnanalyze.model.export.numpy_code import numpy_source, torch_source
+    from dnanalyze.model.export.numpy_code import numpy_source, read_source, torch_source
     from dnanalyze.model.export.table import read_table, to_csv, to_json
     from dnanalyze.model.noise_model import dump_model, load_model
 
@@ -57,8 +57,8 @@ def export(
             f"--format {format}: valid: {', '.join(FORMATS)}; frames come from simulate"
         )
     session = Session("export", output=output, effects=tuple(effects or ()), quiet=quiet)
-    table = model.suffix.lower() in (".csv", ".json")
-    own = (read_table if table else load_model)(model, session.known())
+    reader = {".csv": read_table, ".json": read_table, ".py": read_source}
+    own = reader.get(model.suffix.lower(), load_model)(model, session.known())
     points = celsius("--temperatures", temperatures)
     text = {
         "csv": lambda: to_csv(own, points),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from dnanalyze.errors import InputError
 from dnanalyze.model.channels import channels_of
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.export.bundle import Bundle
-from dnanalyze.model.noise_model import NoiseModel, dump_model
+from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 
+_MARK = "The model:\n"
 _HEAD = '''\
 """Dark frames of a sensor, from a noise model fitted by dnanalyze {version}.
 
@@ -16,8 +19,7 @@ its fixed pattern the same at every temperature; another seed is another sensor 
 
     frames = dark_frames(temperature_c=45.0, exposure_s=0.05, shape=(1080, 1920), frames=4, seed=1)
 
-The model:
-
+{mark}
 {model}"""
 
 from __future__ import annotations
@@ -84,8 +86,34 @@ def numpy_source(model: NoiseModel) -> str:
             raise InputError(f"effect {effect.name}: {error}") from None
     tail = _TAIL.format(model=_model(model), **_home(model))
     indented = "".join(f"    {line}\n" for line in dump_model(model).splitlines())
-    head = _HEAD.format(version=dnanalyze.__version__, model=indented)
+    head = _HEAD.format(version=dnanalyze.__version__, mark=_MARK, model=indented)
     return head + bundle.text() + tail
+
+
+def read_source(path: Path, known: dict[str, type[Effect]] | None = None) -> NoiseModel:
+    """The model that such a file was written from; nothing of it is run.
+
+    Raises
+    ------
+    InputError
+        Not a file of `numpy_source` or `torch_source`.
+    """
+    import ast
+    import textwrap
+
+    import yaml
+
+    try:
+        head = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        _, mark, text = head.partition(_MARK)
+        raw = yaml.safe_load(textwrap.dedent(text))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    except (SyntaxError, ValueError, yaml.YAMLError):
+        mark, raw = "", None
+    if not mark:
+        raise InputError(f"{path}: not a Python file that `dnanalyze export` wrote")
+    return model_from_plain(raw, str(path), known)
 
 
 _TORCH = '''

@@ -15,7 +15,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import draws
 from dnanalyze.model.export import numpy_draws
-from dnanalyze.model.export.numpy_code import numpy_source, torch_source
+from dnanalyze.model.export.numpy_code import numpy_source, read_source, torch_source
 from dnanalyze.model.export.table import read_table, rows, to_csv, to_json
 from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model
@@ -135,6 +135,17 @@ def test_every_effect_has_a_numpy_form(name):
     assert np.mean(np.abs(frames - own) > 2e-3 * np.abs(own)) < 5e-3
 
 
+@pytest.mark.parametrize("write", [numpy_source, torch_source])
+def test_exported_code_reads_back_as_the_same_model(write, tmp_path):
+    path = tmp_path / "sensor.py"
+    path.write_text(write(MODEL))
+    assert read_source(path) == MODEL
+    for text in ("import os\n", '"""The model:\n\n    a: [\n"""\n', "def (", "\0"):
+        path.write_text(text)
+        with pytest.raises(InputError, match=r"sensor\.py: not a Python file that"):
+            read_source(path)
+
+
 def test_the_file_needs_numpy_alone(tmp_path):
     (tmp_path / "sensor.py").write_text(numpy_source(MODEL))
     code = (
@@ -218,9 +229,9 @@ def test_the_command(tmp_path, capsys):
         )
         assert out.stat().st_size > 500
     back = tmp_path / "back.yaml"
-    assert (
-        main(["export", str(tmp_path / "csv.csv"), "--format", "yaml", "-o", str(back), "-q"]) == 0
-    )
-    assert back.read_text() == (tmp_path / "M.yaml").read_text()
+    for name in ("csv.csv", "json.json", "numpy.py", "torch.py"):
+        again = ["export", str(tmp_path / name), "--format", "yaml", "-o", str(back), "-q"]
+        assert main(again) == 0
+        assert back.read_text() == (tmp_path / "M.yaml").read_text()
     assert main(["export", str(back), "--format", "xlsx", "-o", str(tmp_path / "x")]) == 2
     assert "valid: csv, json, numpy, torch, yaml" in capsys.readouterr().err
