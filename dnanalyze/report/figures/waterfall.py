@@ -76,7 +76,8 @@ def waterfall(names: Sequence[str], errors: Sequence[float]) -> Picture | None:
 
     return picture(
         draw,
-        "The error falls step by step; each bar spans the error before and after the step, with "
-        "everything refitted. It is measured on the half of the field that no fit saw.",
+        "The error step by step, on the half of the field that no fit saw; each bar spans the "
+        "error before and after, with everything refitted. What every sensor has is fitted "
+        "together: until all of it is named the paper's tables make up for the rest.",
         "Waterfall of the error: " + ", ".join(f"{n} {number(e)}" for n, e in steps),
     )
