@@ -24,11 +24,11 @@ def result(console: Console, held: Any) -> None:
     console.print(Padding(Text(headline(held), style="bold"), (0, 0, 1, 2)))
     names = [s.name for s in held.sensors]
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="dim")
-    table.add_column("figure", no_wrap=True)
     wide = len(names) < 4
+    table.add_column("figure", no_wrap=wide)
     letters = names if wide else [chr(ord("A") + i) for i in range(len(names))]
     for letter in letters:
-        table.add_column(letter, justify="right", overflow="fold")
+        table.add_column(letter, justify="right", overflow="fold", no_wrap=not wide)
     if not wide:
         legend = ", ".join(f"{a} {b}" for a, b in zip(letters, names, strict=True))
         console.print(Padding(Text(legend), (0, 0, 1, 2)))

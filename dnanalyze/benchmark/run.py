@@ -13,6 +13,7 @@ from dnanalyze.benchmark.record import ABSENT, ELECTRON, Figure, SensorRecord, r
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
 
+REACH = 3.0  # measured spans of temperature, as far outside which a law is still read
 TELLING = 2.0  # standard errors of a difference, from which two sensors are told apart
 
 
@@ -172,6 +173,10 @@ def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
     if found is None:
         why = "one temperature tells no law" if readings else "these captures do not tell it"
         return Figure(math.nan, math.nan, why)
+    low, high = readings[0].temperature_c, readings[-1].temperature_c
+    if found.outside_c > REACH * (high - low):
+        why = f"measured from {low:g} to {high:g} C alone, too far away for its law"
+        return Figure(math.nan, math.nan, why)
     note = "by its law"
     if found.outside_c > 0.5:
         note = f"extrapolated by {found.outside_c:.0f} C"
@@ -285,7 +290,8 @@ def _notes(
         ]
         made.append(
             f"the sensors share no temperature: the laws of {', '.join(apart)} are extrapolated "
-            "to where they are compared, and the errors say what that costs"
+            "to where they are compared, and the errors say what that costs; beyond three times "
+            "the span that was measured nothing is said"
         )
     points = [t.point for s in sensors for t in s.captures.settings]
     exposures = {p.exposure_s for p in points if p.exposure_s}

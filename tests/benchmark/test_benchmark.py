@@ -120,6 +120,14 @@ def test_a_filtered_sensor_is_not_to_be_believed():
     assert ranking.of("a").note == "measured there; of a filtered output, so not ranked"
 
 
+def test_a_law_is_not_read_far_outside_what_was_measured():
+    a, b = made_record("a", 3.0), made_record("b", 3.0)  # 25 to 65 C
+    result = side_by_side([a, b], [5.0, 180.0, 190.0])
+    told = [r for r in result.rankings if r.criterion == "dark_current"]
+    assert [r.temperature_c for r in told] == [5.0, 180.0]
+    assert told[1].of("a").note.startswith("extrapolated by 115 C")
+
+
 def test_single_frames_are_not_ranked_beside_what_tells_noise_from_pattern():
     noise = {"read_noise": Figure(2.0, 0.01)}
     both = {"read_noise": Figure(1.0, 0.01, one_frame=True)}
