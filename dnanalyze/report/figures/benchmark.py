@@ -73,6 +73,7 @@ def _series(
     ax: Any, readings: Sequence[Any], criterion: Any, result: Any, look: dict[str, Any]
 ) -> None:
     from dnanalyze.benchmark.laws import estimate
+    from dnanalyze.benchmark.run import REACH
 
     good = [r for r in readings if r.value > 0]
     if not good:
@@ -85,7 +86,9 @@ def _series(
     if t.size < 2:
         return
     common = result.temperatures
-    grid = np.linspace(min(t.min(), *common), max(t.max(), *common), 40) if common else t
+    reach = REACH * float(np.ptp(t))
+    low, high = min([t.min(), *common]), max([t.max(), *common])
+    grid = np.linspace(max(low, t.min() - reach), min(high, t.max() + reach), 40)
     laws = [estimate(readings, float(c), criterion.floor) for c in grid]
     keep = [k for k, law in enumerate(laws) if law is not None]
     value = np.array([laws[k].value for k in keep])  # type: ignore[union-attr]
