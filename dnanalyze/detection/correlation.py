@@ -46,13 +46,20 @@ class LagCorrelation:
 
     @property
     def short_range(self) -> float:
-        """Correlation that is gone two pixels away in rows and in columns; at most zero for 1/f
-        noise.
+        """Correlation that is gone two pixels away in rows and in columns: the lesser of
+        rho(1) - 2.5 rho(2), at most zero for 1/f noise of either kind.
 
-        In a direction: rho(1) - 2.5 rho(2). Strong 1/f noise over the scan buries that of a filter
-        in one direction; there the steps (rho(1) - rho(2)) - 2.5 (rho(2) - rho(3)) count too, as
-        long as the other direction, which such noise leaves alone, shows its own. A readout that is
-        slow along one of them is left out.
+        A readout that is slow along one of them is left out.
+        """
+        return min(_gone(self.along_rows), _gone(self.along_columns))
+
+    @property
+    def short_range_under_flicker(self) -> float:
+        """The same where strong 1/f noise over the scan buries that of a filter in one direction.
+
+        There the steps (rho(1) - rho(2)) - 2.5 (rho(2) - rho(3)) count too, as long as the other
+        direction, which such noise leaves alone, shows its own. For noise only: a fixed pattern
+        has steps of its own.
         """
         rows, columns = self.along_rows, self.along_columns
         plain = _gone(rows), _gone(columns)

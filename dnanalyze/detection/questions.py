@@ -57,6 +57,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     share = shot_share(e.correlation.variance, e.point.temperature_c, others) if e.temporal else 1.0
     room = 1.1 * share
     (bend, bend_se), lag = e.spectrum.concavity(), e.correlation
+    shared = lag.short_range_under_flicker if e.temporal else lag.short_range
     extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
     asked = [
         Asked(
@@ -73,8 +74,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             "crosstalk_or_denoise",
             "denoise",
             e,
-            one_sided(lag.short_range, lag.se * 3),
-            lag.short_range,
+            one_sided(shared, lag.se * 3),
+            shared,
             0.02 + extra + room * bound.short_range,
             f"neighbours' noise correlates by {max(lag.along_rows[0], 0):.3f} along rows and "
             f"{max(lag.along_columns[0], 0):.3f} along columns; crosstalk, which cannot touch read "
@@ -291,9 +292,12 @@ def memory(e: ViewEvidence) -> list[Asked]:
 
 
 def row_phases(e: ViewEvidence) -> list[Asked]:
-    """Are some rows, at a period, smoother than the rest?"""
+    """Are some rows, at a period, smoother than the rest?
+
+    Not asked of one frame's fixed pattern: colours of other offsets lie in other rows.
+    """
     r = e.rows
-    if r is None or not e.usable:
+    if r is None or not e.usable or not e.temporal:
         return []
     p = min(1.0, one_sided(r.z, 1.0) * max(r.tried, 1))
     return [

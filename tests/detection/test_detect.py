@@ -161,6 +161,11 @@ def test_rows_that_alone_are_filtered_are_named():
     assert "rows 3 of every 8" in rows[0].words
 
 
+def test_colours_in_other_rows_are_no_row_filter():
+    sensor = VirtualSensor(Traits(gain=1.2, plane_offset=9.0), (192, 192), 15)
+    assert detect(captures(sensor, SERIES, 1)).kind == "none"
+
+
 def test_one_setting_and_one_frame_are_enough_for_strong_filters():
     sensor = VirtualSensor(ORDINARY, SHAPE, 7)
     assert detect(captures(sensor, (25.0,), 8, hidden.median(1.0))).kind == "denoise"
