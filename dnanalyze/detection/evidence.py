@@ -163,7 +163,7 @@ def _memory(parts: list[Plane]) -> Autocorrelation | None:
         return None
     mean = {
         name: float(np.mean([getattr(m, name) for m in found]))
-        for name in ("excess", "shared_se", "everywhere", "without_trend", "memory")
+        for name in ("excess", "shared_se", "freedom", "everywhere", "without_trend", "memory")
     }
     se = float(np.sqrt(np.sum([m.se**2 for m in found])) / len(found))
     return Autocorrelation(se=se, frames=found[0].frames, **mean)

@@ -20,6 +20,7 @@ from scipy import optimize, stats
 from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
 
 LEAST_PIXELS = 200
+LEAST_FRAMES = 6  # for their pairs to say what pixels share
 
 
 @dataclass(frozen=True)
@@ -32,14 +33,15 @@ class Autocorrelation:
         Mean over pixels of r1 + 1/K.
     se : float
         Its standard error for independent pixels.
-    shared_se : float
-        For what pixels of a frame share: from the scatter of pairs of frames equally far apart.
+    shared_se, freedom : float
+        For what pixels of a frame share, and its degrees of freedom: from the scatter of pairs of
+        frames equally far apart; of the parts of the frame where there are too few pairs.
     everywhere : float
         What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that
         drifts spares the other corners.
     without_trend : float
         Excess once each pixel's straight line in time is taken off, over what that leaves of
-        independent frames: a drift has none.
+        independent frames, as if it left all of a filter's: a drift has none.
     memory : float
         Of the recursive filter that explains the excess.
     frames : int
@@ -49,6 +51,7 @@ class Autocorrelation:
     excess: float
     se: float
     shared_se: float
+    freedom: float
     everywhere: float
     without_trend: float
     memory: float
@@ -56,14 +59,11 @@ class Autocorrelation:
 
     @property
     def p(self) -> float:
-        """The larger of both nulls' p-values; the scatter has (K - 1)(K - 2)/2 degrees of
-        freedom.
-        """
+        """The larger of both nulls' p-values."""
         if not (self.se > 0 and self.shared_se > 0):
             return 1.0
-        freedom = (self.frames - 1) * (self.frames - 2) / 2
         alone = float(stats.norm.sf(self.excess / self.se))
-        return max(alone, float(stats.t.sf(self.excess / self.shared_se, freedom)))
+        return max(alone, float(stats.t.sf(self.excess / self.shared_se, self.freedom)))
 
 
 def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
@@ -106,30 +106,39 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     r1 = np.sum(scaled[1:] * scaled[:-1], axis=0) - any_order
     value = float(r1.mean())
     of_sums = float(np.average(r1, weights=squares[keep]))
+    means = _parts(r1, keep)
+    if frames >= LEAST_FRAMES:
+        shared, freedom = _shared(scaled @ scaled.T / r1.size), (frames - 1) * (frames - 2) / 2
+    else:
+        shared, freedom = float(means.std(ddof=1) / np.sqrt(means.size)), means.size - 1.0
     return Autocorrelation(
-        value, float(r1.std() / np.sqrt(r1.size)), _shared(scaled @ scaled.T / r1.size),
-        _everywhere(r1, keep), _without_trend(scaled), memory_of(of_sums, frames), frames,
+        value, float(r1.std() / np.sqrt(r1.size)), shared, freedom,
+        float(np.quantile(means, 0.25)), _without_trend(scaled), memory_of(of_sums, frames), frames,
     )  # fmt: skip
 
 
-def _everywhere(r1: np.ndarray, keep: np.ndarray, parts: int = 4) -> float:
-    """Lower quartile of the means over parts x parts of the frame that hold enough pixels."""
+def _parts(r1: np.ndarray, keep: np.ndarray, parts: int = 4) -> np.ndarray:
+    """Means over parts x parts of the frame that hold enough pixels."""
     y, x = np.nonzero(keep)
     part = y * parts // keep.shape[0] * parts + x * parts // keep.shape[1]
     counts = np.bincount(part, minlength=parts**2)
-    sums = np.bincount(part, r1, parts**2)
-    enough = counts >= LEAST_PIXELS // parts
-    return float(np.quantile(sums[enough] / counts[enough], 0.25))
+    enough = counts >= min(LEAST_PIXELS // parts, counts.max())
+    return np.asarray(np.bincount(part, r1, parts**2)[enough] / counts[enough])
 
 
 def _without_trend(series: np.ndarray) -> float:
-    """Of (K, n) series, in ratios of sums."""
+    """Of (K, n) series, in ratios of sums, over the share that is left of a memory of 20 %."""
     frames = len(series)
     line = np.vander(np.arange(frames), 2)
     rest = np.eye(frames) - line @ np.linalg.pinv(line)
-    left = rest @ (series @ series.T) @ rest
-    expected = np.diagonal(rest, 1).sum() / np.trace(rest)
-    return float(np.diagonal(left, 1).sum() / np.trace(left) - expected)
+
+    def excess(products: np.ndarray) -> float:
+        left = rest @ products @ rest
+        expected = np.diagonal(rest, 1).sum() / np.trace(rest)
+        return float(np.diagonal(left, 1).sum() / np.trace(left) - expected)
+
+    share = excess(_covariance(0.2, frames)) / expected_excess(0.2, frames)
+    return excess(series @ series.T) / share
 
 
 def _shared(pairs: np.ndarray) -> float:
@@ -156,15 +165,20 @@ def _at_an_end(stack: np.ndarray) -> np.ndarray:
     return ends
 
 
-def expected_excess(memory: float, frames: int) -> float:
-    """r1 + 1/K (ratio of expectations) of y_n = (1-a) x_n + a y_(n-1), started at y_0 = x_0."""
+def _covariance(memory: float, frames: int) -> np.ndarray:
+    """Of y_n = (1-a) x_n + a y_(n-1), started at y_0 = x_0, less its mean over the frames."""
     rows = np.zeros((frames, frames))
     rows[0, 0] = 1
     for n in range(1, frames):
         rows[n] = memory * rows[n - 1]
         rows[n, n] += 1 - memory
     rows -= rows.mean(axis=0)
-    cov = rows @ rows.T
+    return rows @ rows.T
+
+
+def expected_excess(memory: float, frames: int) -> float:
+    """r1 + 1/K (ratio of expectations) of a recursive filter."""
+    cov = _covariance(memory, frames)
     return float(np.trace(cov[1:, :-1]) / np.trace(cov)) + 1 / frames
 
 
