@@ -26,6 +26,7 @@ from dnanalyze.model.streams import Stream
 
 _BLOCK = 4  # columns that are averaged before a transient is fitted
 _FEWEST = 64  # columns from which one is looked for
+CLEAR = 0.2  # share of the variance left by a transient beside which no scatter is tried
 
 
 @dataclass(frozen=True)
@@ -117,28 +118,31 @@ class ColumnFpn(Effect):
         sigma = line_sigma(clues, "pattern_columns", clues.shape[0])
         power = [typical(row) for row in band_excess(clues, "pattern_columns")]
         rho = _correlation(power[1], power[3])
-        found: list[Effect] = [cls(bounded(cls, "sigma", sigma), rho)]
-        transient = _transient(clues)
-        if transient is not None:
-            alone = bounded(cls, "sigma", math.sqrt(max(power[3], 0.0) / clues.shape[0]))
-            found.append(cls(alone, 0.0, *transient))
-        return found
+        scattered = cls(bounded(cls, "sigma", sigma), rho)
+        transient, left = _transient(clues)
+        if transient is None:
+            return [scattered]
+        alone = bounded(cls, "sigma", math.sqrt(max(power[3], 0.0) / clues.shape[0]))
+        settling = cls(alone, 0.0, *transient)
+        return [settling] if left < CLEAR else [scattered, settling]
 
 
-def _transient(clues: Clues) -> tuple[float, float, str] | None:
-    """Offset of the first column (DN), length (columns) and side of an exponential settling.
+def _transient(clues: Clues) -> tuple[tuple[float, float, str] | None, float]:
+    """Offset of the first column (DN), length (columns) and side of an exponential settling; the
+    share of the variance that it leaves.
 
     Least squares of c + a e^(-j/l) on the fitted half's column means over a grid of lengths. None
-    where it leaves more than half of their variance beyond the column's own scatter, or where the
-    length cannot be told from a slope.
+    where it leaves more than half of their variance, or where the length cannot be told from a
+    slope.
     """
     places, means = (part[: clues.shape[1]] for part in line_profile(clues, "columns"))
     if means.size < _FEWEST:
-        return None
+        return None, 1.0
     blocks = means[: means.size // _BLOCK * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
     at = places[: blocks.size * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
     level = blocks - blocks.mean()
-    best = (0.5 * float(level @ level), 0.0, 0.0, "")
+    total = max(float(level @ level), 1e-30)
+    best = (0.5 * total, 0.0, 0.0, "")
     longest = 0.4 * means.size
     for first in ("left", "right"):
         order = at if first == "left" else clues.field[1] - 1 - at
@@ -150,8 +154,8 @@ def _transient(clues: Clues) -> tuple[float, float, str] | None:
             if left < best[0]:
                 start = height * math.exp(min(float(order.min()) / length, 5.0))
                 best = left, start, float(length), first
-    _, start, length, first = best
-    return (start, length, first) if 0.0 < length < longest else None
+    left, start, length, first = best
+    return ((start, length, first) if 0.0 < length < longest else None), left / total
 
 
 def _autoregressive(stream: Stream, site: Site, rho: float) -> np.ndarray:

@@ -83,11 +83,23 @@ def test_guess_reads_a_settling_level_off_the_columns(first, margin):
         off=dict.fromkeys(names, 9.0), whole=(256, 1024),
         profiles={"columns": [profile], "places": [column]},
     )  # fmt: skip
-    found = ColumnFpn.guess(clues)
+    (effect,) = ColumnFpn.guess(clues)
     if first == "right":  # 512 columns off it is e^(-5.7) of its start, below the noise
-        assert len(found) == 1
+        assert effect.settle == 0.0
         return
-    assert found[1].first == first
-    assert found[1].length == pytest.approx(90.0, rel=0.12)  # the grid's step
-    assert found[1].settle == pytest.approx(30.0, rel=0.12)
-    assert ColumnFpn.guess(line_clues("pattern_columns", 50.0, 3.0))[1:] == []
+    assert effect.first == first
+    assert effect.length == pytest.approx(90.0, rel=0.12)  # the grid's step
+    assert effect.settle == pytest.approx(30.0, rel=0.12)
+
+
+def test_where_a_transient_leaves_much_both_forms_are_guessed():
+    column = np.arange(512)
+    rng = np.random.default_rng(3)
+    profile = 7.0 * np.exp(-column / 60.0) + np.repeat(rng.standard_normal(64), 8)
+    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
+    clues = Given(
+        (256, 512), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
+        off=dict.fromkeys(names, 9.0), profiles={"columns": [profile]},
+    )  # fmt: skip
+    scattered, settling = ColumnFpn.guess(clues)
+    assert scattered.settle == 0.0 < settling.settle
