@@ -22,6 +22,7 @@ CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in c
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ABRUPT = 8.0  # a threshold empties the tail at once: this much from half the bound to the bound
 ASKED_SLOPES = (2.0, 4.0)
+GRADUAL = 4.0  # where the tail was thin at half the bound, no less than this part of it is expected
 WHOLE = 0.5  # of the tail is left at half the bound
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
 LEAST_REPLACED = 8
@@ -178,7 +179,9 @@ def _cliff(e: ViewEvidence, out: StandingOut, top: Excess, test: str) -> Asked |
         enough &= top.bounds <= HIGHEST_THRESHOLD * e.noise
     if not enough.any():
         return None
-    p = np.where(enough & _abrupt(top), _fewer(own, control), 1.0)
+    at_half = _left(top)[_half(top)]
+    expected = np.minimum(CLUSTERED, at_half / GRADUAL) * control
+    p = np.where(enough & _abrupt(top), stats.poisson.cdf(np.floor(own), expected), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
     below = float(own[j] / control[j])
     unit = "DN above" if test == "dynamic_threshold" else "times"
@@ -226,10 +229,18 @@ def _abrupt(top: Excess) -> np.ndarray:
 
     Clusters of hot pixels thin it out as well, but gradually.
     """
+    left = _left(top)
+    return left[_half(top)] > ABRUPT * left
+
+
+def _left(top: Excess) -> np.ndarray:
+    return top.own / np.maximum(top.control, 1e-9)
+
+
+def _half(top: Excess) -> np.ndarray:
+    """Index of half of each bound, of half of each ratio above 1."""
     zero = 1.0 if top.bounds[0] >= 1 else 0.0
-    half = np.searchsorted(top.bounds, zero + (top.bounds - zero) / 2)
-    left = top.own / np.maximum(top.control, 1e-9)
-    return left[half] > ABRUPT * left
+    return np.searchsorted(top.bounds, zero + (top.bounds - zero) / 2)
 
 
 def edge(top: Excess, j: int) -> float:
