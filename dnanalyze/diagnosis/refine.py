@@ -188,7 +188,7 @@ def _everyday(
 
 def _completed(held: Bench, state: State, name: str) -> State:
     """The effect in its best kind and everything at its best place; each may change the other."""
-    state = converge(held, settled(held, state, name))
+    state = converge(held, settled(held, state, name, relatives=False))
     again = settled(held, state, name)
     return state if again is state else converge(held, again)
 

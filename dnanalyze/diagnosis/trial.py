@@ -154,8 +154,13 @@ def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
     )
 
 
-def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State:
-    """The best of an effect's kinds: each alternative to its choices, refitted from here."""
+def settled(
+    bench: Bench, state: State, name: str, iterations: int = 3, *, relatives: bool = True
+) -> State:
+    """The best of an effect's kinds: each alternative to its choices, refitted from here.
+
+    ``relatives``: also those forms with numbers to match, which tell little before the fit stands.
+    """
     for choice, info in _effect(state.model, name).parameters().items():
         if info.scale != "choice" or choice in UNTRIED:
             continue
@@ -165,7 +170,7 @@ def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State
                 with suppress(InputError):  # a choice that the others rule out
                     kind = replace(effect, **{choice: other})
                     state = _better(bench, state, kind, iterations)
-    for other in _effect(state.model, name).relatives():
+    for other in _effect(state.model, name).relatives() if relatives else ():
         with suppress(InputError):
             state = _better(bench, state, other, 2 * iterations, anew=True)
     return state
