@@ -63,10 +63,18 @@ class StuckPixels(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The share from pixels without temporal variance; as code, both ends of what occurs."""
-        if not shows(clues, ["dead_count"]):
+        """The share from pixels without temporal variance; as code, both ends of what occurs.
+
+        Where the noise is below a code many pixels never change, and what piles up at the ends of
+        the histogram and stands far off in the pattern tells.
+        """
+        if shows(clues, ["dead_count"]):
+            count = typical_positive(excess(clues, "dead_count"))
+        elif shows(clues, ["low_spike", "high_spike"]):
+            far = ("hot_count_64", "cold_count_8")
+            count = sum(typical_positive(excess(clues, name)) for name in far)
+        else:
             return []
-        count = typical_positive(excess(clues, "dead_count"))
         fraction = bounded(cls, "fraction", count / (clues.shape[0] * clues.shape[1]))
         codes = curve(clues, "histogram_codes", strongest(clues, ["dead_count"]) or 0)
         ends = (0.0, 4095.0) if codes is None else (float(np.min(codes)), float(np.max(codes)))

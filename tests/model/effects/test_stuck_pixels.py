@@ -54,3 +54,15 @@ def test_guess_from_pixels_without_noise():
     assert (low.code, high.code, mixed.code) == (3.0, 1023.0, 1023.0)
     assert (low.codes, high.codes, mixed.codes) == ("one", "one", "any")
     assert StuckPixels.guess(Given()) == []
+
+
+def test_guess_where_the_noise_is_below_a_code_and_many_pixels_never_change():
+    clues = Given(
+        seen={"hot_count_64": 30.0, "cold_count_8": 15.0},
+        model={"hot_count_64": 10.0, "cold_count_8": 0.0},
+        off={"low_spike": 9.0},
+        curves={"histogram_codes": [np.array([0, 64, 4095])]},
+    )
+    mixed, high, low = StuckPixels.guess(clues)
+    assert mixed.fraction == pytest.approx(35 / 65536)
+    assert (low.code, high.code) == (0.0, 4095.0)
