@@ -15,9 +15,10 @@ from dnanalyze.comparator.words import failures
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit
 from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import gaussian_model, moments
+from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel

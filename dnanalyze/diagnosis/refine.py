@@ -21,15 +21,10 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, minimise, start
+from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import (
-    converter_bits,
-    moments,
-    ordinary_model,
-    partly_named,
-    serial_correlation,
-)
+from dnanalyze.fitting.start import ordinary_model, partly_named
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel

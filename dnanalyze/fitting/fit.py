@@ -18,9 +18,10 @@ from dnanalyze.fitting.least_squares import (
     start,
     weights,
 )
+from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import MEMO_BYTES, Bench, bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import moments, paper_models
+from dnanalyze.fitting.start import paper_models
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import Memo

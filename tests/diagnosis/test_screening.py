@@ -6,9 +6,10 @@ from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import moments, ordinary_model
+from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from dnanalyze.fitting.start import Moments, black_over_temperature, ordinary_model
+from dnanalyze.fitting.moments import Moments, black_over_temperature
+from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import arrhenius, value_at
 

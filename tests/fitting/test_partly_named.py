@@ -5,9 +5,10 @@ import pytest
 
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import moments, partly_named
+from dnanalyze.fitting.start import partly_named
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise

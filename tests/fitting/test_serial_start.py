@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.moments import serial_correlation
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import serial_correlation
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.crosstalk import Crosstalk

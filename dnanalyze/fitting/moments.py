@@ -1,0 +1,202 @@
+"""What the series says at a glance: level, signal, variances, the black level over temperature."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import Law, TableLaw, arrhenius
+
+LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Mean and variances over the operating points, DN and DN^2, and what they say at a glance.
+
+    ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are
+    variances; a point with one frame cannot tell them apart: it is given the temporal variance of
+    the other points, or half of its own. ``black`` is the pedestal over temperature, where it is
+    seen to move.
+    """
+
+    points: list[OperatingPoint]
+    pedestal: float
+    signal: np.ndarray
+    temporal: np.ndarray
+    pattern: np.ndarray
+    black: Law | None = None
+
+    @property
+    def reference(self) -> OperatingPoint:
+        """The middle of the temperatures, the longest exposure, the first gain."""
+        known = sorted(p.temperature_c for p in self.points if p.temperature_c is not None)
+        exposures = [p.exposure_s for p in self.points if p.exposure_s]
+        gains = [p.gain for p in self.points if p.gain]
+        return OperatingPoint(
+            known[len(known) // 2] if known else None,
+            max(exposures) if exposures else None,
+            gains[0] if gains else None,
+        )
+
+    @property
+    def total(self) -> np.ndarray:
+        """Variance of a single frame."""
+        return self.temporal + self.pattern
+
+
+def moments(readings: Readings, black_level: float | None) -> Moments:
+    """Read the moments off the statistics."""
+    mean = readings.value("mean")
+    frames = readings.frames
+    single = readings.value("frame_noise_core") ** 2
+    seen = readings.value("temporal_noise_core") ** 2
+    usual = float(np.nanmedian(seen)) if np.isfinite(seen).any() else np.inf
+    temporal = np.where(np.isfinite(seen), seen, np.minimum(usual, single / 2))
+    stack = readings.value("pattern_noise") ** 2 - temporal / frames
+    pattern = np.maximum(np.where(frames > 1, stack, single - temporal), 1e-4 * single)
+    pedestal = pedestal_guess(readings.points, mean, black_level)
+    least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
+    signal = np.maximum(mean - pedestal, least)
+    black = black_over_temperature(readings.points, mean, readings.error("mean"))
+    return Moments(readings.points, pedestal, signal, temporal, pattern, black)
+
+
+def black_over_temperature(
+    points: list[OperatingPoint], mean: np.ndarray, error: np.ndarray
+) -> TableLaw | None:
+    """Black level over temperature, where exposures of zero, or two of them, show that it moves.
+
+    A reference voltage and an amplifier have temperature coefficients. With one exposure a
+    temperature that is not told from dark current, which then takes it up.
+
+    Parameters
+    ----------
+    points : list of OperatingPoint
+    mean, error : ndarray
+        DN, one a point: the mean level and its standard error.
+
+    Returns
+    -------
+    TableLaw or None
+        The line through the two shortest exposures of a temperature, at exposure 0; None where the
+        levels agree within `CLEAR` standard errors.
+    """
+    rows: dict[OperatingPoint, tuple[float, float]] = {}
+    for kind in dict.fromkeys((p.gain, p.channel) for p in points):
+        timed = [
+            (i, p.temperature_c, p.exposure_s)
+            for i, p in enumerate(points)
+            if (p.gain, p.channel) == kind
+            and p.temperature_c is not None
+            and p.exposure_s is not None
+        ]
+        for at in temperature_knots([t for _, t, _ in timed]):
+            near = [(e, i) for i, t, e in timed if abs(t - at) < SAME_C]
+            level = _at_zero(sorted(near), mean, error)
+            if level is not None:
+                rows[OperatingPoint(at, None, *kind)] = level
+    if len(rows) < 2 or len({(p.gain, p.channel) for p in rows}) > 1:
+        return None
+    level, spread = np.array(list(rows.values())).T
+    away = (level - np.average(level, weights=spread**-2.0)) / spread
+    if np.sum(away**2) < CLEAR**2 * (len(rows) - 1):
+        return None
+    return TableLaw(tuple(rows), tuple(float(v) for v in level))
+
+
+def _at_zero(
+    near: list[tuple[float, int]], mean: np.ndarray, error: np.ndarray
+) -> tuple[float, float] | None:
+    """Level at exposure 0 and its error, from (exposure, point) in order; None: not told."""
+    if not near:
+        return None
+    (first, i), others = near[0], [(e, j) for e, j in near if e > near[0][0]]
+    if first == 0:
+        return float(mean[i]), max(float(error[i]), 1e-3)
+    if not others:
+        return None
+    second, j = others[0]
+    share = first / (second - first)
+    level = mean[i] - share * (mean[j] - mean[i])
+    return float(level), max(math.hypot((1 + share) * error[i], share * error[j]), 1e-3)
+
+
+def pedestal_guess(
+    points: list[OperatingPoint], mean: np.ndarray, black_level: float | None
+) -> float:
+    """Black level from the series, mean = pedestal + A t exp(-Ea/k (1/T - 1/T0)), Ea on a grid.
+
+    Parameters
+    ----------
+    points : list of OperatingPoint
+    mean : ndarray
+        DN, one a point.
+    black_level : float, optional
+        What the files state; used where the series cannot tell.
+    """
+    lowest = float(np.min(mean))
+    growths = [
+        np.array(
+            [
+                (p.exposure_s if p.exposure_s is not None else 1.0)
+                * arrhenius(p.temperature_c, 25.0, ea)
+                for p in points
+            ]
+        )
+        for ea in np.arange(0.3, 1.3, 0.02)
+    ]
+    varied = np.ptp(growths[0]) > 1e-6 * np.max(growths[0])
+    if len(points) < 3 or not varied:
+        return min(black_level, lowest) if black_level is not None else lowest - 0.05
+    weight = 1.0 / (0.03 * (mean - lowest) + 0.05)
+    best, pedestal = math.inf, lowest
+    for growth in growths:
+        design = np.stack([np.ones_like(mean), growth / np.max(growth)], 1) * weight[:, None]
+        (level, _), misfit = nnls(design, mean * weight)
+        if misfit < best:
+            best, pedestal = misfit, float(level)
+    return min(pedestal, lowest)
+
+
+def converter_bits(readings: Readings, stated: int | None) -> int:
+    """Bits of the converter: where codes pile up at 2^n - 1 it is n, else as stated, else 16."""
+    top = readings.value("highest_code")
+    highest = float(np.nanmax(top)) if np.isfinite(top).any() else 0.0
+    full = np.log2(highest + 1.0)
+    if full >= 8 and full == round(full):
+        return min(int(full), 16)
+    return stated if stated is not None and highest < 2**stated else 16
+
+
+def serial_correlation(readings: Readings) -> float:
+    """Of read noise along a row, from the quietest setting; 0 unless it stands out.
+
+    Crosstalk and filters act along columns too, rows and 1/f noise beyond the next pixel.
+    """
+    noise = readings.value("temporal_noise_core")
+    if not np.isfinite(noise).any():
+        return 0.0
+    quietest = int(np.nanargmin(noise))
+    next_one = readings.value("temporal_corr_10")[quietest]
+    error = readings.error("temporal_corr_10")[quietest]
+    others = [readings.value(f"temporal_corr_{lag}")[quietest] for lag in ("01", "20")]
+    away = np.abs(next_one - np.array(others))
+    clear = abs(next_one) > LINKED and np.all(away > max(CLEAR * error, LINKED))
+    return float(np.clip(next_one, -0.4, 0.4)) if clear else 0.0
+
+
+def temperature_knots(temperatures: list[float]) -> list[float]:
+    """The coldest, the warmest, and those between that are `NEAR_C` from the knots beside them."""
+    ordered = sorted(set(temperatures))
+    knots = ordered[:1]
+    for t in ordered[1:-1]:
+        if min(t - knots[-1], ordered[-1] - t) >= NEAR_C:
+            knots.append(t)
+    return knots + (ordered[-1:] if len(ordered) > 1 else [])
