@@ -23,6 +23,7 @@ LEAST = 6.0  # and the least promise; what chance promises is several times as m
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
+CLEAR = 50.0  # evidence from which the choice between rivals matters
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 DOUBT = 6.0  # floors from which a difference tells less and less
 KIND_GAIN = 4.0  # fall of the loss that another kind must bring
@@ -99,7 +100,7 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
 
     A refit of few steps may mend what is far off at the cost of much that was right, and which of
     two is the better shows once both stand at their best. A rival that lowers the error more than
-    the leader, with less evidence so far, is one of them.
+    the leader, or fits better, with less evidence so far, is one of them.
     """
     leader = max(best.values(), key=lambda t: t.evidence)
     most = leader.evidence
@@ -108,8 +109,9 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
         for t in best.values()
         if (t.evidence > CLOSE * most and t.fitted_gain > 0)
         or (t.error < leader.error and t.state.loss < state.loss)
+        or t.fitted_gain > leader.fitted_gain
     ]
-    if most < SURE or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
+    if most < CLEAR or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
         return
     for t in close:
         fresh = replace(t.state, jacobian=np.full_like(t.state.jacobian, np.nan))
