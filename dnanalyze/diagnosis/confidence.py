@@ -69,6 +69,17 @@ def significant(found: Trial, error: float, spread: float = 1.0) -> bool:
     return enough and lowers(found, error)
 
 
+def addition(trials: Sequence[Trial], error: float) -> Trial | None:
+    """The candidate with the most evidence, if it is significant; None: the data support none.
+
+    Where one half alone speaks for the leader the halves disagree, and to take the next in its
+    place would be to choose by the luck of one of them.
+    """
+    if trials and significant(trials[0], error, dispersion(trials)):
+        return trials[0]
+    return None
+
+
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:
     """Candidates that explain nearly as much as the best."""
     return [t.effect for t in trials if t is not best and t.evidence > ALIKE * best.evidence > 0]

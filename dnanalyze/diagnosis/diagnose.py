@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from dnanalyze.diagnosis.adequacy import FEW, adequacy
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import confidences, dispersion, lowers, rivals, significant
+from dnanalyze.diagnosis.confidence import addition, confidences, lowers, rivals
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, trials
 from dnanalyze.fitting.design import design
@@ -121,8 +121,7 @@ def judge(
                 words,
             )
         )
-    spread = dispersion(tried)
-    best = next((t for t in tried if significant(t, error, spread)), None)
+    best = addition(tried, error)
     missing = best is not None
     # what an effect leaves over is told in passing; whether nothing is missing is the question
     rest = adequacy(held, best.state, FEW) if best is not None else adequacy(held, state)

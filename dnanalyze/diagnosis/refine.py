@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from dnanalyze.diagnosis.confidence import NOTHING, confidences, dispersion, significant
+from dnanalyze.diagnosis.confidence import NOTHING, addition, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
@@ -129,8 +129,7 @@ def refine(
         tried = trials(held, state, open_to, trying)
         added = sum(1 for s in steps[1:] if s.added not in EVERYDAY)
         error = error_of(held, state)
-        spread = dispersion(tried)
-        best = next((t for t in tried if significant(t, error, spread)), None)
+        best = addition(tried, error)
         if best is None:
             break
         if most_effects is not None and added >= most_effects:
@@ -140,7 +139,7 @@ def refine(
             Step(
                 best.effect,
                 error_of(held, state),
-                float(confidences(tried, error)[tried.index(best)]),
+                float(confidences(tried, error)[0]),
             )
         )
         state, gone = _needless(held, state, keep=best.effect)

@@ -7,6 +7,7 @@ import pytest
 
 from dnanalyze.diagnosis.confidence import (
     NOTHING,
+    addition,
     confidences,
     dispersion,
     rivals,
@@ -77,3 +78,11 @@ def test_while_much_is_wrong_chance_reaches_farther():
     assert dispersion(messy) == pytest.approx(36 * np.log1p(1 / 9))
     assert significant(messy[0], 3.0)
     assert not significant(messy[0], 3.0, dispersion(messy))
+
+
+def test_where_the_halves_disagree_about_the_leader_nothing_is_added():
+    split = dataclasses.replace(made("a", -60.0, 1.05), fitted_gain=260.0)
+    second = made("b", 90.0, 0.97)
+    assert addition([second, split], 1.0) is second
+    assert addition([split, second], 1.0) is None
+    assert addition([], 1.0) is None
