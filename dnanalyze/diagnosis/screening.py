@@ -96,8 +96,10 @@ def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Pro
     if bent:
         knobs = knobs_of(part.model)
         plain = [k.plain(x) for k, x in zip(knobs, positions(part.model, knobs), strict=True)]
-        right = [k.position(x * bent.get(k.name, 1.0)) for k, x in zip(knobs, plain, strict=True)]
-        models.append(turned(part.model, knobs, np.array(right)))
+        right = [x * bent.get(k.name, 1.0) for k, x in zip(knobs, plain, strict=True)]
+        if right != plain:
+            where = [k.position(x) for k, x in zip(knobs, right, strict=True)]
+            models.append(turned(part.model, knobs, np.array(where)))
     found = []
     for model in models:
         try:
