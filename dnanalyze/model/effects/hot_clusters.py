@@ -11,15 +11,15 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.effects.hot_pixels import amplitude, heavier, tail_of_counts
 from dnanalyze.model.evidence import shows
+from dnanalyze.model.hot_tail import HotTail, amplitude, tail_of_counts
 
 REACH = 8
 MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
 
 
 @dataclass(frozen=True)
-class HotClusters(Effect):
+class HotClusters(HotTail):
     """Neyman-Scott process: parents at random, a Poisson number of hot pixels around each."""
 
     name: ClassVar[str] = "hot_clusters"
@@ -70,14 +70,6 @@ class HotClusters(Effect):
         0.0, "1", 0.0, 1.5, "exponent s of a power-law tail; 0 for an exponential", "linear"
     )
 
-    def idle(self) -> tuple[str, ...]:
-        """The exponent of a tail that is exponential."""
-        return ("tail",) if self.tail == 0.0 else ()
-
-    def relatives(self) -> list[Effect]:
-        """The heavy tail that has as much at a tenth of the pixels."""
-        return [heavier(self)] if self.tail == 0.0 else []
-
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the clusters."""
         signal += site.keep("map", lambda: self._map(site))
@@ -91,8 +83,7 @@ class HotClusters(Effect):
         # arrival times of a unit Poisson process: the number before ``members`` is Pois(members),
         # and a change of ``members`` adds or removes only the last ones
         arrival = np.zeros(index.size)
-        scale = self.value("scale", site.point) * site.thermal(self.value("ea_ev", site.point))
-        scale *= site.exposure_ratio * site.gain_ratio
+        scale = self.scale_at(site)
         out = np.zeros(site.window.shape)
         for n in range(MOST):
             arrival -= np.log(stream.child(n, "arrival").uniform_at(index))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -11,14 +11,12 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.evidence import excess, shows
-from dnanalyze.model.laws import scaled
-
-THRESHOLDS = (5, 8, 16, 32, 64, 128)
+from dnanalyze.model.evidence import shows
+from dnanalyze.model.hot_tail import HotTail, amplitude, tail_of_counts
 
 
 @dataclass(frozen=True)
-class HotPixels(Effect):
+class HotPixels(HotTail):
     """A fraction p of the pixels has an extra dark signal, exponential with mean nu."""
 
     name: ClassVar[str] = "hot_pixels"
@@ -78,25 +76,15 @@ class HotPixels(Effect):
         0.0, "1", 0.0, 1.5, "exponent s of a power-law tail; 0 for an exponential", "linear"
     )
 
-    def idle(self) -> tuple[str, ...]:
-        """The exponent of a tail that is exponential."""
-        return ("tail",) if self.tail == 0.0 else ()
-
-    def relatives(self) -> list[Effect]:
-        """The heavy tail that has as much at a tenth of the pixels."""
-        return [heavier(self)] if self.tail == 0.0 else []
-
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the hot pixels."""
         signal += site.keep("map", lambda: self._map(site))
         return signal
 
     def _map(self, site: Site) -> np.ndarray:
-        scale = self.value("scale", site.point) * site.thermal(self.value("ea_ev", site.point))
-        scale *= site.exposure_ratio * site.gain_ratio
         share = np.float32(self.value("fraction", site.point)) / site.fixed_uniform()
         hot = amplitude(np.maximum(share, np.float32(1)), self.value("tail", site.point))
-        return np.float32(scale) * hot
+        return np.float32(self.scale_at(site)) * hot
 
     def variance(self, point: OperatingPoint) -> float | None:
         """nu^2 (2 p / ((1 - s) (1 - 2 s)) - (p / (1 - s))^2), DN^2, at the reference temperature,
@@ -122,52 +110,3 @@ class HotPixels(Effect):
             return []
         scale, ea = fitted
         return [cls(**hints.clip(cls, fraction=fraction, scale=scale, ea_ev=ea))]
-
-
-HEAVY = 0.5  # exponent from which a heavy tail is tried
-
-
-def amplitude(share: np.ndarray, tail: float) -> np.ndarray:
-    """Quantile of the hot signal over its scale where ``1 / share`` of the hot pixels lie above.
-
-    ln(share), exponential; with a tail s > 0 (share^s - 1) / s, generalised Pareto.
-    """
-    log = np.log(share)
-    return log if tail == 0.0 else np.expm1(log.dtype.type(tail) * log) / log.dtype.type(tail)
-
-
-def heavier(effect: Effect) -> Effect:
-    """A hot effect with a heavy tail, as strong as it was at a tenth of its pixels."""
-    ten = np.array(10.0)
-    factor = float(amplitude(ten, 0.0) / amplitude(ten, HEAVY))
-    scale = scaled(effect.scale, factor)  # type: ignore[attr-defined]
-    return replace(effect, tail=HEAVY, scale=scale)  # type: ignore[call-arg]
-
-
-def tail_of_counts(clues: Clues) -> tuple[float, np.ndarray] | None:
-    """Fraction and mean amplitude (DN, one a setting) of the unexplained hot pixels.
-
-    N(> k s) = N p e^(-k s/nu), with s the robust sigma of the pattern.
-    """
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
-    sigma = np.where(np.isfinite(sigma), sigma, clues.measured("frame_noise_core"))
-    extra = np.array([excess(clues, f"hot_count_{k}") for k in THRESHOLDS])
-    pixels = float(np.prod(clues.shape))
-    amplitude = np.full(sigma.size, np.nan)
-    fractions = []
-    for j in range(sigma.size):
-        good = np.isfinite(extra[:, j]) & (extra[:, j] >= 2)
-        if not good.any() or not np.isfinite(sigma[j]):
-            continue
-        level = np.array(THRESHOLDS)[good] * sigma[j]
-        count = extra[good, j]
-        if good.sum() == 1:
-            amplitude[j] = level[0]
-        else:
-            # line through the logs, each weighed by its count (the variance of a Poisson log)
-            slope = np.polyfit(level, np.log(count), 1, w=np.sqrt(count))[0]
-            amplitude[j] = -1.0 / slope if slope < 0 else 4 * level[-1]
-        fractions.append((count[0], count[0] / pixels * np.exp(min(20.0, level[0] / amplitude[j]))))
-    if not fractions:
-        return None
-    return float(max(fractions)[1]), amplitude
