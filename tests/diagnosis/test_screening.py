@@ -11,6 +11,7 @@ from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
@@ -60,3 +61,16 @@ def test_a_search_that_cannot_come_below_is_given_up_before_its_first_step(held,
     assert free.loss < begun.loss
     given_up = minimise(held, begun, 2, below=-1e12)
     assert given_up.model == begun.model
+
+
+def test_what_moves_nothing_promises_nothing_though_two_settings_alone_could_fit_better(
+    held, state
+):
+    class Still(Effect):
+        name = "still"
+
+        def apply(self, signal, site):
+            return signal
+
+    (seen,) = prospects(held, state, {"still": Still})
+    assert seen.promise == pytest.approx(0.0, abs=1e-6)

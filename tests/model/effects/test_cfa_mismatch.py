@@ -36,3 +36,17 @@ def test_guess_needs_the_diagonal_or_both_axes():
     (effect,) = CfaMismatch.guess(Given(seen=seen, off=dict.fromkeys(ratios, 9.0)))
     assert (effect.u, effect.v, effect.uv) == pytest.approx((0.3, 0.0, 0.2))
     assert CfaMismatch.guess(Given(seen=seen, off={"pattern_nyquist_10": 9.0})) == []
+
+
+def test_guess_takes_the_signs_of_u_and_v_from_the_lines_and_leaves_that_of_uv_to_a_trial():
+    line = 1.0 - 2.0 * (np.arange(256) % 2)
+    seen = dict.fromkeys([f"pattern_nyquist_{k}" for k in ("10", "01", "11")], 100.0)
+    clues = Given(
+        seen=seen | {"pattern_psd_0.35_0.5": 1.0},
+        off=dict.fromkeys(seen, 9.0),
+        profiles={"columns": [-line], "rows": [line]},
+    )
+    (effect,) = CfaMismatch.guess(clues)
+    assert effect.u < 0 < effect.v
+    (other,) = effect.relatives()
+    assert (other.u, other.v, other.uv) == (effect.u, effect.v, -effect.uv)

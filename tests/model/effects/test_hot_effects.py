@@ -205,7 +205,7 @@ def test_few_blinking_pixels_are_guessed_from_how_far_down_the_noise_is_higher()
     levels = (0.5, 0.9, 0.99, 0.999)
     seen = {
         f"temporal_variance_q{p:g}": np.quantile(variance, p) / variance.mean() for p in levels
-    } | {"temporal_noise": np.sqrt(variance.mean()), "temporal_noise_core": 3.03}
+    } | {"temporal_noise": np.sqrt(variance.mean()), "temporal_noise_core": 2.8}
     clues = MadeUpClues(
         seen=seen,
         model={"temporal_variance_q0.999": 0.8 * seen["temporal_variance_q0.999"]},
