@@ -10,9 +10,9 @@ import numpy as np
 
 from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
-from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather
+from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather, listed
 from dnanalyze.detection.results import Detection, Finding
-from dnanalyze.detection.sample import SMALLEST, Group, groups, read
+from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
 from dnanalyze.detection.verdict import Answer, ask, decide
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
@@ -48,7 +48,7 @@ def detect(
     entry = kept.held(captures)
     evidence = kept.get(entry) if entry else None
     if evidence is None:
-        evidence = _gather(groups(captures), progress)
+        evidence = _with_lists(_gather(groups(captures), progress), across(captures))
         if entry:
             kept.put(entry, evidence)
     answers = ask(evidence, alpha)
@@ -89,12 +89,21 @@ def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> 
     return evidence
 
 
+def _with_lists(evidence: list[ViewEvidence], series: Group | None) -> list[ViewEvidence]:
+    """The first of each view with the sites that are replaced at all settings."""
+    if series is None or not evidence:
+        return evidence
+    stack = read(series)
+    sites = {view: listed(stack, view) for view in VIEWS}
+    return [replace(e, listed=sites.pop(e.view, None)) for e in evidence]
+
+
 def _finding(answer: Answer, speaks: bool) -> Finding:
     a = answer.asked
     return Finding(
         a.test,
         a.kind,
-        a.evidence.point.temperature_c,
+        None if a.everywhere else a.evidence.point.temperature_c,
         min(a.p, 1.0),
         a.effect,
         speaks,
@@ -131,7 +140,8 @@ def _words(flags: list[Answer]) -> tuple[str, ...]:
     for a in seen.values():
         e = a.asked.evidence
         within = " within a colour" if e.view == "planes" else ""
-        said.append(f"{e.point.label()}{within}: {a.asked.words}.")
+        where = "All settings" if a.asked.everywhere else e.point.label()
+        said.append(f"{where}{within}: {a.asked.words}.")
     return tuple(said)
 
 
@@ -161,9 +171,8 @@ def _ambiguous(
             "scale: the tests of noise do not apply."
         )
     elif not any(e.temporal for e in evidence):
-        said.append(
-            "Single frames: temporal filters leave no trace, static replacement none either."
-        )
+        lists = "" if any(e.listed for e in evidence) else ", static replacement none either"
+        said.append(f"Single frames: temporal filters leave no trace{lists}.")
     coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
     if coarse:
         said.append(

@@ -56,7 +56,8 @@ def _correction(
     rule, ppm = None, None
     if tests["static_replacement"]:
         rule = RULES[int(np.bincount([int(a.at) for a in tests["static_replacement"]]).argmax())]
-        ppm = float(np.median([1e6 * r.own[RULES.index(rule)] / max(r.tried, 1) for r in found]))
+        seen_by = [a.sites for a in tests["static_replacement"] if a.sites is not None]
+        ppm = float(np.median([1e6 * r.own[RULES.index(rule)] / max(r.tried, 1) for r in seen_by]))
     base = FilterEstimate(
         "static", view, replacement=rule, site_ppm=ppm, from_temperature_c=coldest
     )

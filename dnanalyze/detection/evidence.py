@@ -52,6 +52,8 @@ class ViewEvidence:
         Above the largest of 8, of 24 neighbours.
     replaced : Replaced, optional
         For 3 frames or more.
+    listed : Replaced, optional
+        The same over frames of all settings; with the first of the settings.
     memory : Autocorrelation, optional
         For 4 repeats or more.
     equal : tuple
@@ -76,6 +78,7 @@ class ViewEvidence:
     above8: StandingOut
     above24: StandingOut
     replaced: Replaced | None
+    listed: Replaced | None
     memory: Autocorrelation | None
     equal: tuple[float, float, int]
     rows: RowPhase | None
@@ -83,14 +86,12 @@ class ViewEvidence:
 
 def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     """Evidence of one view; None where the planes are too small."""
-    parts = list(planes(stack, VIEWS[view]))
-    h, w = np.min([p.raw.shape[1:] for p in parts], axis=0)
-    if min(h, w) < SMALLEST:
+    parts = _parts(stack, view)
+    if not parts:
         return None
-    parts = [Plane(p.name, p.raw[:, :h, :w], p.step) for p in parts]
     temporal = stack.shape[0] >= 2
     noise_images = [_noise_images(p, temporal) for p in parts]
-    noise = max(float(np.median([robust_sd(n) for n in noise_images])), parts[0].step * 0.29, 1e-9)
+    noise = _noise(noise_images, parts[0].step)
     images = np.concatenate(noise_images)
     ceiling = _ceiling(stack)
     clipped = _clipped_share(stack)
@@ -114,10 +115,35 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
         _standing_out(clean, 1, noise, ceiling, found),
         _standing_out(clean, 2, noise, ceiling, found),
         sum(found[1:], found[0]) if found else None,
+        None,
         _memory(parts) if group.repeats else None,
         equal_neighbours(parts[0].raw),
         row_phase(images) if view == "frame" else None,
     )
+
+
+def listed(stack: np.ndarray, view: str) -> Replaced | None:
+    """Replaced sites over frames of several settings; None where too few frames are fit."""
+    stack = stack[[_clipped_share(frame[None]) < SATURATED for frame in stack]]
+    parts = _parts(stack, view)
+    if len(stack) < 3 or not parts:
+        return None
+    noise = _noise([without_shading(p.dithered()[0])[None] for p in parts], parts[0].step)
+    found = _replaced(parts, noise)
+    return sum(found[1:], found[0])
+
+
+def _parts(stack: np.ndarray, view: str) -> list[Plane]:
+    """The planes of a view, of one size; none where they are too small."""
+    parts = list(planes(stack, VIEWS[view]))
+    h, w = np.min([p.raw.shape[1:] for p in parts], axis=0)
+    if min(h, w) < SMALLEST:
+        return []
+    return [Plane(p.name, p.raw[:, :h, :w], p.step) for p in parts]
+
+
+def _noise(images: list[np.ndarray], step: float) -> float:
+    return max(float(np.median([robust_sd(n) for n in images])), step * 0.29, 1e-9)
 
 
 def _noise_images(plane: Plane, temporal: bool) -> np.ndarray:

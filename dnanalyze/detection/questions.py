@@ -16,7 +16,7 @@ from scipy import stats
 from dnanalyze.detection.correlation import CrosstalkBound, largest_crosstalk, shot_share
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
-from dnanalyze.detection.replaced import RULES
+from dnanalyze.detection.replaced import RULES, Replaced
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
@@ -43,6 +43,8 @@ class Asked:
     at: float = np.nan  # threshold, ratio or rule that the answer points to
     neighbours: int = 8
     slope: float = 1.0  # of the neighbours' maximum, in a rule of a slope and a bound
+    sites: Replaced | None = None  # that the answer rests on
+    everywhere: bool = False  # over all settings
 
 
 def one_sided(value: float, se: float) -> float:
@@ -257,29 +259,35 @@ def _fewer(own: np.ndarray, control: np.ndarray) -> np.ndarray:
 
 
 def sites(e: ViewEvidence) -> list[Asked]:
-    """Are there sites that are always what their neighbours say?"""
-    if e.replaced is None or not e.replaced.tried:
-        return []
-    own, control = e.replaced.own, e.replaced.control
+    """Are there sites that are always what their neighbours say, here or at all settings?"""
+    asked = []
+    if e.replaced is not None and e.replaced.tried:
+        asked.append(_always(e, e.replaced, f"in all {e.replaced.frames} frames"))
+    if e.listed is not None and e.listed.tried:
+        where = f"in {e.listed.frames} frames, whatever the setting,"
+        asked.append(_always(e, e.listed, where, everywhere=True))
+    return asked
+
+
+def _always(e: ViewEvidence, seen: Replaced, where: str, everywhere: bool = False) -> Asked:
+    own, control = seen.own, seen.control
     shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
-    chance = 3 * control + 1
-    p = stats.poisson.sf(own - 1, chance)
+    p = stats.poisson.sf(own - 1, 3 * control + 1)
     j = int(np.argmax(own / (control + 3)))
-    beyond = float(own[j] / (control[j] + 1))
     found = int(own[j])
-    return [
-        Asked(
-            "static_replacement",
-            "dpc",
-            e,
-            min(1.0, float(p[j]) * len(RULES)),
-            beyond if found >= LEAST_REPLACED else 0.0,
-            5.0 * (1 + SHARED * shared),
-            f"{found} sites are in all {e.frames} frames the {RULES[j]} of their neighbours, "
-            f"{control[j]:.0f} of a ring elsewhere",
-            j,
-        )
-    ]
+    return Asked(
+        "static_replacement",
+        "dpc",
+        e,
+        min(1.0, float(p[j]) * len(RULES)),
+        float(found / (control[j] + 1)) if found >= LEAST_REPLACED else 0.0,
+        5.0 * (1 + SHARED * shared),
+        f"{found} sites are {where} the {RULES[j]} of their neighbours, {control[j]:.0f} of a ring "
+        "elsewhere",
+        j,
+        sites=seen,
+        everywhere=everywhere,
+    )
 
 
 def memory(e: ViewEvidence) -> list[Asked]:

@@ -37,17 +37,19 @@ class Replaced:
         (n, 3): rule, row, column of the own matches.
     tried : int
         Sites looked at.
+    frames : int
     """
 
     own: np.ndarray
     control: np.ndarray
     sites: np.ndarray
     tried: int
+    frames: int
 
     def __add__(self, other: Replaced) -> Replaced:
         return Replaced(
             self.own + other.own, self.control + other.control,
-            np.concatenate([self.sites, other.sites]), self.tried + other.tried,
+            np.concatenate([self.sites, other.sites]), self.tried + other.tried, self.frames,
         )  # fmt: skip
 
 
@@ -207,4 +209,4 @@ def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
     shifts = np.concatenate([[(0, 0)], CONTROLS])
     least = max(2 * step, 0.1 * noise)
     counts, sites, tried = _match(stack, _sums(stack), shifts, step, slack, least, 1 << 16)
-    return Replaced(counts[0], counts[1:].max(axis=0), sites, tried)
+    return Replaced(counts[0], counts[1:].max(axis=0), sites, tried, len(stack))

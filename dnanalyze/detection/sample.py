@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -56,6 +57,19 @@ def groups(captures: CaptureSet) -> list[Group]:
                 close()
     close()
     return found
+
+
+def across(captures: CaptureSet) -> Group | None:
+    """Frames of all settings in turn: a list of sites is a fact of the sensor, not of a setting.
+
+    None for one setting, or fewer than 3 frames.
+    """
+    rounds = zip_longest(*(s.frames for s in captures.settings))
+    frames = [f for one in rounds for f in one if f is not None]
+    if len(captures.settings) < 2 or len(frames) < 3:
+        return None
+    taken = frames[:: -(-len(captures.settings) // MAX_FRAMES)][:MAX_FRAMES]
+    return Group(captures.settings[0].point, tuple(taken), repeats=False)
 
 
 def _near(a: OperatingPoint, b: OperatingPoint) -> bool:

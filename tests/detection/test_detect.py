@@ -147,6 +147,21 @@ def test_the_share_of_replaced_sites_comes_back():
     assert found.site_ppm == pytest.approx(500, rel=5 / np.sqrt(count))
 
 
+def test_a_list_shows_over_settings_of_one_frame_each():
+    sensor = VirtualSensor(ORDINARY, SHAPE, 5)
+    series = (25.0, 45.0, 65.0, 85.0)
+    found = detect(captures(sensor, series, 1, hidden.static_dpc(500)))
+    assert found.kind == "dpc"
+    assert found.estimate is not None
+    assert found.estimate.subkind == "static"
+    count = 500e-6 * SHAPE[0] * SHAPE[1]
+    assert found.estimate.site_ppm == pytest.approx(500, rel=5 / np.sqrt(count))
+    assert found.evidence[0].startswith("All settings: ")
+    flagged = [f for f in found.findings if f.flagged]
+    assert {(f.test, f.temperature_c) for f in flagged} == {("static_replacement", None)}
+    assert detect(captures(sensor, series, 1)).kind == "none"
+
+
 def test_rows_that_alone_are_filtered_are_named():
     def some_rows(stack):
         out = stack.copy()

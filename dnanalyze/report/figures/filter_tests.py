@@ -195,7 +195,8 @@ def _telling(answers: Sequence[Any]) -> Any:
 
 def _name(ax: Any, answer: Any) -> None:
     e = answer.asked.evidence
-    where = point_label(e.point) + (", within a colour" if e.view == "planes" else "")
+    point = "all settings" if answer.asked.everywhere else point_label(e.point)
+    where = point + (", within a colour" if e.view == "planes" else "")
     ax.annotate(where, (1, 1), (0, 5), xycoords="axes fraction", textcoords="offset points",
                 ha="right", fontsize=7.2, color=FLAGGED if answer.flagged else QUIET)  # fmt: skip
 
@@ -256,7 +257,7 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
 
 def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     telling = _telling(answers)
-    found = telling.asked.evidence.replaced
+    found = telling.asked.sites
     y = np.arange(len(RULES))[::-1]
     colours = [
         FLAGGED if telling.flagged and k == telling.asked.at else INK for k in range(len(RULES))
