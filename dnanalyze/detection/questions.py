@@ -27,6 +27,8 @@ WHOLE = 0.5  # of the tail is left at half the bound
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
+UNSHARED = 0.02  # correlation of neighbours' noise below which none is
+FEW_SITES = 5.0
 
 
 @dataclass(frozen=True)
@@ -271,7 +273,6 @@ def sites(e: ViewEvidence) -> list[Asked]:
 
 def _always(e: ViewEvidence, seen: Replaced, where: str, everywhere: bool = False) -> Asked:
     own, control = seen.own, seen.control
-    shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
     p = stats.poisson.sf(own - 1, 3 * control + 1)
     j = int(np.argmax(own / (control + 3)))
     found = int(own[j])
@@ -281,13 +282,25 @@ def _always(e: ViewEvidence, seen: Replaced, where: str, everywhere: bool = Fals
         e,
         min(1.0, float(p[j]) * len(RULES)),
         float(found / (control[j] + 1)) if found >= LEAST_REPLACED else 0.0,
-        5.0 * (1 + SHARED * shared),
+        5.0 * _by_chance(e, seen, j),
         f"{found} sites are {where} the {RULES[j]} of their neighbours, {control[j]:.0f} of a ring "
         "elsewhere",
         j,
         sites=seen,
         everywhere=everywhere,
     )
+
+
+def _by_chance(e: ViewEvidence, seen: Replaced, rule: int) -> float:
+    """How many times as many sites as in the control match because neighbours share noise.
+
+    Sites that match in all K frames but one do so by chance: theirs to the power K / (K - 1).
+    """
+    shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
+    if shared < UNSHARED:
+        return 1.0
+    nearly = (seen.almost[rule] + FEW_SITES) / (seen.almost_control[rule] + FEW_SITES)
+    return float(max(1 + SHARED * shared, nearly ** (seen.frames / (seen.frames - 1))))
 
 
 def memory(e: ViewEvidence) -> list[Asked]:

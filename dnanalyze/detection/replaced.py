@@ -4,7 +4,8 @@ For each way in which correctors interpolate (means and medians of 2, 4, 8 or 24
 copies), a site matches where the residual stays within one step in all frames though the pixel
 itself varies. The control counts matches with the same interpolation of a ring a few pixels away,
 which has the same noise, rounding, clipping and line structure, so that no model of the noise is
-needed.
+needed. Noise that neighbours share (hum, 1/f) lets more of them match their own ring by chance;
+but then more match in all frames but one as well, which replaced sites do not.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ class Replaced:
     control : ndarray
         (rules,), count over displaced rings, along rows or along columns, what is more
         (noise that is correlated along one of them is shared only there).
+    almost, almost_control : ndarray
+        (rules,), the same of sites that match in all frames but one.
     sites : ndarray
         (n, 3): rule, row, column of the own matches.
     tried : int
@@ -42,6 +45,8 @@ class Replaced:
 
     own: np.ndarray
     control: np.ndarray
+    almost: np.ndarray
+    almost_control: np.ndarray
     sites: np.ndarray
     tried: int
     frames: int
@@ -49,6 +54,7 @@ class Replaced:
     def __add__(self, other: Replaced) -> Replaced:
         return Replaced(
             self.own + other.own, self.control + other.control,
+            self.almost + other.almost, self.almost_control + other.almost_control,
             np.concatenate([self.sites, other.sites]), self.tried + other.tried, self.frames,
         )  # fmt: skip
 
@@ -105,19 +111,19 @@ def _match(
     stack: np.ndarray, squares: np.ndarray, shifts: np.ndarray,
     step: float, slack: float, least: float, limit: int,
 ):  # fmt: skip
-    """Matches of each rule; own ring first, then the displaced ones.
+    """Matches of each rule, in all frames and in all but one; own ring first, then displaced ones.
 
     ``squares``: sums over 5x5 pixels.
     """
     frames, h, w = stack.shape
     rules = 10
-    counts = np.zeros((shifts.shape[0], rules), np.int64)
+    counts = np.zeros((2, shifts.shape[0], rules), np.int64)
     sites = np.empty((limit, 3), np.int64)
     found = 0
     low = np.empty(rules)
     high = np.empty(rules)
-    alive = np.empty(rules, np.bool_)
-    copies = np.empty(4, np.bool_)
+    misses = np.empty(rules, np.int64)
+    copies = np.empty(4, np.int64)
     ref = np.empty(rules)
     ring = np.empty(8)
     margin = 2 + np.abs(shifts).max()
@@ -130,8 +136,8 @@ def _match(
             tried += 1
             for s in range(shifts.shape[0]):
                 oy, ox = y + shifts[s, 0], x + shifts[s, 1]
-                alive[:] = True
-                copies[:] = True
+                misses[:] = 0
+                copies[:] = 0
                 low[:] = np.inf
                 high[:] = -np.inf
                 for k in range(frames):
@@ -141,33 +147,35 @@ def _match(
                     ref[9] = (squares[k, oy, ox] - f[oy, ox]) / 24
                     some = False
                     for r in range(rules):
-                        if not alive[r] or r == 8:
+                        if misses[r] > 1 or r == 8:
                             continue
                         d = v - ref[r]
-                        low[r] = min(low[r], d)
-                        high[r] = max(high[r], d)
                         if r == 5 or r == 7:  # order statistics are copied exactly
-                            alive[r] = abs(d) <= slack
+                            fits = abs(d) <= slack
                         else:
-                            alive[r] = (
-                                low[r] > -step - slack
-                                and high[r] < step + slack
-                                and high[r] - low[r] <= step + slack
+                            least_d, most_d = min(low[r], d), max(high[r], d)
+                            fits = (
+                                least_d > -step - slack
+                                and most_d < step + slack
+                                and most_d - least_d <= step + slack
                             )
-                        some = some or alive[r]
-                    if alive[8]:
-                        copies[0] = copies[0] and abs(v - f[oy, ox - 1]) <= slack
-                        copies[1] = copies[1] and abs(v - f[oy, ox + 1]) <= slack
-                        copies[2] = copies[2] and abs(v - f[oy - 1, ox]) <= slack
-                        copies[3] = copies[3] and abs(v - f[oy + 1, ox]) <= slack
-                        alive[8] = copies[0] or copies[1] or copies[2] or copies[3]
-                        some = some or alive[8]
+                            if fits:
+                                low[r], high[r] = least_d, most_d
+                        misses[r] += not fits
+                        some = some or misses[r] < 2
+                    if misses[8] < 2:
+                        copies[0] += abs(v - f[oy, ox - 1]) > slack
+                        copies[1] += abs(v - f[oy, ox + 1]) > slack
+                        copies[2] += abs(v - f[oy - 1, ox]) > slack
+                        copies[3] += abs(v - f[oy + 1, ox]) > slack
+                        misses[8] = copies.min()
+                        some = some or misses[8] < 2
                     if not some:
                         break
                 for r in range(rules):
-                    if alive[r]:
-                        counts[s, r] += 1
-                        if s == 0 and found < limit:
+                    if misses[r] < 2:
+                        counts[misses[r], s, r] += 1
+                        if misses[r] == 0 and s == 0 and found < limit:
                             sites[found, 0] = r
                             sites[found, 1] = y
                             sites[found, 2] = x
@@ -209,4 +217,8 @@ def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
     shifts = np.concatenate([[(0, 0)], CONTROLS])
     least = max(2 * step, 0.1 * noise)
     counts, sites, tried = _match(stack, _sums(stack), shifts, step, slack, least, 1 << 16)
-    return Replaced(counts[0], counts[1:].max(axis=0), sites, tried, len(stack))
+    whole, but_one = counts
+    return Replaced(
+        whole[0], whole[1:].max(axis=0), but_one[0], but_one[1:].max(axis=0),
+        sites, tried, len(stack),
+    )  # fmt: skip
