@@ -52,7 +52,7 @@ class CheckBench:
     def windows(self) -> list[Window]:
         """(train, test, both)."""
         train, test = self.plan.windows
-        return [train, test, Window(train.top, train.bottom, train.left, test.right)]
+        return [train, test, Window(train.top, test.bottom, train.left, train.right)]
 
     def drawn(self, model: NoiseModel) -> list[Statistics]:
         """Statistics of a model's frames in the three windows."""

@@ -71,20 +71,20 @@ class Residual:
 
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A measured curve; block means cover the whole field."""
-        left, right = (r.curve(name, setting) for r in self._readings)
-        if name == "block_means" and left.ndim == 2 and right.ndim == 2:
-            return np.concatenate([left, right], axis=1)
-        return left
+        upper, lower = (r.curve(name, setting) for r in self._readings)
+        if name == "block_means" and upper.ndim == 2 and lower.ndim == 2:
+            return np.concatenate([upper, lower])
+        return upper
 
     def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
-        """Columns of both halves one after the other; rows as their mean over both."""
+        """Rows of both halves one after the other; columns as their mean over both."""
         plan, name = self.bench.plan, f"{axis.removesuffix('s')}_mean"
         parts = [r.curve(name, setting) for r in self._readings]
         if not all(p.size for p in parts):
             return np.empty(0, int), np.empty(0)
-        if axis == "rows":
-            return np.arange(plan.train.top, plan.train.bottom), np.mean(parts, axis=0)
-        places = [np.arange(w.left, w.right) for w in plan.windows]
+        if axis == "columns":
+            return np.arange(plan.train.left, plan.train.right), np.mean(parts, axis=0)
+        places = [np.arange(w.top, w.bottom) for w in plan.windows]
         return np.concatenate(places), np.concatenate(parts)
 
     def _over_settings(self, name: str, values: np.ndarray) -> np.ndarray:

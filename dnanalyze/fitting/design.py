@@ -17,7 +17,9 @@ MOST_FRAMES = 8
 class Design:
     """Settings and frames that enter, and the two halves of the field.
 
-    The fit sees ``train``, the left half; the error is measured on ``test``, the right half.
+    The fit sees ``train``, the upper half; the error is measured on ``test``, the lower half. So
+    either half has every column: what is peculiar to some of them (a level that settles, readout
+    taps, a defect line) is fitted on one half and judged on the other.
     Large-scale shading, which has only one realisation over the field, is split by a checkerboard
     of blocks.
     """
@@ -63,13 +65,13 @@ def design(
     frames = sum(len(s.frames) for s in thinned)
     shrink = min(1.0, np.sqrt(budget / (frames * rows * cols)))
     step = 4 if captures.sensor.cfa else 2
-    high = max(step, int(rows * shrink) // step * step) if rows >= step else rows
-    half = max(step, int(cols * shrink) // (2 * step) * step) if cols >= 2 * step else cols
-    top = (rows - high) // 2 // step * step
-    left = max(0, (cols - 2 * half) // 2 // step * step)
-    train = Window(top, top + high, left, left + half)
-    right = min(cols, left + 2 * half)
-    test = Window(top, top + high, right - half, right)
+    wide = max(step, int(cols * shrink) // step * step) if cols >= step else cols
+    half = max(step, int(rows * shrink) // (2 * step) * step) if rows >= 2 * step else rows
+    left = (cols - wide) // 2 // step * step
+    top = max(0, (rows - 2 * half) // 2 // step * step)
+    train = Window(top, top + half, left, left + wide)
+    bottom = min(rows, top + 2 * half)
+    test = Window(bottom - half, bottom, left, left + wide)
     return Design(replace(captures, settings=thinned), train, test)
 
 

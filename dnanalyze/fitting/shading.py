@@ -40,13 +40,13 @@ def _basis(
 
 
 def shading_values(
-    left: SettingStatistics, right: SettingStatistics, parity: int
+    upper: SettingStatistics, lower: SettingStatistics, parity: int
 ) -> dict[str, Value]:
     """Low-order coefficients, DN rms over the field, and the level, DN, with their errors.
 
     Parameters
     ----------
-    left, right : SettingStatistics
+    upper, lower : SettingStatistics
         Halves of the field; their curve ``block_means`` in DN.
     parity : int
         Which colour of the checkerboard.
@@ -59,9 +59,9 @@ def shading_values(
         second sensor would draw it anew. ``mean`` and ``median`` of the half are
         moved by how far the blocks of the colour lie from its own.
     """
-    if "block_means" not in left.curves or "block_means" not in right.curves:
+    if "block_means" not in upper.curves or "block_means" not in lower.curves:
         return {}
-    blocks = np.concatenate([left.curves["block_means"], right.curves["block_means"]], axis=1)
+    blocks = np.concatenate([upper.curves["block_means"], lower.curves["block_means"]])
     if min(blocks.shape) < 2 * ORDER or not np.isfinite(blocks).all():
         return {}
     design, inverse, where, orders = _basis(*blocks.shape, parity)
@@ -82,7 +82,7 @@ def shading_values(
         for k in low
         if orders[k] != (0, 0)
     }
-    half = (left, right)[parity]
+    half = (upper, lower)[parity]
     shift = float(blocks.ravel()[where].mean() - half.curves["block_means"].mean())
     levels = {n: half.values[n] for n in LEVELS if n in half.values}
     return found | {n: replace(v, value=v.value + shift) for n, v in levels.items()}

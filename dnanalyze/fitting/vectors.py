@@ -94,7 +94,7 @@ def target(statistics: list[Statistics], part: int) -> Target:
     Parameters
     ----------
     statistics : list of Statistics
-        Of the left and the right half, in this order.
+        Of the upper and the lower half, in this order.
     part : int
         0 train, 1 test.
     """
@@ -117,8 +117,8 @@ def prediction(statistics: list[Statistics], part: int, held: Target) -> np.ndar
     """Simulated coordinates in the order of ``held``; NaN where the simulation lacks one."""
     out = np.full(len(held.keys), np.nan)
     for index, setting in enumerate(statistics[part].settings):
-        left, right = (s.settings[index] for s in statistics)
-        values = setting.values | shading_values(left, right, part)
+        upper, lower = (s.settings[index] for s in statistics)
+        values = setting.values | shading_values(upper, lower, part)
         where = _order(statistics[part], index), setting.plane
         for i, name, scale in held.places.get(where, ()):
             if name in values:
@@ -132,12 +132,12 @@ def _numbers(
     found = {}
     for index, setting in enumerate(statistics[part].settings):
         where = _order(statistics[part], index), setting.plane
-        left, right = halves = [s.settings[index] for s in statistics]
+        upper, lower = halves = [s.settings[index] for s in statistics]
         for name, v in setting.values.items():
             info = known.get(name)
             if info is not None and _compared(info, setting):
                 found[Key(*where, name)] = (v.value, _shared_error(halves, name, v.se), info)
-        for name, v in shading_values(left, right, part).items():
+        for name, v in shading_values(upper, lower, part).items():
             se = found[Key(*where, name)][1] if Key(*where, name) in found else v.se
             found[Key(*where, name)] = (v.value, se, known[name])
     return found

@@ -32,7 +32,7 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(captures, kn
     rest = refine(captures, kept[0], known=known)
     assert [s.added for s in rest.steps] == [None, "row_fpn"]
     assert set(rest.effects) == set(whole.effects)
-    assert rest.steps[-1].error < 0.7 * rest.steps[0].error
+    assert rest.steps[-1].error < 1.2 < rest.steps[0].error
 
 
 def test_it_stops_where_it_is_told(captures, known):

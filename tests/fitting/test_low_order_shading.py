@@ -8,10 +8,10 @@ from dnanalyze.loaders.captures import OperatingPoint
 
 
 def halves(blocks):
-    middle = blocks.shape[1] // 2
+    middle = blocks.shape[0] // 2
     return [
-        SettingStatistics(OperatingPoint(), "", 4, (256, 128), {}, {"block_means": part})
-        for part in (blocks[:, :middle], blocks[:, middle:])
+        SettingStatistics(OperatingPoint(), "", 4, (128, 256), {}, {"block_means": part})
+        for part in (blocks[:middle], blocks[middle:])
     ]
 
 
@@ -53,7 +53,7 @@ def test_random_rows_do_not_pass_for_shading():
 def test_halves_of_different_level_are_shaded_and_not_wrong_in_level():
     rng = np.random.default_rng(4)
     blocks = 64.0 + 0.01 * rng.normal(size=(16, 16))
-    blocks[:, 8:] += 3.0
+    blocks[8:] += 3.0
     tail = 0.5  # of the mean over the median: no matter of shading
     parts = halves(blocks)
     for part in parts:

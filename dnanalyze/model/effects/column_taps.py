@@ -169,7 +169,7 @@ def _slips(clues: Clues, taps: int) -> Law:
 def _blocks(clues: Clues) -> np.ndarray:
     """Mean level of each strip of the whole field, DN; empty: no sign.
 
-    Steps inside the fitted half show in its columns; one between the halves as shading alone.
+    Steps show in the columns, those of two wide taps as shading alone.
     """
     strips = strip_profile(clues)
     counts = [p for p in _STRIPS if strips.size >= 2 * p]

@@ -18,6 +18,7 @@ from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 _BLOCK = 64  # codes; also a multiple of every period
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
+_FARTHEST = _ORIGIN - 2 * _BLOCK  # no converter has codes beyond
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,11 @@ class MissingCodes(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """The code of every pixel."""
-        first = math.floor(float(signal.min()) / _BLOCK) - 1
-        last = math.floor(float(signal.max()) / _BLOCK) + 1
+        seen = np.clip(signal.reshape(-1), -_FARTHEST, _FARTHEST)
+        first = math.floor(float(seen.min()) / _BLOCK) - 1
+        last = math.floor(float(seen.max()) / _BLOCK) + 1
         levels = self._levels(site, first, last)
-        codes = np.searchsorted(levels, signal.reshape(-1), side="right")
+        codes = np.searchsorted(levels, seen, side="right")
         codes += first * _BLOCK - 1
         return codes.astype(np.float32).reshape(signal.shape)
 

@@ -56,6 +56,12 @@ def test_the_codes_are_the_same_at_any_temperature_and_below_zero():
     assert abs(below.mean() + 75.0) < 0.5
 
 
+@pytest.mark.parametrize("kind", ["random", "periodic"])
+def test_signals_far_beyond_any_converter_cost_no_memory(kind):
+    y = frames(Ramp(1e5), MissingCodes(0.1, kind), shape=(8, 8), pedestal=1e12)
+    assert 0 < y.max() <= 1 << 20
+
+
 def test_guess_from_the_roughness_of_the_histogram():
     clues = Given(
         seen={"code_roughness": 0.25, "code_comb_period": 8 / 3},
