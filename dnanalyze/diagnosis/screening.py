@@ -15,6 +15,8 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 
+LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
+FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 
@@ -64,7 +66,11 @@ def prospects(
     found = []
     for name, effect in known.items():
         tell(name)
-        made = [p for g in effect.guess(clues) for p in _at_guess(small, part, g, idle)]
+        made: list[Prospect] = []
+        for number, guess in enumerate(effect.guess(clues)):
+            if number == FIRST and not any(p.promise > LEAST for p in made):
+                break
+            made += _at_guess(small, part, guess, idle)
         found += sorted(made, key=lambda p: -p.promise)[:2]
     return sorted(found, key=lambda p: -p.promise)
 

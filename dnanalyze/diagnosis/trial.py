@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.screening import Prospect, prospects
+from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
@@ -19,7 +19,6 @@ from dnanalyze.model.noise_model import NoiseModel
 
 MOST_REFITS = 4
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
-LEAST = 6.0  # and the least promise; what chance promises is several times as much
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end

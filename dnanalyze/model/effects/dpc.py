@@ -147,17 +147,18 @@ class Dpc(Effect):
         found: list[Effect] = []
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess"))
-            found.append(cls(threshold, kind="excess", sides="both"))
-            found.append(cls(threshold, kind="median"))
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
-            found.append(cls(threshold, kind="clamp"))
+        if sparse or cut:
+            found.append(cls(fraction=bounded(cls, "fraction", _listed(clues)), kind="static"))
         if rare:
             level = np.asarray(clues.measured("median"), float)
             level = level[np.isfinite(level)]
             black = float(level.min()) if level.size else 0.0
             found.append(cls(threshold, 2.0, black, kind="ratio"))
-        if sparse or cut:
-            found.append(cls(fraction=bounded(cls, "fraction", _listed(clues)), kind="static"))
+        if rare or ranks or tied:
+            found.append(cls(threshold, kind="excess", sides="both"))
+            found.append(cls(threshold, kind="median"))
+            found.append(cls(threshold, kind="clamp"))
         return found
 
 

@@ -198,13 +198,14 @@ class Rts(Effect):
         # the noisiest pixels of few frames overstate the step; p E[A^2] o (1 - o) is kept
         shares = {"exponential": (0.35, 2.0), "fixed": (0.6, 1.0)}
         guesses: list[Effect] = []
-        for fraction, (size, ea, exposure) in itertools.product(fractions, kinds):
-            for law, (share, square) in shares.items():
+        centred = {"polarity": "centred", "occupancies": "spread"}
+        for shape, law in itertools.product(({}, centred), shares):
+            share, square = shares[law]
+            for fraction, (size, ea, exposure) in itertools.product(fractions, kinds):
                 p = fraction / (share**2 * square)
                 values = hints.clip(cls, fraction=p, amplitude=size * share, ea_ev=ea)
-                chosen = {**values, "amplitudes": law, "exposure": exposure}
-                centred = {"polarity": "centred", "occupancies": "spread"}
-                guesses += [cls.from_plain(chosen), cls.from_plain({**chosen, **centred})]
+                chosen = {**values, "amplitudes": law, "exposure": exposure, **shape}
+                guesses.append(cls.from_plain(chosen))
         return guesses
 
 
