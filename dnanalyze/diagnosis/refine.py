@@ -9,6 +9,7 @@ from dnanalyze.diagnosis.confidence import NOTHING, addition, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
+    best_guess,
     candidates_of,
     deviance,
     error_of,
@@ -134,7 +135,7 @@ def refine(
             break
         if most_effects is not None and added >= most_effects:
             break
-        state = _completed(held, best.state, best.effect)
+        state = _completed(held, best_guess(held, state, best), best.effect)
         note(
             Step(
                 best.effect,

@@ -25,7 +25,7 @@ CLOSE = 0.6  # share of the most evidence from which a rival is followed to the 
 CLEAR = 50.0  # evidence from which the choice between rivals matters
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 DOUBT = 6.0  # floors from which a difference tells less and less
-KIND_GAIN = 4.0  # fall of the loss that another kind must bring
+KIND_GAIN = 4.0  # mean gain of the halves that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 
 
@@ -44,6 +44,8 @@ class Trial:
         The same on the half that was fitted.
     error : float
         Pooled error on the judged half.
+    others : tuple of Prospect
+        Guesses of the effect that promised nearly as much and were not refitted.
     """
 
     effect: str
@@ -51,6 +53,7 @@ class Trial:
     gain: float
     fitted_gain: float
     error: float
+    others: tuple[Prospect, ...] = ()
 
     @property
     def evidence(self) -> float:
@@ -80,9 +83,11 @@ def trials(
         return []
     least = max(WORTH * seen[0].promise, LEAST)
     best: dict[str, Trial] = {}
+    others: dict[str, tuple[Prospect, ...]] = {}
     most = 0.0
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
         if p.effect in best and best[p.effect].fitted_gain > SURE:
+            others[p.effect] = (*others.get(p.effect, ()), p)
             continue
         wanted = state.loss - WORTH * most
         made = judged(bench, state, p.effect, refitted(bench, p, state, wanted, iterations))
@@ -91,7 +96,16 @@ def trials(
         most = max(most, made.fitted_gain)
     if best:
         _polish(bench, state, best)
-    return sorted(best.values(), key=lambda t: -t.evidence)
+    made_all = [replace(t, others=others.get(t.effect, ())) for t in best.values()]
+    return sorted(made_all, key=lambda t: -t.evidence)
+
+
+def best_guess(bench: Bench, before: State, found: Trial, iterations: int = 3) -> State:
+    """The better of a trial and of refits from the effect's other guesses, on both halves."""
+    state = found.state
+    for other in found.others:
+        state = _preferred(state, refitted(bench, other, before, FAR * state.loss, iterations))
+    return state
 
 
 def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
@@ -146,12 +160,14 @@ def deviance(z: np.ndarray) -> float:
 
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
     """A refit, with what it gained on either half."""
-    return Trial(
-        effect,
-        after,
+    return Trial(effect, after, *_gains(before, after), error_of(bench, after))
+
+
+def _gains(before: State, after: State) -> tuple[float, float]:
+    """Fall of the deviance on the judged and on the fitted half."""
+    return (
         deviance(before.test) - deviance(after.test),
         deviance(before.train) - deviance(after.train),
-        error_of(bench, after),
     )
 
 
@@ -180,6 +196,8 @@ def settled(
 def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: bool = False) -> State:
     """The model with another kind of an effect, refitted, if that is clearly better.
 
+    On both halves together: of a shaded sensor one half alone does not tell whether the shading
+    scales the dark current of each pixel or adds to it.
     ``anew``: its numbers are others, and so are its derivatives.
     """
     model = state.model.with_effect(kind)
@@ -189,7 +207,12 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
     if anew:
         begun.jacobian[:, [k.effect == kind.name for k in begun.knobs]] = np.nan
     ended = minimise(bench, begun, iterations)
-    return ended if ended.loss < state.loss - KIND_GAIN else state
+    return _preferred(state, ended)
+
+
+def _preferred(state: State, other: State) -> State:
+    """The other where it is clearly better."""
+    return other if sum(_gains(state, other)) / 2.0 > KIND_GAIN else state
 
 
 def _effect(model: NoiseModel, name: str) -> Effect:
