@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from dnanalyze.diagnosis.confidence import NOTHING, addition, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
+from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
     best_guess,
@@ -30,6 +31,8 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, find
+
+POOR = 1.3  # error above which an early choice is reconsidered where nothing more can be added
 
 
 @dataclass(frozen=True)
@@ -128,21 +131,21 @@ def refine(
             break
         open_to = candidates_of(state, known, [BASE, *exclude, *dropped])
         tried = trials(held, state, open_to, trying)
-        added = sum(1 for s in steps[1:] if s.added not in EVERYDAY)
         error = error_of(held, state)
-        best = addition(tried, error)
-        if best is None:
+        added = [n for n in state.model.names if n not in (*begun.names, *EVERYDAY)]
+        best, before, among = addition(tried, error), state, tried
+        other = exchange(held, state, added, open_to, trying) if not best and error > POOR else None
+        if other is not None:
+            best, before, among = other.found, other.without, [other.found]
+            added.remove(other.gone)
+        if best is None or (most_effects is not None and len(added) >= most_effects):
             break
-        if most_effects is not None and added >= most_effects:
-            break
-        state = _completed(held, best_guess(held, state, best), best.effect)
-        note(
-            Step(
-                best.effect,
-                error_of(held, state),
-                float(confidences(tried, error)[0]),
-            )
-        )
+        if other is not None:
+            dropped.add(other.gone)
+            note(Step(f"-{other.gone}", error_of(held, before)))
+        state = _completed(held, best_guess(held, before, best), best.effect)
+        sure = float(confidences(among, error)[0])
+        note(Step(best.effect, error_of(held, state), sure))
         state, gone = _needless(held, state, keep=best.effect)
         for name in gone:
             dropped.add(name)

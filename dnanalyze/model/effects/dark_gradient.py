@@ -54,6 +54,8 @@ class DarkGradient(Effect):
         "amp_glow": "a glow fades from one corner or edge and hardly depends on temperature",
         "flicker_fpn": "a random low-frequency field has orders above 2 as well (shading_mid)",
         "column_fpn": "column offsets vary from one column to the next",
+        "row_fpn": "a ramp of rows that wait to be read is there without exposure, and has no shot "
+        "noise of its own",
     }
 
     x: float = parameter(0.0, "DN", -1e5, 1e5, "tilt along a row, rms over the field", "linear")
