@@ -175,21 +175,27 @@ def converter_bits(readings: Readings, stated: int | None) -> int:
     return stated if stated is not None and highest < 2**stated else 16
 
 
-def serial_correlation(readings: Readings) -> float:
-    """Of read noise along a row, from the quietest setting; 0 unless it stands out.
+def serial_correlation(readings: Readings) -> tuple[float, float]:
+    """Of read noise along a row at lags 1 and 2, from the quietest setting; 0 unless it stands out.
 
-    Crosstalk and filters act along columns too, rows and 1/f noise beyond the next pixel.
+    Crosstalk and filters act along columns too, rows and 1/f noise at all lags alike.
     """
     noise = readings.value("temporal_noise_core")
     if not np.isfinite(noise).any():
-        return 0.0
+        return 0.0, 0.0
     quietest = int(np.nanargmin(noise))
-    next_one = readings.value("temporal_corr_10")[quietest]
     error = readings.error("temporal_corr_10")[quietest]
-    others = [readings.value(f"temporal_corr_{lag}")[quietest] for lag in ("01", "20")]
-    away = np.abs(next_one - np.array(others))
-    clear = abs(next_one) > LINKED and np.all(away > max(CLEAR * error, LINKED))
-    return float(np.clip(next_one, -0.4, 0.4)) if clear else 0.0
+    lags = ("10", "20", "01", "02")
+    along, farther, *across = (readings.value(f"temporal_corr_{k}")[quietest] for k in lags)
+
+    def clear(value: float, *others: float) -> bool:
+        away = np.abs(value - np.array([0.0, *others]))
+        return bool(np.all(away > max(CLEAR * error, LINKED)))
+
+    if not clear(along, across[0], farther):
+        return 0.0, 0.0
+    second = farther if clear(farther, across[1]) else 0.0
+    return float(np.clip(along, -0.4, 0.4)), float(np.clip(second, -0.4, 0.4))
 
 
 def temperature_knots(temperatures: list[float]) -> list[float]:

@@ -60,13 +60,15 @@ def _paper(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def ordinary_model(m: Moments, bits: int = 16, serial: float = 0.0) -> NoiseModel:
+def ordinary_model(
+    m: Moments, bits: int = 16, serial: tuple[float, float] = (0.0, 0.0)
+) -> NoiseModel:
     """The paper's seed with the four effects that every sensor has, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
     read noise are slope and intercept of temporal variance over signal, pixel offsets what remains
-    of the pattern where there is no signal. ``bits`` are the converter's, ``serial`` what the noise
-    of a pixel shares with the one read before.
+    of the pattern where there is no signal. ``bits`` are the converter's, ``serial`` the
+    correlations of the noise of a pixel with the one read before, and the one before that.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
@@ -93,7 +95,9 @@ def ordinary_model(m: Moments, bits: int = 16, serial: float = 0.0) -> NoiseMode
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
         known["read_noise"](  # type: ignore[call-arg]
-            sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01)), serial=serial
+            sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01)),
+            serial=serial[0],
+            serial2=serial[1],
         ),
         known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
         known["quantization"](bits=bits),  # type: ignore[call-arg]

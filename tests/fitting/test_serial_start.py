@@ -27,10 +27,11 @@ def found(*effects):
     return serial_correlation(Readings(bench(design(captures)).measured[0]))
 
 
-@pytest.mark.parametrize("serial", [-0.1, 0.05])
+@pytest.mark.parametrize("serial", [(-0.1, 0.0), (0.05, 0.0), (-0.17, 0.12)])
 def test_it_is_read_off_the_neighbours(serial):
     se = 1 / np.sqrt(256 * 128 * 5)
-    assert found(ReadNoise(4.0, serial=serial)) == pytest.approx(serial, abs=5 * se)
+    noise = ReadNoise(4.0, serial=serial[0], serial2=serial[1])
+    assert found(noise) == pytest.approx(serial, abs=5 * se)
 
 
 @pytest.mark.parametrize(
@@ -45,4 +46,4 @@ def test_it_is_read_off_the_neighbours(serial):
     ids=["white", "row noise", "1/f", "filter", "crosstalk"],
 )
 def test_what_else_correlates_neighbours_is_not_taken_for_it(others):
-    assert found(ReadNoise(4.0), *others) == 0.0
+    assert found(ReadNoise(4.0), *others) == (0.0, 0.0)

@@ -30,12 +30,14 @@ class ReadNoise(Effect):
         "DN it grows with the analogue gain. In CMOS sensors each pixel has its own transistor, "
         "so the sigma itself may spread over pixels (`spread`). Where one amplifier reads pixel "
         "after pixel, as in a CCD, double sampling and a limited bandwidth carry some of it over "
-        "to the next pixel of the row (`serial`, either sign). Averaging K frames divides it by "
+        "to the next pixel of the row (`serial`, either sign) and to the one after it "
+        "(`serial2`). Averaging K frames divides it by "
         "sqrt(K); a higher analogue gain lowers it in electrons."
     )
     formula: ClassVar[str] = (
         "y_i += sigma e^(s n_i - s^2) N(0,1), n_i ~ N(0,1) fixed; rms over pixels = sigma; "
-        "next pixels of a row correlated by r, those farther apart not"
+        "pixels of a row that are read one after the other correlated by r_1, those two apart by "
+        "r_2, those farther apart not"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0",
@@ -66,23 +68,26 @@ class ReadNoise(Effect):
     serial: float = parameter(
         0.0, "1", -0.45, 0.45, "correlation with the pixel read before, in the same row", "linear"
     )
+    serial2: float = parameter(
+        0.0, "1", -0.45, 0.45, "correlation with the pixel read before that one", "linear"
+    )
 
     def idle(self) -> tuple[str, ...]:
-        """The correlation where there is none: pixels that are read side by side have none."""
-        return ("serial",) if self.serial == 0 else ()
+        """Correlations where there are none: pixels that are read side by side have none."""
+        return tuple(name for name in ("serial", "serial2") if getattr(self, name) == 0)
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the noise."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
         spread = np.float32(self.value("spread", site.point))
         key = site.moment.child("").key
-        serial = self.value("serial", site.point)
-        if spread == 0 and serial == 0:
+        serial = self.value("serial", site.point), self.value("serial2", site.point)
+        if spread == 0 and not any(serial):
             return draws.add_normal(signal, sigma, key, site.window, site.shape[1])
         each = site.keep(
             "map", lambda: np.float32(sigma) * np.exp(spread * (site.fixed_normal() - spread))
         )
-        signal += each * (site.normal() if serial == 0 else _one_after_another(serial, key, site))
+        signal += each * (_one_after_another(serial, key, site) if any(serial) else site.normal())
         return signal
 
     def variance(self, point: OperatingPoint) -> float:
@@ -107,18 +112,34 @@ class ReadNoise(Effect):
         return [cls(**hints.clip(cls, sigma=sigma))]
 
 
-def _one_after_another(correlation: float, key: int, site: Site) -> np.ndarray:
-    """Standard normals, float32, of which next ones in a row are correlated (moving average).
+def _one_after_another(correlations: tuple[float, float], key: int, site: Site) -> np.ndarray:
+    """Standard normals, float32, correlated along a row at lags 1 and 2 (moving average).
 
-    (z_c + s z_(c-1)) / sqrt(1 + s^2) has the correlation s / (1 + s^2); the first of a row has
-    none before it.
+    The first two of a row have none, or one, before them.
     """
-    share = (1.0 - np.sqrt(1.0 - 4.0 * correlation**2)) / (2.0 * correlation)
+    weights = _moving_average(*correlations)
     window = site.window
-    left = max(0, window.left - 1)
+    left = max(0, window.left - weights.size + 1)
     field = draws.normal(key, replace(window, left=left), site.shape[1])
-    mixed = field * np.float32(1.0 / np.sqrt(1.0 + share**2))
-    mixed[:, 1:] += np.float32(share / np.sqrt(1.0 + share**2)) * field[:, :-1]
+    mixed = field * np.float32(weights[0])
+    for lag in range(1, weights.size):
+        mixed[:, lag:] += np.float32(weights[lag]) * field[:, :-lag]
     if left == 0:
-        mixed[:, 0] = field[:, 0]
+        for column in range(weights.size - 1):
+            mixed[:, column] /= np.float32(np.linalg.norm(weights[: column + 1]))
     return mixed[:, window.left - left :]
+
+
+def _moving_average(first: float, second: float) -> np.ndarray:
+    """Weights of the present and the earlier deviates for correlations at lags 1 and 2.
+
+    The factor 1 + b_1 z + b_2 z^2 of 1 + r_1 (z + 1/z) + r_2 (z^2 + 1/z^2) whose roots lie outside
+    the unit circle. Correlations that no noise can have together are made smaller in proportion.
+    """
+    wave = 2.0 * np.pi * np.linspace(0.0, 0.5, 257)
+    deepest = float(np.min(2.0 * first * np.cos(wave) + 2.0 * second * np.cos(2.0 * wave)))
+    first, second = np.array([first, second]) * min(1.0, 0.99 / max(-deepest, 1e-9))
+    roots = np.roots([second, first, 1.0, first, second])
+    inside = roots[np.abs(roots) < 1.0]
+    weights = np.real(np.poly(inside))
+    return weights / np.linalg.norm(weights)

@@ -10,7 +10,7 @@ from dnanalyze.model.registry import built_in
 EFFECTS = {
     "convolved_lognormal": {"mu": 3.0, "phi": 0.02},
     "dark_shot_noise": {"dn_per_e": 0.7},
-    "read_noise": {"sigma": 2.0, "spread": 0.3, "serial": 0.2},
+    "read_noise": {"sigma": 2.0, "spread": 0.3, "serial": 0.2, "serial2": -0.1},
     "pixel_fpn": {"sigma": 2.0},
     "quantization": {},
     "hot_pixels": {"fraction": 0.05},

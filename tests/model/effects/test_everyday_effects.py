@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames
 
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import Simulator
 
 N = 256 * 256
 
@@ -142,15 +144,35 @@ def test_quantization_is_guessed_from_the_codes():
     assert guess([64, 65, 66, 67, 68, 72], [5, 0, 0, 0, 9, 7]) == Quantization(step=4)
 
 
-@pytest.mark.parametrize("serial", [-0.3, -0.02, 0.2])
-def test_serial_read_noise_is_correlated_with_the_next_pixel_of_the_row_alone(serial):
-    y = frames(ReadNoise(3.0, serial=serial), (256, 256), 4)
+@pytest.mark.parametrize(
+    ("serial", "serial2"), [(-0.3, 0.0), (-0.02, 0.0), (0.2, 0.0), (-0.17, 0.12), (0.0, -0.2)]
+)
+def test_serial_read_noise_is_correlated_with_the_next_pixels_of_the_row_alone(serial, serial2):
+    y = frames(ReadNoise(3.0, serial=serial, serial2=serial2), (256, 256), 4)
     n, z = y.size, y / 3.0
     five = 5 / np.sqrt(n)
     assert z.var() == pytest.approx(1.0, abs=2 * five)
     assert np.mean(z[:, :, 1:] * z[:, :, :-1]) == pytest.approx(serial, abs=2 * five)
-    assert abs(np.mean(z[:, :, 2:] * z[:, :, :-2])) < 2 * five
+    assert np.mean(z[:, :, 2:] * z[:, :, :-2]) == pytest.approx(serial2, abs=2 * five)
+    assert abs(np.mean(z[:, :, 3:] * z[:, :, :-3])) < 2 * five
+    assert (z[:, :, :2].std() - 1) < 5 / np.sqrt(2 * z[:, :, :2].size)
     assert abs(np.mean(z[:, 1:] * z[:, :-1])) < 2 * five
     assert abs(np.mean(z[1:] * z[:-1])) < five
-    assert "serial" not in ReadNoise(3.0, serial=serial).idle()
-    assert ReadNoise(3.0).idle() == ("serial",)
+    idle = ReadNoise(3.0, serial=serial, serial2=serial2).idle()
+    assert ("serial" in idle, "serial2" in idle) == (serial == 0, serial2 == 0)
+
+
+def test_windows_of_serial_noise_are_parts_of_the_whole():
+    noise = ReadNoise(3.0, serial=-0.17, serial2=0.12)
+    simulator = Simulator(NoiseModel((noise,), 0.0, HERE), (64, 96))
+    whole = simulator.frame(HERE, 0)
+    for left in (0, 1, 2, 40):
+        part = simulator.frame(HERE, 0, Window(8, 40, left, left + 30))
+        assert np.array_equal(part, whole[8:40, left : left + 30])
+
+
+def test_correlations_that_no_noise_has_together_are_made_smaller():
+    y = frames(ReadNoise(3.0, serial=0.45, serial2=-0.45), (256, 256), 4) / 3.0
+    both = [np.mean(y[:, :, k:] * y[:, :, :-k]) for k in (1, 2)]
+    assert both[0] == pytest.approx(-both[1], abs=10 / np.sqrt(y.size))
+    assert 0.2 < both[0] < 0.45
