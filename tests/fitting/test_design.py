@@ -1,0 +1,50 @@
+"""What the fit looks at, and what it is judged by."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dnanalyze.fitting.design import BUDGET_PIXELS, design
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
+
+BAYER = (("R", "G"), ("G", "B"))
+
+
+def captures(shape, temperatures=1, frames=2, cfa=None):
+    def setting(number):
+        point = OperatingPoint(20.0 + 10.0 * number, 1.0, 1.0)
+        empty = Frame("empty", point, lambda _: np.zeros(shape, np.uint16))
+        return Setting(point, (empty,) * frames)
+
+    found = tuple(setting(n) for n in range(temperatures))
+    return CaptureSet("made up", Sensor(shape, cfa=cfa), found)
+
+
+@settings(deadline=None)
+@given(
+    rows=st.integers(32, 5000),
+    columns=st.integers(32, 5000),
+    frames=st.integers(1, 40),
+    temperatures=st.integers(1, 12),
+    cfa=st.sampled_from([None, BAYER]),
+)
+def test_halves_share_the_columns_and_no_pixel(rows, columns, frames, temperatures, cfa):
+    plan = design(captures((rows, columns), temperatures, frames, cfa))
+    upper, lower = plan.windows
+    assert upper.shape == lower.shape
+    assert (upper.left, upper.right) == (lower.left, lower.right)
+    assert 0 <= upper.top < upper.bottom <= lower.top < lower.bottom <= rows
+    assert 0 <= upper.left < upper.right <= columns
+    if cfa:
+        assert not any(w.top % 2 or w.left % 2 or w.shape[0] % 2 for w in plan.windows)
+    seen = sum(count for _, count in plan.settings)
+    assert seen * 2 * upper.shape[0] * upper.shape[1] <= 1.01 * BUDGET_PIXELS
+
+
+def test_a_small_capture_set_is_looked_at_whole():
+    plan = design(captures((64, 48), temperatures=3, frames=4))
+    assert plan.train.shape == (32, 48)
+    assert plan.test.bottom == 64
+    assert [count for _, count in plan.settings] == [4, 4, 4]
