@@ -151,6 +151,20 @@ class Accumulated:
         """Variance of the frame means, DN^2; 0 for one frame."""
         return float(np.var(self.frame_means, ddof=1)) if self.frames > 1 else 0.0
 
+    @property
+    def level_variance(self) -> float:
+        """Variance of the mean of all frames because their means scatter, DN^2.
+
+        That of independent frames over their number K. Where the level wanders, so that successive
+        frames differ by less than any two (von Neumann's ratio), K frames tell little more than
+        one.
+        """
+        spread = self.drift_variance
+        if spread == 0.0:
+            return 0.0
+        together = 1.0 - float(np.mean(np.diff(self.frame_means) ** 2)) / (2.0 * spread)
+        return spread * max(1.0 / self.frames, together)
+
     def drift_error(self, variance: float) -> float:
         """Relative error of a temporal variance because frame means scatter and are few."""
         if self.frames < 2:

@@ -82,7 +82,7 @@ def floor(acc: Accumulated) -> float:
 
 
 def _frames(acc: Accumulated, values: dict[str, Value]) -> None:
-    drift = acc.drift_variance / acc.frames
+    drift = acc.level_variance
     sums = map_sums(acc.plan, acc.pattern)
     mean = float(sums.sum()) / acc.plan.pixels
     spatial = mean_error(acc.plan, sums)

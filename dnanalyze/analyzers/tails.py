@@ -261,7 +261,7 @@ def _transient_count(acc: Accumulated, counts: np.ndarray, limit: np.float32) ->
     count, inside = counts.tolist()
     slope = (inside - count) / 0.1  # per relative change of the limit
     relative = acc.drift_error(acc.difference_sigma**2) / 2
-    relative = math.hypot(relative, math.sqrt(acc.drift_variance / acc.frames) / float(limit))
+    relative = math.hypot(relative, math.sqrt(acc.level_variance) / float(limit))
     return Value(count, math.sqrt(1 + (slope * relative) ** 2 / (count + 0.375)))
 
 

@@ -39,6 +39,21 @@ def test_levels_of_a_log_normal_pattern_with_gaussian_noise(codes):
     near(values["dsnu_1288"], math.sqrt(pattern_variance), 0.005)
 
 
+@pytest.mark.parametrize("wanders", [False, True])
+def test_the_error_of_the_level_holds_where_it_scatters_or_wanders(wanders):
+    rng = np.random.default_rng(21)
+    pulls = []
+    for _ in range(200):
+        levels = rng.normal(size=6)
+        if wanders:
+            levels = np.cumsum(np.append(0.0, levels[1:]))  # from the level that is asked for
+        frames = [100.0 + 0.3 * a + rng.normal(size=(64, 64)) for a in levels]
+        values = level.finish(accumulate(np.float32(frames)).finish()).values
+        pulls.append((values["mean"].value - 100.0) / values["mean"].se)
+    # of means of 6 the pulls are t-distributed (sd 1.29); 200 tell their sd by some 10 %
+    assert 0.9 < np.std(pulls) < (2.2 if wanders else 1.8)
+
+
 def test_quantiles_are_those_of_the_convolved_law():
     frames = dark_frames(12, 4, SHAPE, hot=0.0, spread=0.5, noise=2.0)
     values = distribution.finish(accumulate(frames).finish()).values

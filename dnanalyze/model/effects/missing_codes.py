@@ -17,6 +17,7 @@ from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 _BLOCK = 64  # codes; also a multiple of every period
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
+NEARLY = 0.75  # share of the squares of measured widths from which a simpler pattern is them
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 _FARTHEST = _ORIGIN - 2 * _BLOCK  # no converter has codes beyond
 
@@ -114,20 +115,58 @@ class MissingCodes(Effect):
         if shows(clues, ["code_comb"]) and period:
             turns = {p: p / period for p in (2, 4, 8, 16, 32, 64)}  # a harmonic may be strongest
             fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
-            found = [_periodic(clues, sigma, p) for p in fits[:2]] + found
+            found = [*_periodic(clues, sigma, fits[:2]), *found]
         return found
 
 
-def _periodic(clues: Clues, sigma: float, period: int) -> MissingCodes:
-    """With the widths of the codes of a period, where the histograms can tell."""
+def _periodic(clues: Clues, sigma: float, periods: list[int]) -> list[Effect]:
+    """With the widths of the codes of each period that the histograms can tell, or without any.
+
+    Where one edge alone is out of place, as by one bit's error, it is tried so first: the other
+    widths are noise.
+    """
+    told: dict[int, np.ndarray] = {}
+    for period in periods:
+        d = code_widths(_histograms(clues), period)
+        while d.size > 2 and _share(d, np.tile(d.reshape(2, -1).mean(axis=0), 2)) > NEARLY:
+            d = code_widths(_histograms(clues), d.size // 2)  # twice the same
+        if d.any():
+            told[d.size] = d
+    if not told:
+        return [MissingCodes(sigma, "periodic", period) for period in periods]
+    found: list[Effect] = []
+    for period, d in told.items():
+        edge = _one_edge(d)
+        shapes = [edge, d] if _share(d, edge) > NEARLY else [d]
+        found += [_with_widths(shape, period) for shape in shapes]
+    return found
+
+
+def _share(d: np.ndarray, part: np.ndarray) -> float:
+    """Of the squares of ``d`` that a part explains."""
+    return 1.0 - float(np.sum((d - part) ** 2) / np.sum(d**2))
+
+
+def _one_edge(d: np.ndarray) -> np.ndarray:
+    """The closest widths of codes of which one edge is moved: s wider, and the next s narrower."""
+    shift = (d - np.roll(d, -1)) / 2.0
+    at = int(np.argmax(np.abs(shift)))
+    out = np.zeros_like(d)
+    out[at], out[(at + 1) % d.size] = shift[at], -shift[at]
+    return out
+
+
+def _with_widths(d: np.ndarray, period: int) -> MissingCodes:
+    told = tuple(round(float(v), 4) for v in d / np.std(d))
+    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", period, told)
+
+
+def _histograms(clues: Clues) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Codes and counts of the settings that have whole codes, and not too many."""
     found = []
     for setting in range(len(clues.points)):
         codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
         if codes is None or counts is None or np.any(codes % 1) or np.ptp(codes) > _MOST_CODES:
             continue
         found.append((codes, counts))
-    d = code_widths(found, period)
-    if not d.size or np.ptp(d) == 0:
-        return MissingCodes(sigma, "periodic", period)
-    told = tuple(round(float(v), 4) for v in d / np.std(d))
-    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", period, told)
+    return found

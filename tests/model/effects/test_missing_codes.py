@@ -111,3 +111,21 @@ def test_guess_reads_the_widths_off_the_histogram():
     d = effect.sigma * np.array(effect.widths)
     # counts of 50,000 in each class of codes: .5 %
     np.testing.assert_allclose(d, WIDTHS, atol=5 * 0.005 * 1.6)
+
+
+def test_one_edge_is_tried_without_the_noise_of_the_others_and_no_period_twice():
+    rng = np.random.default_rng(4)
+    settings = [converted(64.2 + level + 0.9 * rng.standard_normal(50_000)) for level in (0, 2, 5)]
+    names = ("histogram_codes", "histogram_counts")
+    clues = Given(
+        points=tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0)),
+        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
+        off={"code_roughness": 9.0, "code_comb": 9.0},
+        curves=dict(zip(names, zip(*settings, strict=True), strict=True)),
+    )
+    first, second, *rest = MissingCodes.guess(clues)
+    np.testing.assert_allclose(first.widths, np.array(WIDTHS) / np.std(WIDTHS), atol=1e-3)
+    assert first.sigma == pytest.approx(np.std(WIDTHS), abs=0.1)
+    assert second.period == 4
+    assert second.widths != first.widths
+    assert [e.kind for e in rest] == ["random"]
