@@ -56,7 +56,7 @@ def draw(captures: CaptureSet, found: Refinement) -> None:
             steps.text(0.78, row, name + " ", ha="right", va="center", fontsize=8)
             steps.text(error * 1.06, row, f"{error:.3g}", va="center", fontsize=8)
         steps.axvline(1.0, color=INK, linewidth=0.9)
-        steps.set(xscale="log", xlim=(0.8, max(errors) * 2), yticks=[], title="Error, step by step")
+        steps.set(xscale="log", xlim=(0.5, max(errors) * 2), yticks=[], title="Error, step by step")
         steps.set_xlabel("1: as close as a second sensor of the same make")
         log_axis(steps.xaxis)
         steps.invert_yaxis()

@@ -10,8 +10,8 @@ from dnanalyze.diagnosis.trial import Trial, deviance
 
 # The statistics are correlated, so a gain overstates the log likelihood ratio: neighbouring
 # quantiles and bands move together, about eight at a time. "Nothing is missing" is credited with a
-# gain that noise does not reach. Both are reasoned; their calibration on random sensors is still to
-# be made.
+# gain that noise does not reach, in proportion to the dispersion that is left. Both are reasoned;
+# their calibration on random sensors is still to be made.
 DEFLATION = 8.0
 NOTHING = 25.0
 # The few defects of a half may be more or fewer than their density says: with so much evidence the
@@ -34,9 +34,11 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     ndarray
         (candidates + 1,), sums to 1.
     """
-    known = [t.evidence if lowers(t, error) else min(t.evidence, 0.0) for t in trials] + [NOTHING]
+    spread = dispersion(trials)
+    known = [t.evidence if lowers(t, error) else min(t.evidence, 0.0) for t in trials]
+    known.append(NOTHING * spread)
     excess = np.array(known) - max(known)
-    weight = np.exp(excess / (2.0 * DEFLATION * dispersion(trials)))
+    weight = np.exp(excess / (2.0 * DEFLATION * spread))
     return weight / weight.sum()
 
 
