@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import NOTHING
+from dnanalyze.diagnosis.confidence import CERTAIN
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
@@ -81,7 +81,7 @@ def _least_shown(
         made = model.with_effect(replace(effect(), **{parameter: tried}))
         gain = max(view.gain(made) for view in views)
         if gain > NOISE:
-            return min(tried * (2.0 * NOTHING / gain) ** (1.0 / power), info.upper)
+            return min(tried * (CERTAIN / gain) ** (1.0 / power), info.upper)
     return float("nan")
 
 

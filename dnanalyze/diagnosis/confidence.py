@@ -14,6 +14,7 @@ from dnanalyze.diagnosis.trial import Trial, deviance
 # their calibration on random sensors is still to be made.
 DEFLATION = 8.0
 NOTHING = 25.0
+CERTAIN = 60.0  # evidence from which "nothing is missing" has less than one chance in ten
 # The few defects of a half may be more or fewer than their density says: with so much evidence the
 # error may rise by this share.
 PLENTY, LUCK = 100.0, 0.02
@@ -62,12 +63,13 @@ def lowers(found: Trial, error: float) -> bool:
 def significant(found: Trial, error: float, spread: float = 1.0) -> bool:
     """Whether an effect is worth adding to a model that stands at ``error``.
 
-    The mean of its gains must be beyond what a useless effect could reach by chance, either half
-    must give its part of it, and the pooled error of the unseen half must fall. Chance reaches
-    farther in proportion to the `dispersion` that is left: a useless effect bends with it.
+    The mean of its gains must be beyond what a useless effect could reach by chance, and leave
+    "nothing is missing" less than one chance in ten; either half must give its part of it, and the
+    pooled error of the unseen half must fall. Chance reaches farther in proportion to the
+    `dispersion` that is left: a useless effect bends with it.
     """
     least = min(found.gain, found.fitted_gain)
-    enough = found.evidence > NOTHING * spread and least > NOTHING * spread / 4
+    enough = found.evidence > max(NOTHING * spread, CERTAIN) and least > NOTHING * spread / 4
     return enough and lowers(found, error)
 
 

@@ -35,17 +35,19 @@ class Dpc(Effect):
         "their median (or mean) where it exceeds the largest of them by more than a threshold, "
         "'median' where it stands above their median by more than that, 'clamp' caps it at the "
         "largest neighbour (the 'star eater' of astronomers), 'ratio' replaces it where "
-        "its net signal is a multiple of the largest neighbour's. A 'static' correction replaces "
-        "the pixels of a list made in the factory, hot or not. The true tail of the dark current "
-        "is cut, the more the hotter the sensor, so the dark signal looks better than it is and "
-        "faint stars vanish. In a mosaic the neighbours are those of the same colour (spacing 2). "
+        "its net signal is a multiple of the largest neighbour's, 'multiple' where it is one of "
+        "their median's. A 'static' correction replaces the pixels of a list made in the factory, "
+        "hot or not. The true tail of the dark current is cut, the more the hotter the sensor, so "
+        "the dark signal looks better than it is and faint stars vanish. In a mosaic the "
+        "neighbours are those of the same colour (spacing 2). "
         "What to do: switch it off (a register, a raw mode), or model it; the tail above the "
         "threshold cannot be recovered from corrected frames."
     )
     formula: ClassVar[str] = (
         "excess: y -> m where y > max8 + threshold; median: y -> m where y > m + threshold; "
         "clamp: y -> max8 where y > max8 + threshold; "
-        "ratio: y -> m where y - black > factor (max8 - black) + threshold; static: y -> m on a "
+        "ratio: y -> m where y - black > factor (max8 - black) + threshold; "
+        "multiple: y -> m where y - black > factor max(m - black, threshold); static: y -> m on a "
         "list"
     )
     references: ClassVar[tuple[str, ...]] = (
@@ -64,11 +66,15 @@ class Dpc(Effect):
     }
     reach: ClassVar[int] = 4
 
-    threshold: float = parameter(8.0, "DN", 0.01, 1e5, "by how much a pixel must stand out")
-    factor: float = parameter(2.0, "1", 1.0, 100.0, "multiple of the largest neighbour (ratio)")
-    black: float = parameter(0.0, "DN", -1e5, 1e5, "level of no signal (ratio)", "linear")
+    threshold: float = parameter(
+        8.0, "DN", 0.01, 1e5, "by how much a pixel must stand out; least median (multiple)"
+    )
+    factor: float = parameter(
+        2.0, "1", 1.0, 100.0, "multiple of the largest neighbour (ratio), of the median (multiple)"
+    )
+    black: float = parameter(0.0, "DN", -1e5, 1e5, "level of no signal (ratio, multiple)", "linear")
     fraction: float = parameter(5e-4, "1", 1e-6, 0.05, "share of pixels on the list (static)")
-    kind: str = choice("excess", "rule", "excess", "median", "clamp", "ratio", "static")
+    kind: str = choice("excess", "rule", "excess", "median", "clamp", "ratio", "multiple", "static")
     sides: str = choice("hot", "which outliers", "hot", "both")
     replacement: str = choice(
         "median", "what of the neighbours takes its place", "median", "midpoint", "mean"
@@ -84,6 +90,7 @@ class Dpc(Effect):
             "median": ("threshold",),
             "clamp": ("threshold",),
             "ratio": ("threshold", "factor", "black"),
+            "multiple": ("threshold", "factor", "black"),
             "static": ("fraction",),
         }[self.kind]
         return tuple(n for n in ("threshold", "factor", "black", "fraction") if n not in used)
@@ -111,10 +118,14 @@ class Dpc(Effect):
         if self.kind in ("excess", "clamp"):
             instead = filters.EXTREME if self.kind == "clamp" else replacement
             return filters.replace_excess(plane, threshold, both, radius, instead)
+        factor, black = self.value("factor", site.point), self.value("black", site.point)
         if self.kind == "ratio":
-            factor, black = self.value("factor", site.point), self.value("black", site.point)
             return filters.replace_by_ratio(plane, factor, threshold, black, radius, replacement)
-        return filters.neighbour_centre(plane, replacement)
+        centre = filters.neighbour_centre(plane, replacement)
+        if self.kind == "static":
+            return centre
+        least = np.maximum(centre - np.float32(black), np.float32(threshold))
+        return np.where(plane - np.float32(black) > np.float32(factor) * least, centre, plane)
 
     def _listed(self, site: Site) -> np.ndarray:
         """Where the window has pixels of the list."""
@@ -155,6 +166,8 @@ class Dpc(Effect):
             level = level[np.isfinite(level)]
             black = float(level.min()) if level.size else 0.0
             found.append(cls(threshold, 2.0, black, kind="ratio"))
+            half = bounded(cls, "threshold", 0.5 * threshold)
+            found.append(cls(half, 2.0, black, kind="multiple"))
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess", sides="both"))
             found.append(cls(threshold, kind="median"))

@@ -61,6 +61,16 @@ def test_clamp_and_ratio_with_24_neighbours():
     np.testing.assert_allclose(after, np.where(hit, middle, before), atol=1e-4)
 
 
+def test_multiples_of_the_neighbours_median_and_of_the_least_that_counts():
+    before, after = both(Dpc(3.0, 2.0, 64.0, kind="multiple", replacement="midpoint"))
+    middle = around(before, np.median)
+    hit = before - 64.0 > 2.0 * np.maximum(middle - 64.0, 3.0)
+    low = middle - 64.0 < 3.0
+    assert (hit & low).sum() > 10
+    assert (hit & ~low).sum() > 10
+    np.testing.assert_allclose(after, np.where(hit, middle, before), atol=1e-4)
+
+
 def test_clamp_makes_maxima_rarer_and_ties_common():
     before, after = both(Dpc(0.01, kind="clamp"), ROUND)
     top = after > np.quantile(after, 0.99)
@@ -107,7 +117,7 @@ def test_guess_takes_the_threshold_from_what_is_missing():
         off={"excess_4": -1.0, "excess_8": -6.0, "excess_16": -9.0, "ties_max8": 4.0},
     )
     found = {e.kind: e for e in Dpc.guess(clues)}
-    assert set(found) == {"excess", "median", "clamp", "ratio"}
+    assert set(found) == {"excess", "median", "clamp", "ratio", "multiple"}
     assert found["median"].threshold == pytest.approx(16.0)
     assert found["ratio"].black == 66.0
 
