@@ -11,9 +11,10 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import SIGN, curve
+from dnanalyze.model.evidence import curve
 
 TERMS = ("x", "y", "xx", "yy", "xy")
+CLEAR = 3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ class DarkGradient(Effect):
         """
         names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-        if not (seen > SIGN).any():
+        if not (seen > CLEAR).any():
             return []
         growth = hints.exposure_and_gain(clues)
         raw = np.full((len(growth), len(TERMS)), np.nan)
