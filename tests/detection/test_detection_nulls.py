@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from dnanalyze.detection import questions
 from dnanalyze.detection.correlation import (
     LagCorrelation,
     growth,
@@ -16,7 +19,7 @@ from dnanalyze.detection.correlation import (
 from dnanalyze.detection.excess import standing_out
 from dnanalyze.detection.memory import autocorrelation, expected_excess, memory_of
 from dnanalyze.detection.rank import exceedance
-from dnanalyze.detection.replaced import replaced
+from dnanalyze.detection.replaced import RULES, Replaced, replaced
 from dnanalyze.detection.rows import row_phase
 from dnanalyze.detection.spectrum import octave_spectrum
 from dnanalyze.detection.texture import equal_neighbours, texture
@@ -165,3 +168,18 @@ def test_holm_against_its_definition():
 def test_only_a_blur_in_both_directions_is_short_ranged(rows, columns, gone):
     for pair in ((rows, columns), (columns, rows)):
         assert (LagCorrelation(*pair, 0.0, 1e-3, 1.0).short_range_under_flicker > 0.03) == gone
+
+
+@pytest.mark.parametrize(("shared", "times"), [(0.0, 1.0), (0.1, (995 / 105) ** (8 / 7))])
+def test_matches_by_shared_noise_are_told_by_those_in_all_frames_but_one(shared, times):
+    none = np.zeros(len(RULES), int)
+    own, control, almost, others = (none + n for n in (200, 9, 990, 100))
+    sites = Replaced(own, control, almost, others, np.empty((0, 3), int), 50_000, 8)
+    seen = SimpleNamespace(
+        replaced=sites,
+        listed=None,
+        correlation=SimpleNamespace(along_rows=(shared, 0.0), along_columns=(0.0, 0.0)),
+    )
+    (asked,) = questions.sites(seen)
+    assert asked.effect == pytest.approx(20.0)
+    assert asked.limit == pytest.approx(5.0 * times)

@@ -81,6 +81,13 @@ def test_while_much_is_wrong_chance_reaches_farther():
     assert not significant(messy[0], 3.0, dispersion(messy))
 
 
+def test_nothing_is_credited_in_proportion_to_what_is_left():
+    for left in (0.5, 3.0):
+        level = dispersion([made("a", 0.0, 1.0, left)])
+        even = [made("a", NOTHING * level, 1.0, left)]
+        np.testing.assert_allclose(confidences(even, 2.0), [0.5, 0.5])
+
+
 def test_where_the_halves_disagree_about_the_leader_nothing_is_added():
     split = dataclasses.replace(made("a", -60.0, 1.05), fitted_gain=260.0)
     second = made("b", 90.0, 0.97)

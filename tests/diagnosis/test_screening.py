@@ -2,7 +2,8 @@
 
 import pytest
 
-from dnanalyze.diagnosis.screening import prospects
+from dnanalyze.diagnosis import screening
+from dnanalyze.diagnosis.screening import FIRST, LEAST, Prospect, prospects
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise, start
@@ -74,3 +75,23 @@ def test_what_moves_nothing_promises_nothing_though_two_settings_alone_could_fit
 
     (seen,) = prospects(held, state, {"still": Still})
     assert seen.promise == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("promise", "seen"), [(0.0, FIRST), (2 * LEAST, 6)])
+def test_later_guesses_are_simulated_only_where_an_early_one_promises(
+    held, state, monkeypatch, promise, seen
+):
+    class Many(KNOWN["row_noise"]):
+        @classmethod
+        def guess(cls, clues):
+            return [cls(0.1 * (n + 1)) for n in range(6)]
+
+    tried = []
+
+    def at_guess(small, part, guess, idle):
+        tried.append(guess.sigma)
+        return [Prospect(guess.name, state.model, promise)]
+
+    monkeypatch.setattr(screening, "_at_guess", at_guess)
+    prospects(held, state, {"row_noise": Many})
+    assert len(tried) == seen
