@@ -46,7 +46,11 @@ class Asked:
     neighbours: int = 8
     slope: float = 1.0  # of the neighbours' maximum, in a rule of a slope and a bound
     sites: Replaced | None = None  # that the answer rests on
-    everywhere: bool = False  # over all settings
+
+    @property
+    def everywhere(self) -> bool:
+        """Over all settings."""
+        return self.sites is not None and self.sites is self.evidence.listed
 
 
 def one_sided(value: float, se: float) -> float:
@@ -267,11 +271,11 @@ def sites(e: ViewEvidence) -> list[Asked]:
         asked.append(_always(e, e.replaced, f"in all {e.replaced.frames} frames"))
     if e.listed is not None and e.listed.tried:
         where = f"in {e.listed.frames} frames, whatever the setting,"
-        asked.append(_always(e, e.listed, where, everywhere=True))
+        asked.append(_always(e, e.listed, where))
     return asked
 
 
-def _always(e: ViewEvidence, seen: Replaced, where: str, everywhere: bool = False) -> Asked:
+def _always(e: ViewEvidence, seen: Replaced, where: str) -> Asked:
     own, control = seen.own, seen.control
     p = stats.poisson.sf(own - 1, 3 * control + 1)
     j = int(np.argmax(own / (control + 3)))
@@ -287,7 +291,6 @@ def _always(e: ViewEvidence, seen: Replaced, where: str, everywhere: bool = Fals
         "elsewhere",
         j,
         sites=seen,
-        everywhere=everywhere,
     )
 
 
@@ -297,10 +300,11 @@ def _by_chance(e: ViewEvidence, seen: Replaced, rule: int) -> float:
     Sites that match in all K frames but one do so by chance: theirs to the power K / (K - 1).
     """
     shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
+    linear = 1 + SHARED * shared
     if shared < UNSHARED:
-        return 1.0
+        return linear
     nearly = (seen.almost[rule] + FEW_SITES) / (seen.almost_control[rule] + FEW_SITES)
-    return float(max(1 + SHARED * shared, nearly ** (seen.frames / (seen.frames - 1))))
+    return float(max(linear, nearly ** (seen.frames / (seen.frames - 1))))
 
 
 def memory(e: ViewEvidence) -> list[Asked]:

@@ -96,8 +96,8 @@ def trials(
         most = max(most, made.fitted_gain)
     if best:
         _polish(bench, state, best)
-    made_all = [replace(t, others=others.get(t.effect, ())) for t in best.values()]
-    return sorted(made_all, key=lambda t: -t.evidence)
+    complete = (replace(t, others=others.get(t.effect, ())) for t in best.values())
+    return sorted(complete, key=lambda t: -t.evidence)
 
 
 def best_guess(bench: Bench, before: State, found: Trial, iterations: int = 3) -> State:

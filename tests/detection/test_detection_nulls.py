@@ -170,7 +170,9 @@ def test_only_a_blur_in_both_directions_is_short_ranged(rows, columns, gone):
         assert (LagCorrelation(*pair, 0.0, 1e-3, 1.0).short_range_under_flicker > 0.03) == gone
 
 
-@pytest.mark.parametrize(("shared", "times"), [(0.0, 1.0), (0.1, (995 / 105) ** (8 / 7))])
+@pytest.mark.parametrize(
+    ("shared", "times"), [(0.0, 1.0), (0.01, 1.4), (0.1, (995 / 105) ** (8 / 7))]
+)
 def test_matches_by_shared_noise_are_told_by_those_in_all_frames_but_one(shared, times):
     none = np.zeros(len(RULES), int)
     own, control, almost, others = (none + n for n in (200, 9, 990, 100))
