@@ -10,6 +10,7 @@ import numpy as np
 from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.line_defects import defects
 from dnanalyze.analyzers.line_means import line_means
 from dnanalyze.analyzers.lines_infos import INFOS
 from dnanalyze.analyzers.quantiles import median
@@ -43,6 +44,8 @@ def finish(acc: Accumulated) -> FamilyResult:
         if acc.plan.errors:
             result.curves[f"{kind}_mean"] = mean
             result.curves[f"acf_{kind}s"] = autocorrelation(mean)
+            seen = acc.pattern if kind == "column" else acc.pattern.T
+            result.curves[f"{kind}_defects"] = defects(seen, mean)
         if mean.size < FEWEST:
             result.missing[kind] = f"statistics of lines need {FEWEST} {kind}s"
             continue

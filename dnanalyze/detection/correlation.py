@@ -12,12 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
 from dnanalyze.detection.flatten import clipped
-from dnanalyze.detection.spectrum import EDGES, OctaveSpectrum, kernel_log_power
+from dnanalyze.detection.spectrum import EDGES, OctaveSpectrum, octave_log_power
 
 LARGEST_CROSSTALK = 0.02  # share to each of the 8 neighbours
 DECAY = 2.5  # of rho(1), and of its steps, for which 1/f noise over the scan may account
+FEWER_EXTREMES = 0.045  # 1 - 9 P of shot noise under the largest crosstalk, by simulation
 LEAST_EA_EV = 0.40  # below the activation energy of any bulk dark current
 BOLTZMANN_EV_K = 8.617e-5
 
@@ -109,20 +111,23 @@ class CrosstalkBound:
 
     short_range: float
     concavity: float
-    extremes: float = 0.045  # 1 - 9 P, by simulation
+    extremes: float
 
 
-def largest_crosstalk() -> CrosstalkBound:
-    """From the kernel's autocorrelation and spectrum."""
-    taps = crosstalk_kernel(LARGEST_CROSSTALK)
-    padded = np.pad(taps, 3)
+def largest_crosstalk(apart: int = 1) -> CrosstalkBound:
+    """From the kernel's autocorrelation and spectrum, of every ``apart``-th row and column.
 
-    def lag(n: int) -> float:
-        return float((padded * np.roll(padded, n, axis=1)).sum() / (taps * taps).sum())
-
-    power = kernel_log_power(taps)
-    spectrum = OctaveSpectrum(power, np.full(EDGES.size - 1, 1.0))
-    return CrosstalkBound(_gone((lag(1), lag(2))), spectrum.concavity()[0])
+    Pixels of one colour of a mosaic are two apart: next to none of a 3x3 kernel is left.
+    """
+    taps = np.pad(crosstalk_kernel(LARGEST_CROSSTALK), 1)
+    shared = signal.correlate2d(taps, taps)
+    middle = shared.shape[0] // 2
+    seen = shared[middle % apart :: apart, middle % apart :: apart] / shared[middle, middle]
+    along = np.append(seen[seen.shape[0] // 2, seen.shape[1] // 2 :], 0.0)
+    spectrum = OctaveSpectrum(octave_log_power(seen), np.full(EDGES.size - 1, 1.0))
+    return CrosstalkBound(
+        _gone((along[1], along[2])), spectrum.concavity()[0], FEWER_EXTREMES if apart == 1 else 0.0
+    )
 
 
 def shot_share(

@@ -152,7 +152,8 @@ def _ambiguous(
     tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
     soft = [
         a for a in answers
-        if a.asked.test in tests and a.judge and a.holm < alpha
+        if a.asked.test in tests and a.asked.evidence.view == "frame"
+        and a.judge and a.holm < alpha
         and 0.3 < a.asked.effect / a.asked.limit <= 1
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:

@@ -22,16 +22,16 @@ QUIET = 4.0  # neighbours' maximum above the base, in units of the noise, where 
 
 def estimate(kind: str, flags: list[Answer], evidence: list[ViewEvidence]) -> FilterEstimate:
     """From the answers that speak for the kind (at least one)."""
-    view = _view(flags)
     at = [a.asked.evidence.point.temperature_c for a in flags]
     known = [t for t in at if t is not None]
     coldest = min(known) if known else None
+    if kind == "denoise":
+        return _denoise(flags, coldest, evidence)
+    view = _view(flags)
     if kind == "dpc":
         return _correction(flags, view, coldest, evidence)
-    if kind == "temporal_denoise":
-        memory = float(np.median([a.asked.at for a in flags]))
-        return FilterEstimate("recursive", view, strength=memory, from_temperature_c=coldest)
-    return _denoise(flags, view, coldest)
+    memory = float(np.median([a.asked.at for a in flags]))
+    return FilterEstimate("recursive", view, strength=memory, from_temperature_c=coldest)
 
 
 def _view(flags: list[Answer]) -> str:
@@ -151,17 +151,23 @@ def _grows(found: list[Any], rule: str | None) -> bool:
     return bool(high > 2 * low + 10)
 
 
-def _denoise(flags: list[Answer], view: str, coldest: float | None) -> FilterEstimate:
-    mine = [a for a in flags if a.asked.evidence.view == view] or flags
-    tests = {a.asked.test for a in mine}
-    e = max((a.asked.evidence for a in mine), key=lambda e: -e.correlation.variance)
+def _denoise(
+    flags: list[Answer], coldest: float | None, evidence: list[ViewEvidence]
+) -> FilterEstimate:
+    """From the quietest flagged setting, in the view whose next neighbours share more noise."""
+    tests = {a.asked.test for a in flags}
+    quietest = min((a.asked.evidence for a in flags), key=lambda e: e.correlation.variance)
+    seen = [e for e in evidence if e.point == quietest.point]
+    if tests == {"row_phase"}:
+        seen = [quietest]
+    e = max(seen, key=lambda e: min(e.correlation.along_rows[0], e.correlation.along_columns[0]))
     removed = float(-np.expm1(e.spectrum.suppression[0]))
     lag = e.correlation
     # 1/f noise over the scan reaches far along rows: the direction that is free of it
     side, far, _ = min(lag.along_rows, lag.along_columns, key=lambda r: r[1])
     if tests == {"row_phase"}:
         subkind = "some_rows"
-        removed = float(np.median([a.asked.effect for a in mine]))
+        removed = float(np.median([a.asked.effect for a in flags]))
     elif "median_equality" in tests:
         subkind = "median"
     elif far > 0.3 * abs(side):
@@ -170,7 +176,7 @@ def _denoise(flags: list[Answer], view: str, coldest: float | None) -> FilterEst
         subkind = "gaussian"
     else:
         subkind = "median"
-    return FilterEstimate(subkind, view, strength=removed, from_temperature_c=coldest)
+    return FilterEstimate(subkind, e.view, strength=removed, from_temperature_c=coldest)
 
 
 def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from dnanalyze.detection.correlation import CrosstalkBound, largest_crosstalk, shot_share
+from dnanalyze.detection.correlation import largest_crosstalk, shot_share
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
@@ -29,6 +29,7 @@ LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
 UNSHARED = 0.02  # correlation of neighbours' noise below which none is
 FEW_SITES = 5.0
+APART = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     """Has the noise been smoothed beyond what charge crosstalk can do to shot noise?"""
     if not e.usable:
         return []
-    bound: CrosstalkBound = largest_crosstalk()
+    bound = largest_crosstalk(APART[e.view])
     share = shot_share(e.correlation.variance, e.point.temperature_c, others) if e.temporal else 1.0
     room = 1.1 * share
     (bend, bend_se), lag = e.spectrum.concavity(), e.correlation

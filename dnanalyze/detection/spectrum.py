@@ -121,9 +121,17 @@ def _bins(h: int, w: int) -> tuple[np.ndarray, np.ndarray]:
 
 def kernel_log_power(taps: np.ndarray, shape: tuple[int, int] = (256, 256)) -> np.ndarray:
     """ln |K|^2 in the octaves, of white noise through a small symmetric kernel (odd sides)."""
+    return 2 * octave_log_power(taps, shape)
+
+
+def octave_log_power(shared: np.ndarray, shape: tuple[int, int] = (256, 256)) -> np.ndarray:
+    """ln of the power in the octaves of noise of a small autocovariance (odd sides, in the middle).
+
+    NaN in octaves below the reach of ``shape``.
+    """
     padded = np.zeros(shape)
-    padded[: taps.shape[0], : taps.shape[1]] = taps
-    power = np.abs(fft.rfft2(padded)) ** 2
+    padded[: shared.shape[0], : shared.shape[1]] = shared
+    power = np.abs(fft.rfft2(padded))
     _, where = _bins(*shape)
     return np.array(
         [

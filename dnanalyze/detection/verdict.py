@@ -16,6 +16,10 @@ from dnanalyze.loaders.captures import OperatingPoint
 
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
 ROUND = 0.15  # correlation of next neighbours of a colour beyond that of farther ones
+# What replacing a few per cent of pixels does to the noise stays below these.
+SLIGHT = {
+    "spectral_corner": 0.4, "crosstalk_or_denoise": 0.1, "median_equality": 0.28, "row_phase": 0.06,
+}  # fmt: skip
 CAUSES = (
     "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
     "static_replacement",
@@ -96,7 +100,8 @@ def holm(p: np.ndarray) -> np.ndarray:
 def _quietest(evidence: list[ViewEvidence]) -> set[int]:
     """Where a denoise must show: the two quietest groups of each gain and channel.
 
-    What warms up (shot noise under crosstalk, hits) is least there. Where rounding hides
+    What warms up (shot noise under crosstalk, hits) is least there. Crosstalk does not reach from
+    pixel to pixel of a colour: there every group counts. Where rounding hides
     everything the least rounded group is taken; single frames only where there are no repeats.
     """
     chosen: set[int] = set()
@@ -108,7 +113,8 @@ def _quietest(evidence: list[ViewEvidence]) -> set[int]:
     for members in sets.values():
         members.sort(key=lambda e: e.correlation.variance)
         fine = [e for e in members if e.noise >= FINE * e.step]
-        chosen |= {id(e) for e in (fine[:2] if repeats else fine[:1]) or members[-1:]}
+        most = 1 if not repeats else len(fine) if members[0].view == "planes" else 2
+        chosen |= {id(e) for e in fine[:most] or members[-1:]}
     return chosen
 
 
@@ -149,7 +155,7 @@ def _explained(smoothed: list[Answer], corrected: list[Answer]) -> bool:
     """The correction alone makes the noise look smoothed: it touched hot pixels alone, or its sites
     are plain and the smoothing is slight, as where a low threshold replaces a few per cent.
     """
-    slight = max(_score(a) for a in smoothed) < 2
+    slight = all(a.asked.effect < SLIGHT.get(a.asked.test, np.inf) for a in smoothed)
     plain = max((_score(a) for a in _of(corrected, "static_replacement")), default=0.0) > 2
     return _only_maxima(smoothed + corrected) or (slight and plain)
 

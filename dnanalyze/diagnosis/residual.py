@@ -9,10 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.diagnosis.line_defects import defects_of, line_defects
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.hints import gains
+from dnanalyze.model.line_profile import line_profile
 
 
 @dataclass(frozen=True)
@@ -78,14 +81,23 @@ class Residual:
 
     def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of both halves one after the other; columns as their mean over both."""
-        plan, name = self.bench.plan, f"{axis.removesuffix('s')}_mean"
-        parts = [r.curve(name, setting) for r in self._readings]
+        plan = self.bench.plan
+        parts = [r.lines(axis, setting) for r in self._readings]
         if not all(p.size for p in parts):
             return np.empty(0, int), np.empty(0)
         if axis == "columns":
             return np.arange(plan.train.left, plan.train.right), np.mean(parts, axis=0)
         places = [np.arange(w.top, w.bottom) for w in plan.windows]
         return np.concatenate(places), np.concatenate(parts)
+
+    def defects(self, axis: str) -> np.ndarray:
+        """Lines that stand out, each as far along as most settings say."""
+        plan = self.bench.plan
+        seen = [
+            defects_of(self._readings, plan.windows, plan.shape, axis, s)
+            for s in range(len(self.points))
+        ]
+        return line_defects(line_profile(self, axis), seen, gains(self), axis, plan.shape)
 
     def _over_settings(self, name: str, values: np.ndarray) -> np.ndarray:
         train = self.bench.train

@@ -10,6 +10,8 @@ import numpy as np
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint
 
+MOSAIC = 2  # rows and columns of a block of colours
+
 
 @dataclass(frozen=True)
 class Readings:
@@ -52,6 +54,32 @@ class Readings:
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A curve of one point; empty where it lacks it (first colour plane)."""
         return self.planes[setting][0].curves.get(name, np.empty(0))
+
+    def lines(self, axis: str, setting: int) -> np.ndarray:
+        """Means of the "columns" or "rows" of one point; those of a mosaic are interleaved.
+
+        Of each colour about its own mean. Empty where the point lacks them.
+        """
+        seen = [p.curves.get(f"{axis[:-1]}_mean", np.empty(0)) for p in self.planes[setting]]
+        if len(seen) == 1:
+            return seen[0]
+        grid = np.array(seen).reshape(MOSAIC, MOSAIC, -1)  # row and column in the block
+        return np.asarray(grid.mean(axis=0 if axis == "columns" else 1).T.ravel())
+
+    def defects(self, axis: str, setting: int) -> np.ndarray:
+        """The "columns" or "rows" of one point that stand out, (n, 4), as `line_defects` has them.
+
+        Places are in the part of the frame that the statistics cover, also those of a mosaic.
+        """
+        found, planes = [np.empty((0, 4))], self.planes[setting]
+        for number, plane in enumerate(planes):
+            seen = plane.curves.get(f"{axis[:-1]}_defects", np.empty((0, 4))).copy()
+            if len(planes) > 1:
+                place = np.divmod(number, MOSAIC)[1 if axis == "columns" else 0]
+                seen[:, 0] = MOSAIC * seen[:, 0] + place
+                seen[:, 2:] *= MOSAIC
+            found.append(seen)
+        return np.concatenate(found)
 
 
 def _mean(values: list[float]) -> float:

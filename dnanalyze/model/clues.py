@@ -47,5 +47,12 @@ class Clues(Protocol):
         Over the whole field: lines of the part that the statistics cover come first.
         """
 
+    def defects(self, axis: str) -> np.ndarray:
+        """The "columns" or "rows" that stand out of the pattern, over all settings.
+
+        (n, 4): number in the full frame, offset in DN at the reference gain, and along it the
+        pixels where the offset begins, and after its end.
+        """
+
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A measured curve or map by name (histogram, line profile, block means, ...)."""

@@ -6,11 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import signal, stats
 
 from dnanalyze.detection import questions
 from dnanalyze.detection.correlation import (
     LagCorrelation,
+    crosstalk_kernel,
     growth,
     lag_correlation,
     largest_crosstalk,
@@ -86,6 +87,21 @@ def test_the_crosstalk_bound_is_the_kernels_autocorrelation():
     k2 = 1 - 16 * phi + 72 * phi**2
     expected = (2 * phi - 12 * phi**2 - 2.5 * 3 * phi**2) / k2
     assert largest_crosstalk().short_range == pytest.approx(expected, rel=1e-9)
+    every_second = (3 * phi**2) / k2  # rho(2,0) is rho(1,0) there, and nothing reaches farther
+    assert largest_crosstalk(2).short_range == pytest.approx(every_second, rel=1e-9)
+
+
+@pytest.mark.parametrize("apart", [1, 2])
+def test_the_largest_crosstalk_stays_within_its_bounds(apart):
+    taps = crosstalk_kernel(0.02)
+    white = np.random.default_rng(8).standard_normal((12, 514, 514))
+    noise = signal.fftconvolve(white, taps[None], mode="valid", axes=(1, 2))
+    images = noise[:, ::apart, ::apart].astype(np.float32)
+    bound, seen = largest_crosstalk(apart), lag_correlation(images)
+    assert abs(seen.short_range - bound.short_range) < 5 * 2.7 * seen.se
+    bend, se = octave_spectrum(images).concavity()
+    assert bend < bound.concavity + 5 * se
+    assert abs(1 - exceedance(images).extremes - bound.extremes) < 0.005
 
 
 @pytest.mark.parametrize("ea", [0.55, 0.65, 0.9])

@@ -13,11 +13,6 @@ from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, excess, shows, typical_positive
-from dnanalyze.model.line_profile import line_profile, robust_deviation
-
-SURE = 5.0  # robust deviations: one Gaussian line in 1.7 million is farther off
-MOST = 0.1  # share of the lines up to which they are single ones
-FEWEST, NEAR = 32, 15  # lines: of a profile, and of the neighbourhood that sets the level
 
 
 @dataclass(frozen=True)
@@ -31,12 +26,13 @@ class DefectLines(Effect):
     physics: ClassVar[str] = (
         "A leaking column line, a defect in a column's converter or a broken row driver shifts one "
         "whole line, many times further than lines scatter otherwise. In a CCD a trap or a bright "
-        "defect that is clocked through makes a bright or dark column. The offset is fixed, "
-        "commonly independent of exposure, and follows the analogue gain. Cure: a map of bad "
-        "lines; interpolation across them."
+        "defect that is clocked through makes a bright or dark column, from its own row on. The "
+        "offset is fixed, commonly independent of exposure, and follows the analogue gain. Cure: "
+        "a map of bad lines; interpolation across them."
     )
     formula: ClassVar[str] = (
-        "y_ij += o_j on the lines named, or on round(fraction x lines) lines;  mean o^2 = sigma^2"
+        "y_ij += o_j on the lines named, each from its begin to its end, or on round(fraction x "
+        "lines) whole lines;  mean o^2 = sigma^2"
     )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (profiles)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
@@ -57,9 +53,17 @@ class DefectLines(Effect):
         (), "their numbers, as measured; a share at random places where there are none"
     )
     offsets: tuple[float, ...] = choice((), "their offsets in proportion, one a line")
+    begins: tuple[float, ...] = choice((), "pixel of each at which it begins; the first")
+    ends: tuple[float, ...] = choice((), "pixel after its end; the last")
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for name, value in (("begins", self.begins), ("ends", self.ends)):
+            if value and len(value) != len(self.lines):
+                raise InputError(
+                    f"defect_lines.{name}: {len(value)} numbers for {len(self.lines)} lines; give "
+                    "one a line, or none"
+                )
         if len(self.lines) != len(self.offsets) or (self.offsets and not any(self.offsets)):
             raise InputError(
                 f"defect_lines.offsets: {len(self.offsets)} numbers for {len(self.lines)} lines; "
@@ -72,20 +76,42 @@ class DefectLines(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the lines in the window."""
+        size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        if self.begins or self.ends:
+            signal += size * site.keep("parts", lambda: self._parts(site))
+            return signal
         by_column = self.axis == "columns"
-        offsets = self._named(site) if self.lines else self._drawn(site)
-        offsets *= np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        offsets = size * (self._named(site) if self.lines else self._drawn(site))
         signal += offsets[site.column_index] if by_column else offsets[site.row_index][:, None]
         return signal
+
+    def _relative(self) -> np.ndarray:
+        """Offset of each named line; rms 1."""
+        size = np.array(self.offsets, np.float32)
+        return np.asarray(size / np.sqrt(np.mean(size**2)))
 
     def _named(self, site: Site) -> np.ndarray:
         """Relative offsets of all lines of the frame; lines beyond it are left out."""
         offsets = np.zeros(site.shape[1 if self.axis == "columns" else 0], np.float32)
-        size = np.array(self.offsets, np.float32) / np.sqrt(np.mean(np.square(self.offsets)))
         place = np.array(self.lines, int)
         inside = (place >= 0) & (place < offsets.size)
-        offsets[place[inside]] = size[inside]
+        offsets[place[inside]] = self._relative()[inside]
         return offsets
+
+    def _parts(self, site: Site) -> np.ndarray:
+        """Relative offsets of the pixels of the window, where each line is off from its begin to
+        its end.
+        """
+        by_column = self.axis == "columns"
+        across, along = site.row_index, site.column_index
+        if by_column:
+            across, along = along, across
+        begins = np.array(self.begins or np.zeros(len(self.lines)))
+        ends = np.array(self.ends or np.full(len(self.lines), np.inf))
+        where = (along[:, None] >= begins) & (along[:, None] < ends)
+        which = np.array(self.lines, int)[:, None] == across
+        image = (where * self._relative()) @ which.astype(np.float32)
+        return np.asarray(image if by_column else image.T, np.float32)
 
     def _drawn(self, site: Site) -> np.ndarray:
         lines = site.shape[1 if self.axis == "columns" else 0]
@@ -114,15 +140,11 @@ class DefectLines(Effect):
         """
         found: list[Effect] = []
         for axis, line, across in (("columns", "column", 1), ("rows", "row", 0)):
-            if not shows(clues, [f"{line}_{k}" for k in ("outliers", "extreme", "kurtosis")]):
+            named = _measured(clues, axis)
+            if named is not None:
+                found.append(named)
                 continue
-            places, offsets = _standing_out(clues, axis)
-            if places.size:
-                rms = float(np.sqrt(np.mean(offsets**2)))
-                share, sigma = bounded(cls, "fraction", places.size / clues.field[across]), rms
-                told = tuple(round(float(o), 4) for o in offsets / rms)
-                named = tuple(int(p) for p in places)
-                found.append(cls(share, bounded(cls, "sigma", sigma), axis, named, told))
+            if not shows(clues, [f"{line}_{k}" for k in ("outliers", "extreme", "kurtosis")]):
                 continue
             lines, length = clues.shape[across], clues.shape[1 - across]
             count = max(1.0, typical_positive(excess(clues, f"{line}_outliers")))
@@ -135,15 +157,20 @@ class DefectLines(Effect):
         return found
 
 
-def _standing_out(clues: Clues, axis: str) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers and offsets, DN, of lines far off their neighbours; none where many are."""
-    import scipy.ndimage
-
-    places, profile = line_profile(clues, axis)
-    if profile.size < FEWEST:
-        return np.empty(0, int), np.empty(0)
-    apart = profile - scipy.ndimage.median_filter(profile, NEAR, mode="reflect")
-    far = np.abs(apart) > SURE * robust_deviation(apart)
-    if far.mean() > MOST:
-        far[:] = False
-    return places[far], apart[far]
+def _measured(clues: Clues, axis: str) -> DefectLines | None:
+    seen = clues.defects(axis)
+    if not len(seen):
+        return None
+    across, along = (1, 0) if axis == "columns" else (0, 1)
+    places, offsets, begins, ends = seen.T
+    rms = float(np.sqrt(np.mean(offsets**2)))
+    parts = bool((begins > 0).any() or (ends < clues.field[along]).any())
+    return DefectLines(
+        bounded(DefectLines, "fraction", len(seen) / clues.field[across]),
+        bounded(DefectLines, "sigma", rms),
+        axis,
+        tuple(int(p) for p in places),
+        tuple(round(float(o), 4) for o in offsets / rms),
+        tuple(float(round(b)) for b in begins) if parts else (),
+        tuple(float(round(e)) for e in ends) if parts else (),
+    )

@@ -67,6 +67,7 @@ class Given:
     reference: OperatingPoint = POINT
     profiles: dict = field(default_factory=dict)
     whole: tuple[int, int] | None = None
+    standing_out: dict = field(default_factory=dict)
 
     @property
     def field(self):
@@ -76,6 +77,9 @@ class Given:
         means = self.profiles.get(axis, [np.empty(0)] * len(self.points))[setting]
         places = self.profiles.get("places", {})
         return (places[setting] if len(places) else np.arange(means.size)), means
+
+    def defects(self, axis):
+        return np.array(self.standing_out.get(axis, []), float).reshape(-1, 4)
 
     def _array(self, values, name):
         return np.broadcast_to(np.asarray(values.get(name, np.nan), float), len(self.points))

@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
-from readout_bench import POINT, Given, added
+from readout_bench import POINT, Given, added, frames
 
 from dnanalyze.errors import InputError
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
+from dnanalyze.model.effects.read_noise import ReadNoise
 
 SIZE = (60, 80)
 
@@ -63,15 +64,42 @@ def test_lines_without_offsets_are_refused():
         DefectLines(lines=(3,))
 
 
-def test_guess_names_the_lines_that_stand_out_of_a_profile():
-    rng = np.random.default_rng(6)
-    profile = 0.1 * rng.standard_normal(256)
-    profile[[17, 200]] += (4.0, -2.0)
-    seen = Given(off={"row_outliers": 9.0}, profiles={"rows": [profile]})
+@pytest.mark.parametrize("axis", ["columns", "rows"])
+def test_a_line_may_be_off_along_a_part_of_it(axis):
+    lines = DefectLines(0.01, 3.0, axis, (7, 20), (1, 1), begins=(10, 0), ends=(50, 60))
+    d = added(lines, shape=SIZE)[0]
+    d = d if axis == "columns" else d.T
+    np.testing.assert_allclose(d[10:50, 7], 3.0, atol=1e-4)
+    assert not d[:10, 7].any()
+    assert not d[50:, 7].any()
+    np.testing.assert_allclose(d[:60, 20], 3.0, atol=1e-4)
+    assert set(np.flatnonzero(d.any(axis=0))) == {7, 20}
+
+
+def test_parts_of_lines_are_the_same_in_any_window():
+    lines = DefectLines(0.01, 3.0, lines=(7, 20), offsets=(1, -2), begins=(10, 0), ends=(50, 60))
+    window = Window(8, 40, 4, 30)
+    whole, part = (frames(ReadNoise(1.0), lines, shape=SIZE, window=w) for w in (None, window))
+    np.testing.assert_array_equal(whole[:, 8:40, 4:30], part)
+
+
+@pytest.mark.parametrize("name", ["begins", "ends"])
+def test_parts_of_other_lines_than_named_are_refused(name):
+    with pytest.raises(InputError, match=rf"defect_lines\.{name}: 2 numbers for 1 lines"):
+        DefectLines(lines=(3,), offsets=(1.0,), **{name: (1.0, 2.0)})
+
+
+def test_guess_names_the_lines_that_stand_out():
+    seen = Given(standing_out={"rows": [(17, 4.0, 0, 256), (200, -2.0, 0, 256)]})
     (effect,) = DefectLines.guess(seen)
     assert (effect.axis, effect.lines) == ("rows", (17, 200))
-    # an offset is known to the scatter of a line and of the median of its neighbours, .13 DN
-    assert effect.sigma == pytest.approx(np.sqrt(10.0), abs=0.5)
-    assert effect.offsets[0] / effect.offsets[1] == pytest.approx(-2.0, rel=0.3)
+    assert effect.sigma == pytest.approx(np.sqrt(10.0))
+    assert effect.offsets[0] / effect.offsets[1] == pytest.approx(-2.0, rel=1e-3)
+    assert effect.begins == effect.ends == ()
     assert "fraction" in effect.idle()
     assert effect.variance(POINT) is None
+
+
+def test_guess_says_along_which_part_a_line_is_off():
+    (effect,) = DefectLines.guess(Given(standing_out={"columns": [(17, 4.0, 100, 256)]}))
+    assert (effect.axis, effect.begins, effect.ends) == ("columns", (100.0,), (256.0,))

@@ -104,6 +104,9 @@ def test_no_guess_where_nothing_is_unexplained(name):
         def z(self, name):
             return np.array([0.5])
 
+        def defects(self, axis):
+            return np.empty((0, 4))
+
         def curve(self, name, setting):
             raise KeyError(name)
 
