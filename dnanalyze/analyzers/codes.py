@@ -12,6 +12,7 @@ from dnanalyze.analyzers.quantiles import Counted
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 CENTRAL = 0.98  # share of a histogram that counts as its body
+FEW = 30  # counts
 OVERUSED = 5.0  # standard errors above its neighbours
 
 INFOS = (
@@ -104,12 +105,24 @@ def _ends(counts: Counted, repeats: float, acc: Accumulated, out: FamilyResult) 
         reason = "fewer than three codes occur"
         out.missing.update(dict.fromkeys(("low_spike", "high_spike"), reason))
         return
-    for name, end, next_to in (("low_spike", n[0], n[1]), ("high_spike", n[-1], n[-2])):
-        ratio = (end + 1) / (next_to + 1)
-        fall = min(math.log(ratio), 0.0) ** 2
-        # Poisson, with some counts more: which code is the last one seen is itself chance
-        se = math.sqrt(repeats * (1 / (end + 5) + 1 / (next_to + 5)) + fall / (end + 3))
-        values[name] = Value(float(ratio), max(se, 0.02))
+    for name, last in (("low_spike", n[:3]), ("high_spike", n[:-4:-1])):
+        values[name] = _spike(last, repeats)
+
+
+def _spike(last: np.ndarray, repeats: float) -> Value:
+    """Counts of the last code, the second and the third: how much more often the last is given.
+
+    A few counts in the last code are chance, without which the second would be the last.
+    """
+    ends = [(int(last[0]), int(last[1]))]
+    if last[0] < FEW:
+        ends.append((int(last[0] + last[1]), int(last[2])))
+    end, next_to = max(ends, key=lambda pair: (pair[0] + 1) / (pair[1] + 1))
+    ratio = (end + 1) / (next_to + 1)
+    fall = min(math.log(ratio), 0.0) ** 2
+    # Poisson, with some counts more: which code is the last one seen is itself chance
+    se = math.sqrt(repeats * (1 / (end + 5) + 1 / (next_to + 5)) + fall / (end + 3))
+    return Value(ratio, max(se, 0.02))
 
 
 def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:

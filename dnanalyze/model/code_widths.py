@@ -6,8 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-DEGREES = 2, 4  # of the logarithm of a density: a Gaussian's, and where many periods can tell it
+# Of the logarithm of a density: a Gaussian's, and, where there are many periods, one a period
+# (which cannot follow what repeats with it) up to what a tail may need.
+DEGREES = 2, 12
 MANY, SPARE = 3, 1.25  # periods; as many must be left once the densities have their terms
+ROUGH = 0.02  # relative error of a density's polynomial: more counts do not make it truer
 CORE = 0.02  # of the largest count: codes that occur often enough
 ROUNDS, STEPS = 4, 12  # of the places of the codes, and of each fit
 LEAST = 1e-3  # width of a code that never occurs
@@ -34,6 +37,8 @@ def code_widths(histograms: Sequence[tuple[np.ndarray, np.ndarray]], period: int
         (period,); empty where no histogram tells a class from the shape of the density.
     """
     parts = [p for p in (_core(*h) for h in histograms) if p[0].size > DEGREES[0] + 1]
+    # those of few codes have no say on what repeats slowly, where others have seen many periods
+    parts = [p for p in parts if p[0].size >= MANY * period] or parts
     if not parts or len({int(c) % period for codes, _ in parts for c in codes}) < period:
         return np.empty(0)
     codes, counts = (np.concatenate(p) for p in zip(*parts, strict=True))
@@ -70,7 +75,7 @@ def _densities(middle: np.ndarray, part: np.ndarray, period: int) -> np.ndarray:
         here = part == n
         x = middle[here]
         scaled = (x - x.mean()) / max(float(np.ptp(x)) / 2.0, 1.0)
-        degree = DEGREES[x.size >= MANY * period]
+        degree = int(np.clip(x.size // period, *DEGREES)) if x.size >= MANY * period else DEGREES[0]
         terms = np.zeros((part.size, degree + 1))
         terms[here] = np.polynomial.legendre.legvander(scaled, degree)
         columns.append(terms)
@@ -82,7 +87,7 @@ def _poisson(design: np.ndarray, counts: np.ndarray) -> np.ndarray:
     eta = np.log(counts + 0.5)
     for _ in range(STEPS):
         mean = np.exp(np.clip(eta, -5.0, 40.0))
-        weight = np.sqrt(mean)
+        weight = np.sqrt(mean / (1.0 + ROUGH**2 * mean))
         working = np.clip(eta, -5.0, 40.0) + (counts - mean) / mean
         found = np.linalg.lstsq(design * weight[:, None], working * weight, rcond=1e-10)[0]
         eta = design @ found

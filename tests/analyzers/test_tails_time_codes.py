@@ -172,6 +172,20 @@ def test_clipping_shows_as_spikes():
     assert values_of(codes, plain)["low_spike"].value < 2
 
 
+@pytest.mark.parametrize(("end", "name"), [(1, "low_spike"), (-1, "high_spike")])
+def test_whether_a_few_pixels_reach_one_code_farther_hardly_changes_the_spike(end, name):
+    frames = [f.astype(int) for f in gaussian(17, 3, noise=0.8)]
+    last = min if end > 0 else max
+    edge = last(f.min() if end > 0 else f.max() for f in frames) + 2 * end  # held by many pixels
+    without = [np.where((f - edge) * end < 0, edge, f).astype(np.uint16) for f in frames]
+    with_few = [f.copy() for f in without]
+    with_few[0].flat[:5] = edge - end
+    seen = [values_of(codes, f)[name] for f in (without, with_few)]
+    apart = abs(math.log(seen[0].value / seen[1].value))
+    assert apart < 5 * math.hypot(seen[0].se, seen[1].se)
+    assert apart < 0.5
+
+
 def test_lattice_and_entropy():
     assert values_of(codes, gaussian(16, 2))["lattice"].value == 1.0
     loose = codes.finish(accumulate(dark_frames(16, 2, SHAPE, codes=False)).finish())

@@ -40,3 +40,9 @@ def test_no_answer_where_codes_of_a_class_are_not_seen():
     assert code_widths([converted(100.0, 0.3)], 16).size == 0
     assert code_widths([converted(100.0, 1.0)], 4).size == 0
     assert code_widths([], 4).size == 0
+
+
+def test_what_few_codes_say_of_slow_periods_gives_way_to_what_many_codes_say():
+    wide, narrow = converted(300.0, 40.0, shift=0.8), converted(300.3, 1.3, shift=0.8)
+    expected = np.tile((-0.8, 0.0, 0.0, 0.8), 4)
+    np.testing.assert_allclose(code_widths([wide, narrow], 16), expected, atol=0.1)

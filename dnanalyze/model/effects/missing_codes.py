@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -15,8 +16,10 @@ from dnanalyze.model.code_widths import code_widths
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
+PERIODS = 2, 4, 8, 16, 32, 64
 _BLOCK = 64  # codes; also a multiple of every period
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
+WIDE = 5  # codes over which a density hardly bends
 NEARLY = 0.75  # share of the squares of measured widths from which a simpler pattern is them
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 _FARTHEST = _ORIGIN - 2 * _BLOCK  # no converter has codes beyond
@@ -56,7 +59,7 @@ class MissingCodes(Effect):
 
     sigma: float = parameter(0.2, "1", 1e-3, 1.5, "rms of the relative width errors d_k")
     kind: str = choice("random", "every code its own, or a period", "random", "periodic")
-    period: int = choice(4, "codes (periodic)", 2, 4, 8, 16, 32, 64)
+    period: int = choice(4, "codes (periodic)", *PERIODS)
     widths: tuple[float, ...] = choice(
         (), "d_k over a period in proportion, from a code that is a multiple of it, as measured; "
         "drawn at random where there are none"
@@ -111,35 +114,43 @@ class MissingCodes(Effect):
         sigma = math.sqrt(typical_positive(rough**2 - base**2))
         sigma = bounded(cls, "sigma", sigma or 0.1)
         found: list[Effect] = [cls(sigma)]
-        period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
-        if shows(clues, ["code_comb"]) and period:
-            turns = {p: p / period for p in (2, 4, 8, 16, 32, 64)}  # a harmonic may be strongest
-            fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
-            found = [*_periodic(clues, sigma, fits[:2]), *found]
+        if shows(clues, ["code_comb"]):
+            found = [*_periodic(clues, sigma), *found]
         return found
 
 
-def _periodic(clues: Clues, sigma: float, periods: list[int]) -> list[Effect]:
-    """With the widths of the codes of each period that the histograms can tell, or without any.
+def _periodic(clues: Clues, sigma: float) -> list[Effect]:
+    """With the widths of the codes that the histograms tell; else with the period of the comb.
 
     Where one edge alone is out of place, as by one bit's error, it is tried so first: the other
     widths are noise.
     """
-    told: dict[int, np.ndarray] = {}
-    for period in periods:
-        d = code_widths(_histograms(clues), period)
-        while d.size > 2 and _share(d, np.tile(d.reshape(2, -1).mean(axis=0), 2)) > NEARLY:
-            d = code_widths(_histograms(clues), d.size // 2)  # twice the same
-        if d.any():
-            told[d.size] = d
-    if not told:
-        return [MissingCodes(sigma, "periodic", period) for period in periods]
-    found: list[Effect] = []
-    for period, d in told.items():
-        edge = _one_edge(d)
-        shapes = [edge, d] if _share(d, edge) > NEARLY else [d]
-        found += [_with_widths(shape, period) for shape in shapes]
-    return found
+    d = _shortest(_histograms(clues))
+    if not d.any():
+        period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
+        turns = {p: p / period for p in PERIODS} if period else {}  # a harmonic may be strongest
+        fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
+        return [MissingCodes(sigma, "periodic", p) for p in fits[:2]]
+    edge = _one_edge(d)
+    shapes = [edge, d] if _share(d, edge) > NEARLY else [d]
+    return [_with_widths(shape, d.size) for shape in shapes]
+
+
+def _shortest(histograms: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    """Widths over the shortest period that the next longer one only repeats; none: empty."""
+    told = [d for d in (code_widths(histograms, p) for p in PERIODS) if d.size]
+    for d, longer in pairwise(told):
+        twice = np.tile(d, longer.size // d.size)
+        if _share(longer, twice) > NEARLY or _share(_sharp(longer), _sharp(twice)) > NEARLY:
+            return d
+    return told[-1] if told else np.empty(0)
+
+
+def _sharp(d: np.ndarray) -> np.ndarray:
+    """What differs from code to code: the rest may be a density that is not fitted well."""
+    import scipy.ndimage
+
+    return np.asarray(d - scipy.ndimage.median_filter(d, WIDE, mode="wrap")) if d.size > WIDE else d
 
 
 def _share(d: np.ndarray, part: np.ndarray) -> float:

@@ -129,3 +129,25 @@ def test_one_edge_is_tried_without_the_noise_of_the_others_and_no_period_twice()
     assert second.period == 4
     assert second.widths != first.widths
     assert [e.kind for e in rest] == ["random"]
+
+
+@pytest.mark.parametrize("period", [2, 8, 16])
+def test_the_period_is_the_one_that_the_next_longer_only_repeats(period):
+    edges = np.arange(1, 4096) - 0.5 + 0.6 * (np.arange(1, 4096) % period == 0)
+    rng = np.random.default_rng(5)
+    # a tail, as of dark current, that no short polynomial follows
+    x = (
+        200.3
+        + 1.2 * rng.standard_normal(300_000)
+        + np.exp(3.0 + 0.8 * rng.standard_normal(300_000))
+    )
+    codes, n = np.unique(np.searchsorted(edges, x, side="right"), return_counts=True)
+    clues = Given(
+        seen={"code_roughness": 0.4, "code_comb_period": 3.0},  # the harmonic that is strongest
+        off={"code_roughness": 9.0, "code_comb": 9.0},
+        curves={"histogram_codes": [codes], "histogram_counts": [n]},
+    )
+    effect = MissingCodes.guess(clues)[0]
+    assert (effect.kind, effect.period) == ("periodic", period)
+    d = effect.sigma * np.array(effect.widths)
+    np.testing.assert_allclose(d[[0, -1]], (-0.6, 0.6), atol=0.05)
