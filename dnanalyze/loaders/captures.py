@@ -53,6 +53,12 @@ class OperatingPoint:
         """Analogue gain over that of another point; 1 where either is unknown."""
         return self.gain / reference.gain if self.gain and reference.gain else 1.0
 
+    def warmer(self, by_c: float) -> OperatingPoint:
+        """The point so many C warmer; itself where its temperature is unknown."""
+        if self.temperature_c is None or not by_c:
+            return self
+        return replace(self, temperature_c=self.temperature_c + by_c)
+
     def sort_key(self) -> tuple[str, float, float, float]:
         """Order by channel, temperature, exposure, gain; unknown first."""
         low = float("-inf")

@@ -79,7 +79,7 @@ def _not_kept(name: str, make: Callable[[], Any]) -> Any:
     return make()
 
 
-def _no_calibration(number: int) -> np.ndarray:
+def _no_calibration(number: int, warmer: float = 0.0) -> np.ndarray:
     raise NotImplementedError("this site has no frames before the effect")
 
 
@@ -107,8 +107,9 @@ class Site:
     field : callable
         ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
     calibration : callable
-        ``calibration(n)`` is frame n, whole, at the reference point as it is before this effect:
-        what a factory would have seen of this silicon. Negative n are frames of no capture.
+        ``calibration(n, warmer)`` is frame n, whole, so many C warmer than the reference point, as
+        it is before this effect: what a factory would have seen of this silicon. Negative n are
+        frames of no capture.
     """
 
     shape: tuple[int, int]
@@ -120,7 +121,7 @@ class Site:
     moment: Stream
     keep: Callable[[str, Callable[[], Any]], Any]
     field: Callable[[Stream, str], np.ndarray]
-    calibration: Callable[[int], np.ndarray] = _no_calibration
+    calibration: Callable[[int, float], np.ndarray] = _no_calibration
     share: Callable[[str, Callable[[], Any]], Any] = _not_kept
 
     def fixed_normal(self, name: str = "") -> np.ndarray:
@@ -238,12 +239,13 @@ class Effect:
         """
         return [cls()]
 
-    def bent(self) -> dict[str, float]:
-        """What a fit without this effect bends to make up for it: {"effect.parameter": factor}.
+    def bent(self, name: str, unit: str) -> tuple[float, float]:
+        """Factor and shift by which a number comes right again when this effect is put in.
 
-        By the factor the number comes right again when the effect is put in.
+        A fit without the effect bends it to make up for it. ``name`` as "effect.parameter" or
+        "pedestal"; (1, 0) for what is not bent.
         """
-        return {}
+        return 1.0, 0.0
 
     def relatives(self) -> list[Effect]:
         """Other forms that show nearly alike, with numbers to match; tried once this one fits."""

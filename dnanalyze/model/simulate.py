@@ -116,9 +116,9 @@ class Simulator:
         else:
             signal = self._after(count - 1, chain, point, number, grown)
 
-        def calibration(n: int) -> np.ndarray:
-            whole = Window.whole(self.shape)
-            return self._after(count - 1, chain, self.model.reference_of(point.channel), n, whole)
+        def calibration(n: int, warmer: float = 0.0) -> np.ndarray:
+            there = self.model.reference_of(point.channel).warmer(warmer)
+            return self._after(count - 1, chain, there, n, Window.whole(self.shape))
 
         signal = effect.apply(signal, self._site(effect, point, number, grown, calibration))
         if effect.reach:
@@ -150,7 +150,7 @@ class Simulator:
         point: OperatingPoint,
         number: int,
         window: Window,
-        calibration: Callable[[int], np.ndarray],
+        calibration: Callable[[int, float], np.ndarray],
     ) -> Site:
         root = Stream.from_seed(self.model.seed).child(effect.name)
         moment = root.child("moment", repr(point), number)

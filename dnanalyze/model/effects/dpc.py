@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -74,6 +74,9 @@ class Dpc(Effect):
     )
     black: float = parameter(0.0, "DN", -1e5, 1e5, "level of no signal (ratio, multiple)", "linear")
     fraction: float = parameter(5e-4, "1", 1e-6, 0.05, "share of pixels on the list (static)")
+    warmer: float = parameter(
+        0.0, "C", -100.0, 200.0, "how far above the reference the list was made (static)", "held"
+    )
     kind: str = choice("excess", "rule", "excess", "median", "clamp", "ratio", "multiple", "static")
     sides: str = choice("hot", "which outliers", "hot", "both")
     replacement: str = choice(
@@ -131,7 +134,8 @@ class Dpc(Effect):
         """Where the window has pixels of the list."""
 
         def make() -> np.ndarray:
-            frames = [site.calibration(-1 - n) for n in range(_CALIBRATION_FRAMES)]
+            warmer = self.value("warmer", site.reference)
+            frames = [site.calibration(-1 - n, warmer) for n in range(_CALIBRATION_FRAMES)]
             steady = np.minimum.reduce(frames)  # what is bright once only is not on the list
             count = round(self.value("fraction", site.reference) * steady.size)
             listed = np.zeros(steady.size, bool)
@@ -155,12 +159,12 @@ class Dpc(Effect):
         noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
         usual = (rare[0] if rare else 4.0) * noise
         threshold = bounded(cls, "threshold", _threshold(clues) or usual)
-        found: list[Effect] = []
+        found: list[Dpc] = []
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess"))
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
         if sparse or cut:
-            found.append(cls(fraction=bounded(cls, "fraction", _listed(clues)), kind="static"))
+            found.append(cls(kind="static"))
         if rare:
             level = np.asarray(clues.measured("median"), float)
             level = level[np.isfinite(level)]
@@ -172,7 +176,16 @@ class Dpc(Effect):
             found.append(cls(threshold, kind="excess", sides="both"))
             found.append(cls(threshold, kind="median"))
             found.append(cls(threshold, kind="clamp"))
-        return found
+        # idle where there is no list, but at hand should it turn out to be one
+        share, warmer = bounded(cls, "fraction", _listed(clues)), _hottest(clues)
+        return [replace(guess, fraction=share, warmer=warmer) for guess in found]
+
+
+def _hottest(clues: Clues) -> float:
+    """C above the reference of the warmest setting: lists are made where defects show."""
+    known = [p.temperature_c for p in clues.points if p.temperature_c is not None]
+    origin = clues.reference.temperature_c
+    return max(known) - origin if known and origin is not None else 0.0
 
 
 def _threshold(clues: Clues) -> float:

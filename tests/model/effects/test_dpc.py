@@ -6,7 +6,9 @@ from scipy import ndimage
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.dpc import Dpc
+from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.missing_codes import MissingCodes
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.read_noise import ReadNoise
 
 SHAPE = (192, 192)
@@ -156,3 +158,22 @@ def test_guess_of_a_list_from_the_hot_pixels_that_are_not_there():
     (effect,) = Dpc.guess(clues)
     assert (effect.kind, effect.fraction) == ("static", pytest.approx(58 / 65536))
     assert Dpc.guess(Given()) == []
+
+
+def test_a_list_made_where_it_is_warm_holds_what_is_hot_there():
+    hot, share = OperatingPoint(65.0, 1.0, 1.0), 0.01
+    silicon = (ReadNoise(0.5), PixelFpn(10.0), HotPixels(share, 5.0, ea_ev=0.7))
+    bare = frames(*silicon, count=1, point=hot)[0]
+    sites = frames(HotPixels(share, 5.0, ea_ev=0.7), count=1, point=hot)[0] - 64.0 > 60.0
+    assert sites.sum() > 50
+    # grown 25-fold, the hot pixels stand far out of offsets that hide them at the reference
+    cold, warm = (Dpc(fraction=share, warmer=by, kind="static") for by in (0.0, 40.0))
+    left, gone = (frames(*silicon, d, count=1, point=hot)[0] != bare for d in (cold, warm))
+    assert gone[sites].mean() > 0.9
+    assert left[sites].mean() < 0.5
+
+
+def test_the_guess_takes_the_list_for_one_of_the_warmest_setting():
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (15.0, 25.0, 65.0))
+    clues = Given(points=points, off={"hot_count_16": [-9.0] * 3})
+    assert {effect.warmer for effect in Dpc.guess(clues)} == {40.0}
