@@ -16,6 +16,7 @@ from dnanalyze.analyzers.family import Accumulated
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.analyzers.streaming import Accumulation, make_plan, read_ahead
 from dnanalyze.analyzers.trends import trends
+from dnanalyze.analyzers.wave import widened
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 
@@ -330,4 +331,4 @@ def finish(
         out.values.update(result.values)
         out.curves.update(result.curves)
         out.missing.update(result.missing)
-    return out
+    return replace(out, values=widened(out.values, acc.frames)) if acc.plan.errors else out

@@ -19,16 +19,20 @@ def dark_frames(
     hot: float = 0.002,
     columns: float = 0.0,
     drift: float = 0.0,
+    hum: float = 0.0,
     codes: bool = True,
 ) -> list[np.ndarray]:
-    """Log-normal pattern, hot pixels, Gaussian noise between frames; rounded to codes or not."""
+    """Log-normal pattern, hot pixels, Gaussian noise, hum; rounded to codes or not."""
     rng = np.random.default_rng([seed, 17])
     pattern = 100 + 4 * np.exp(spread * rng.normal(size=shape))
     pattern += (rng.random(shape) < hot) * rng.exponential(60.0, shape)
     pattern += columns * rng.normal(size=shape[1])
+    row, column = np.indices(shape)
     frames = []
     for _ in range(count):
         y = pattern + noise * rng.normal(size=shape) + drift * rng.normal()
+        if hum:  # a wave of this amplitude, its phase new in every frame
+            y += hum * np.cos(2 * np.pi * (0.078 * column + 0.1255 * row + rng.random()))
         frames.append(np.rint(y).astype(np.uint16) if codes else y.astype(np.float32))
     return frames
 
