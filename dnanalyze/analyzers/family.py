@@ -157,13 +157,14 @@ class Accumulated:
 
         That of independent frames over their number K. Where the level wanders, so that successive
         frames differ by less than any two (von Neumann's ratio), K frames tell little more than
-        one.
+        one; the mean of K steps of a walk scatters (2 K + 1) / K times as much about its beginning
+        as the steps about their mean.
         """
         spread = self.drift_variance
         if spread == 0.0:
             return 0.0
         together = 1.0 - float(np.mean(np.diff(self.frame_means) ** 2)) / (2.0 * spread)
-        return spread * max(1.0 / self.frames, together)
+        return spread * max(1.0, together * (2 * self.frames + 1)) / self.frames
 
     def drift_error(self, variance: float) -> float:
         """Relative error of a temporal variance because frame means scatter and are few."""

@@ -12,6 +12,7 @@ from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
 SIGMAS = 4.0
+SETTLED = 0.5  # share of the squares that may stay
 TOLERABLE = 1.3  # an error below this is never called unexplained on its own
 
 
@@ -52,6 +53,19 @@ def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequa
     left = _left(bench, state, np.array(trains), np.array(tests))
     calm = error < max(TOLERABLE, expected + SIGMAS * spread)
     return Adequacy(calm and not left, error, expected, spread, left)
+
+
+def settles(bench: Bench, before: State, after: State) -> bool:
+    """Whether a model puts most of that right, on both halves, which is left ``before`` it."""
+    left = adequacy(bench, before, FEW).left
+    return bool(left) and all(
+        np.sum(new[here] ** 2) < SETTLED * np.sum(old[here] ** 2)
+        for held, old, new in (
+            (bench.train, before.train, after.train),
+            (bench.test, before.test, after.test),
+        )
+        for here in [np.isin(held.names, left)]
+    )
 
 
 def _left(bench: Bench, state: State, trains: np.ndarray, tests: np.ndarray) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -60,28 +60,42 @@ def lowers(found: Trial, error: float) -> bool:
     return found.error < error * (1.0 + (LUCK if found.evidence > PLENTY else 0.0))
 
 
-def significant(found: Trial, error: float, spread: float = 1.0) -> bool:
+def significant(found: Trial, error: float, spread: float = 1.0, least: float = CERTAIN) -> bool:
     """Whether an effect is worth adding to a model that stands at ``error``.
 
     The mean of its gains must be beyond what a useless effect could reach by chance, and leave
-    "nothing is missing" less than one chance in ten; either half must give its part of it, and the
-    pooled error of the unseen half must fall. Chance reaches farther in proportion to the
-    `dispersion` that is left: a useless effect bends with it.
+    "nothing is missing" less than one chance in ten (``least``); either half must give its part of
+    it, and the pooled error of the unseen half must fall. Chance reaches farther in proportion to
+    the `dispersion` that is left: a useless effect bends with it.
     """
-    least = min(found.gain, found.fitted_gain)
-    enough = found.evidence > max(NOTHING * spread, CERTAIN) and least > NOTHING * spread / 4
+    lesser = min(found.gain, found.fitted_gain)
+    enough = found.evidence > max(NOTHING * spread, least) and lesser > NOTHING * spread / 4
     return enough and lowers(found, error)
 
 
-def addition(trials: Sequence[Trial], error: float) -> Trial | None:
+def addition(
+    trials: Sequence[Trial], error: float, settles: Callable[[Trial], bool] = lambda _: False
+) -> Trial | None:
     """The candidate with the most evidence, if it is significant; None: the data support none.
 
     Where one half alone speaks for the leader the halves disagree, and to take the next in its
     place would be to choose by the luck of one of them.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+    error : float
+        Of the model without any of them.
+    settles : callable
+        Whether a candidate puts right what no second sensor of the model's make would show. Then
+        "nothing is missing" is refuted already, and less evidence is asked for.
     """
-    if trials and significant(trials[0], error, dispersion(trials)):
-        return trials[0]
-    return None
+    if not trials:
+        return None
+    best, spread = trials[0], dispersion(trials)
+    if significant(best, error, spread):
+        return best
+    return best if significant(best, error, spread, least=0.0) and settles(best) else None
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis.confidence import (
+    CERTAIN,
     NOTHING,
     addition,
     confidences,
@@ -94,3 +95,12 @@ def test_where_the_halves_disagree_about_the_leader_nothing_is_added():
     assert addition([second, split], 1.0) is second
     assert addition([split, second], 1.0) is None
     assert addition([], 1.0) is None
+
+
+def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already():
+    some = made("a", 0.6 * CERTAIN, 0.9)
+    assert addition([some], 1.0) is None
+    assert addition([some], 1.0, lambda _: False) is None
+    assert addition([some], 1.0, lambda found: found is some) is some
+    chance = made("a", 0.9 * NOTHING, 0.9)
+    assert addition([chance], 1.0, lambda _: True) is None

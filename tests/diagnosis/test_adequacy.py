@@ -1,0 +1,59 @@
+"""What is left beyond what a second sensor of the model's make would show."""
+
+from __future__ import annotations
+
+import pytest
+
+from dnanalyze.diagnosis.adequacy import adequacy, settles
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, start
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.offset_drift import OffsetDrift
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+COLD, WARM = (OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0))
+BASE = (ReadNoise(4.0), PixelFpn(2.0), Quantization(12))
+
+
+def _model(*more: object, seed: int) -> NoiseModel:
+    return NoiseModel((*BASE, *more), 64.0, COLD, seed)
+
+
+@pytest.fixture(scope="module")
+def held() -> Bench:
+    drifts = _model(OffsetDrift(1.0), seed=1)
+    return bench(design(simulate(drifts, (128, 128), [(COLD, 8), (WARM, 8)])))
+
+
+def _at(held: Bench, model: NoiseModel) -> State:
+    return start(held, model, knobs_of(model))
+
+
+def test_what_no_second_sensor_shows_is_left(held):
+    found = adequacy(held, _at(held, _model(seed=2)))
+    assert not found.adequate
+    assert "drift" in found.left
+
+
+def test_nothing_is_left_of_a_sensor_of_the_same_make(held):
+    found = adequacy(held, _at(held, _model(OffsetDrift(1.0), seed=2)))
+    assert found.adequate
+    assert found.left == []
+    assert found.error == pytest.approx(found.expected, abs=6 * max(found.spread, 0.05))
+
+
+def test_the_effect_settles_it_and_another_does_not(held):
+    before = _at(held, _model(seed=2))
+    assert settles(held, before, _at(held, _model(OffsetDrift(1.0), seed=2)))
+    assert not settles(held, before, before)
+
+
+def test_there_is_nothing_to_settle_where_nothing_is_left(held):
+    truth = _at(held, _model(OffsetDrift(1.0), seed=2))
+    assert not settles(held, truth, truth)
