@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, settles
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import addition, confidences, lowers, rivals
@@ -90,6 +90,11 @@ def diagnose(
     return judge(captures.name, held, state, tried, known)
 
 
+def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
+    """The effect to add next; None where the data support none."""
+    return addition(tried, error_of(held, state), lambda t: settles(held, state, t.state))
+
+
 def judge(
     name: str,
     held: Bench,
@@ -121,11 +126,10 @@ def judge(
                 words,
             )
         )
-    best = addition(tried, error)
-    missing = best is not None
+    best = missing(held, state, tried)
     # what an effect leaves over is told in passing; whether nothing is missing is the question
     rest = adequacy(held, best.state, FEW) if best is not None else adequacy(held, state)
-    verdict = "missing" if missing else ("adequate" if rest.adequate else "unexplained")
+    verdict = "missing" if best is not None else ("adequate" if rest.adequate else "unexplained")
     made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
     return replace(
         made,

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from dnanalyze.diagnosis.confidence import NOTHING, addition, confidences
-from dnanalyze.diagnosis.diagnose import Diagnosis, judge
+from dnanalyze.diagnosis.bend import along_bend
+from dnanalyze.diagnosis.confidence import NOTHING, confidences
+from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
@@ -15,6 +16,7 @@ from dnanalyze.diagnosis.trial import (
     deviance,
     error_of,
     judged,
+    preferred,
     removal,
     settled,
     trials,
@@ -133,7 +135,7 @@ def refine(
         tried = trials(held, state, open_to, trying)
         error = error_of(held, state)
         added = [n for n in state.model.names if n not in (*begun.names, *EVERYDAY)]
-        best, before, among = addition(tried, error), state, tried
+        best, before, among = missing(held, state, tried), state, tried
         other = exchange(held, state, added, open_to, trying) if not best and error > POOR else None
         if other is not None:
             best, before, among = other.found, other.without, [other.found]
@@ -187,6 +189,7 @@ def _everyday(
 def _completed(held: Bench, state: State, name: str) -> State:
     """The effect in its best kind and everything at its best place; each may change the other."""
     state = converge(held, settled(held, state, name, relatives=False))
+    state = preferred(state, along_bend(held, state, name) or state)
     again = settled(held, state, name)
     return state if again is state else converge(held, again)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
+from dnanalyze.diagnosis.screening import LEAST, UNBENT, Prospect, bending, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
@@ -104,7 +104,7 @@ def best_guess(bench: Bench, before: State, found: Trial, iterations: int = 3) -
     """The better of a trial and of refits from the effect's other guesses, on both halves."""
     state = found.state
     for other in found.others:
-        state = _preferred(state, refitted(bench, other, before, FAR * state.loss, iterations))
+        state = preferred(state, refitted(bench, other, before, FAR * state.loss, iterations))
     return state
 
 
@@ -140,7 +140,8 @@ def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iteration
     allowed.
     """
     begun = start(bench, seen.model, knobs_of(seen.model), like=like)
-    moved = [k.name in _effect(begun.model, seen.effect).bent() for k in begun.knobs]
+    guess = _effect(begun.model, seen.effect)
+    moved = [bending(guess, k, begun.model) != UNBENT for k in begun.knobs]
     begun.jacobian[:, moved] = np.nan
     ended = minimise(bench, begun, iterations, below=wanted)
     if (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + SURE:
@@ -207,10 +208,10 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
     if anew:
         begun.jacobian[:, [k.effect == kind.name for k in begun.knobs]] = np.nan
     ended = minimise(bench, begun, iterations)
-    return _preferred(state, ended)
+    return preferred(state, ended)
 
 
-def _preferred(state: State, other: State) -> State:
+def preferred(state: State, other: State) -> State:
     """The other where it is clearly better."""
     return other if sum(_gains(state, other)) / 2.0 > KIND_GAIN else state
 

@@ -6,7 +6,7 @@ from dnanalyze.diagnosis import screening
 from dnanalyze.diagnosis.screening import FIRST, LEAST, Prospect, prospects
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.least_squares import converge, minimise, start
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
@@ -39,7 +39,7 @@ def held():
 @pytest.fixture(scope="module")
 def state(held):
     model = ordinary_model(moments(Readings(held.measured[0]), None))
-    return minimise(held, start(held, model, knobs_of(model)))
+    return converge(held, start(held, model, knobs_of(model)))
 
 
 def test_a_guess_is_also_tried_with_what_was_bent_in_its_absence_put_right(held, state):

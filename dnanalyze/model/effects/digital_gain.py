@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -56,6 +57,16 @@ class DigitalGain(Effect):
         s, b = self.value("gain", site.point), self.value("offset", site.point)
         codes = np.rint(signal * np.float32(s) + np.float32(b * (1.0 - s)))
         return np.minimum(codes, np.float32(self.value("top", site.point)))
+
+    def bent(self, name: str, unit: str) -> tuple[float, float]:
+        """Whatever comes before is that much smaller than the codes say."""
+        if not (isinstance(self.gain, (int, float)) and isinstance(self.offset, (int, float))):
+            return 1.0, 0.0
+        if name == "pedestal":
+            return 1.0 / self.gain, self.offset * (1.0 - 1.0 / self.gain)
+        if name.startswith("convolved_lognormal.mu"):
+            return 1.0, -math.log(self.gain)
+        return (1.0 / self.gain if unit in ("DN", "DN/e-") else 1.0), 0.0
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:

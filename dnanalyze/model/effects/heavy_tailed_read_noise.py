@@ -70,9 +70,9 @@ class HeavyTailedReadNoise(Effect):
         signal += np.float32(scale) * bent(site.normal(), tail)
         return signal
 
-    def bent(self) -> dict[str, float]:
+    def bent(self, name: str, unit: str) -> tuple[float, float]:
         """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none."""
-        return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}
+        return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
 
     def variance(self, point: OperatingPoint) -> float:
         """Variance of the Tukey-lambda distribution, DN^2."""

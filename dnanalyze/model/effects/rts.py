@@ -93,9 +93,9 @@ class Rts(Effect):
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
-    def bent(self) -> dict[str, float]:
+    def bent(self, name: str, unit: str) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
-        return {"read_noise.spread": 0.0}
+        return (0.0 if name == "read_noise.spread" else 1.0), 0.0
 
     def relatives(self) -> list[Effect]:
         """The other law of the step that has the same second and fourth moment over pixels.

@@ -66,12 +66,13 @@ class TemporalDenoise(Effect):
         """The threshold where there is none."""
         return ("threshold",) if self.motion == "off" else ()
 
-    def bent(self) -> dict[str, float]:
+    def bent(self, name: str, unit: str) -> tuple[float, float]:
         """The recursion leaves (1 - a)/(1 + a) of the variance between frames."""
         if not isinstance(self.share, (int, float)):
-            return {}
+            return 1.0, 0.0
         variance = (1.0 + self.share) / (1.0 - self.share)
-        return {"read_noise.sigma": variance**0.5, "dark_shot_noise.dn_per_e": variance}
+        factors = {"read_noise.sigma": variance**0.5, "dark_shot_noise.dn_per_e": variance}
+        return factors.get(name, 1.0), 0.0
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Run the recursion over the frames at hand; codes stay codes."""

@@ -111,3 +111,15 @@ def test_a_share_near_a_quarter_is_tried_as_one_and_then_held():
     assert plain.relatives() == []
     assert "strength" not in Denoise(strength=1.0, kind="gaussian").idle()
     assert Denoise(strength=0.95).relatives() == []
+
+
+@pytest.mark.parametrize("strength", [0.5, 1.0])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_filter_leaves(kind, strength):
+    filtered = Denoise(strength, 1e-2, 0.7, kind)  # a range below the noise changes nothing
+    y = frames(*SENSOR, filtered, count=4, shape=(200, 200))
+    factor, shift = filtered.bent("read_noise.sigma", "DN")
+    # smoothed pixels are worth a few times fewer
+    assert y.std() * factor + shift == pytest.approx(5.0, rel=5 * 3 / np.sqrt(2 * y.size))
+    assert filtered.bent("dark_shot_noise.dn_per_e", "DN/e-")[0] == pytest.approx(factor**2)
+    assert filtered.bent("convolved_lognormal.phi", "1") == (0.0, 0.0)

@@ -4,6 +4,7 @@ from readout_bench import Given, Ramp, frames
 
 from dnanalyze.model.effects.digital_gain import DigitalGain, _top
 from dnanalyze.model.effects.missing_codes import MissingCodes
+from dnanalyze.model.effects.read_noise import ReadNoise
 
 
 @pytest.mark.parametrize(("gain", "offset"), [(1.3, 64.0), (0.8, 10.0), (2.0, 0.0), (3.1, 64.0)])
@@ -72,3 +73,17 @@ def test_saturated_codes_stay_at_the_top_of_the_output():
     assert _top(Given(points=(None,), curves=smooth)) == 65535.0
     y = frames(Ramp(300.0), DigitalGain(1.5, 0.0, 200.0))
     assert y.max() == 200.0
+
+
+def test_what_comes_before_is_smaller_by_the_gain():
+    gain = DigitalGain(1.6, 20.0)
+    before, after = ReadNoise(5.0), ReadNoise(5.0 * gain.bent("read_noise.sigma", "DN")[0])
+    factor, shift = gain.bent("pedestal", "DN")
+    plain = frames(before, count=4, pedestal=100.0)
+    put_in = frames(after, gain, count=4, pedestal=factor * 100.0 + shift)
+    n = plain.size
+    assert put_in.mean() == pytest.approx(plain.mean(), abs=5 * 5.0 * np.sqrt(2 / n) + 0.05)
+    assert put_in.std() == pytest.approx(plain.std(), rel=5 / np.sqrt(n) + 0.01)
+    factor, shift = gain.bent("convolved_lognormal.mu[0]", "ln DN")
+    assert np.exp(factor * 2.0 + shift) == pytest.approx(np.exp(2.0) / 1.6)
+    assert gain.bent("convolved_lognormal.delta", "ln DN") == (1.0, 0.0)

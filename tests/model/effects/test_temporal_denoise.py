@@ -83,7 +83,7 @@ def test_guess_from_the_autocorrelation(share, count):
 def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_recursion_leaves():
     share, noise = 0.4, 3.0
     y = frames(ReadNoise(noise), TemporalDenoise(share), count=40, shape=(64, 64))
-    factor = TemporalDenoise(share).bent()["read_noise.sigma"]
+    factor = TemporalDenoise(share).bent("read_noise.sigma", "DN")[0]
     # 40 frames in a row are correlated: (1 + a)/(1 - a) times fewer count
     n = y.size * (1 - share) / (1 + share)
     assert y.std(axis=0, ddof=1).mean() * factor == pytest.approx(

@@ -1,0 +1,50 @@
+"""Strength and noise moved together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dnanalyze.diagnosis.bend import along_bend
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import start
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+POINT = OperatingPoint(25.0, 1.0, 1.0)
+SIGMA, SHARE = 1.2, 0.45
+
+
+def _model(sigma: float, share: float | None, seed: int) -> NoiseModel:
+    filtered = [] if share is None else [TemporalDenoise(share)]
+    effects = (ReadNoise(sigma), PixelFpn(1.0), Quantization(12), *filtered)
+    return NoiseModel(effects, 64.0, POINT, seed)
+
+
+@pytest.fixture(scope="module")
+def held() -> Bench:
+    return bench(design(simulate(_model(SIGMA, SHARE, 1), (128, 128), [(POINT, 8)])))
+
+
+def test_another_strength_brings_the_noise_it_bends(held):
+    kept = np.sqrt((1 - SHARE) / (1 + SHARE) * (1 + 0.25) / (1 - 0.25))
+    begun = _model(SIGMA * kept, 0.25, 2)  # as much noise as measured, with too little memory
+    state = start(held, begun, knobs_of(begun))
+    found = along_bend(held, state, "temporal_denoise")
+    assert found is not None
+    assert found.loss < 0.5 * state.loss
+    # 16,384 pixels of 8 frames tell a memory to about .01
+    assert found.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
+    assert found.model.get("read_noise").sigma == pytest.approx(SIGMA, rel=0.1)
+
+
+def test_an_effect_that_bends_nothing_stays(held):
+    model = _model(SIGMA, None, 2)
+    assert along_bend(held, start(held, model, knobs_of(model)), "pixel_fpn") is None
