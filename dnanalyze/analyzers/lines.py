@@ -125,7 +125,19 @@ def share_of_taps(mean: np.ndarray, taps: int) -> Value:
     """Share that steps between equal taps explain beyond a cubic trend (adjusted R^2)."""
     trend, steps = _tap_basis(mean.size, taps)
     rest = mean - trend @ (trend.T @ mean)
-    return _share(rest, steps @ (steps.T @ rest), steps.shape[1], trend.shape[1])
+    explained = steps @ (steps.T @ rest)
+    alike = _alike(rest - explained)
+    return _share(rest, explained, steps.shape[1], trend.shape[1], alike)
+
+
+def _alike(rest: np.ndarray) -> float:
+    """Lines that are worth one: 1 + 2 sum rho_k, up to where neighbours are no longer alike.
+
+    Clouds over many columns make steps between taps by chance, so many times as great.
+    """
+    rho = autocorrelation(rest)[1:]
+    apart = np.flatnonzero(rho < 2.0 / math.sqrt(rest.size))
+    return 1.0 + 2.0 * float(rho[: apart[0] if apart.size else rho.size].sum())
 
 
 @lru_cache(maxsize=64)
@@ -139,11 +151,13 @@ def _tap_basis(size: int, taps: int) -> tuple[np.ndarray, np.ndarray]:
     return trend, basis[:, weight > 1e-6]
 
 
-def _share(total: np.ndarray, explained: np.ndarray, freedom: int, removed: int) -> Value:
-    """Adjusted R^2 and its standard error, for lines that are otherwise independent."""
+def _share(
+    total: np.ndarray, explained: np.ndarray, freedom: int, removed: int, alike: float = 1.0
+) -> Value:
+    """Adjusted R^2 and its standard error, for lines of which ``alike`` are worth one."""
     n = total.size - removed
     all_of_it = float(total @ total)
-    noise = math.sqrt(2.0 * freedom / n) / math.sqrt(n)
+    noise = alike * math.sqrt(2.0 * freedom / n) / math.sqrt(n)
     if all_of_it <= 1e-24 * n:
         return Value(0.0, noise)
     raw = float(explained @ explained) / all_of_it

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
+from dnanalyze.diagnosis.trial import Trial, deviance
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 
@@ -40,19 +41,37 @@ class Adequacy:
 
 def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequacy:
     """Hold the misfit against that of replicates of the model itself."""
-    base_train = bench.train.coordinates - state.train * bench.train.floor
-    base_test = bench.test.coordinates - state.test * bench.test.floor
-    errors, trains, tests = [], [], []
-    for r in range(replicates):
-        train, test = bench.replicate(state.model, r)
-        trains.append(np.nan_to_num((train - base_train) / bench.train.floor))
-        tests.append(np.nan_to_num((test - base_test) / bench.test.floor))
-        errors.append(pooled(tests[-1], bench.test.families))
+    trains, tests = _others(bench, state, replicates)
+    errors = [pooled(z, bench.test.families) for z in tests]
     error = pooled(state.test, bench.test.families)
     expected, spread = float(np.mean(errors)), float(np.std(errors, ddof=1))
-    left = _left(bench, state, np.array(trains), np.array(tests))
+    left = _left(bench, state, trains, tests)
     calm = error < max(TOLERABLE, expected + SIGMAS * spread)
     return Adequacy(calm and not left, error, expected, spread, left)
+
+
+def sobered(bench: Bench, before: State, found: Trial) -> Trial:
+    """A trial with its gains in units of the scatter of sensors of the make of ``before``.
+
+    Clouds, hot pixels and the phases of hum are drawn anew in every sensor, and are the same at
+    all settings of one: what an effect puts right of them is luck, however often it is seen.
+    """
+    trains, tests = _others(bench, before, FEW)
+    gains = []
+    for names, old, new in (
+        (bench.test.names, before.test, found.state.test),
+        (bench.train.names, before.train, found.state.train),
+    ):
+        scale = np.ones(len(names))
+        for name in np.unique(names):
+            both = [
+                drawn[:, half.names == name]
+                for half, drawn in ((bench.train, trains), (bench.test, tests))
+            ]
+            scatter = np.sqrt(np.mean(np.concatenate(both, axis=1) ** 2))
+            scale[names == name] = max(1.0, float(scatter))
+        gains.append(deviance(old / scale) - deviance(new / scale))
+    return replace(found, gain=gains[0], fitted_gain=gains[1])
 
 
 def settles(bench: Bench, before: State, after: State) -> bool:
@@ -66,6 +85,25 @@ def settles(bench: Bench, before: State, after: State) -> bool:
         )
         for here in [np.isin(held.names, left)]
     )
+
+
+def _others(bench: Bench, state: State, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sensors of the model's make against its own, in floors, of the fitted and the judged half.
+
+    (count, statistics) each.
+    """
+    found = []
+    for r in range(count):
+        drawn = bench.replicate(state.model, r)
+        found.append(
+            [
+                np.nan_to_num((values - (half.coordinates - z * half.floor)) / half.floor)
+                for values, half, z in zip(
+                    drawn, (bench.train, bench.test), (state.train, state.test), strict=True
+                )
+            ]
+        )
+    return np.array([f[0] for f in found]), np.array([f[1] for f in found])
 
 
 def _left(bench: Bench, state: State, trains: np.ndarray, tests: np.ndarray) -> list[str]:

@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, settles
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, settles, sobered
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import addition, confidences, lowers, rivals
+from dnanalyze.diagnosis.confidence import (
+    addition,
+    confidences,
+    dispersion,
+    lowers,
+    rivals,
+    significant,
+)
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, trials
 from dnanalyze.fitting.design import design
@@ -20,6 +27,8 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, catalogue
+
+PLAIN = 300.0  # evidence that the luck of one sensor does not make
 
 
 @dataclass(frozen=True)
@@ -92,7 +101,12 @@ def diagnose(
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     """The effect to add next; None where the data support none."""
-    return addition(tried, error_of(held, state), lambda t: settles(held, state, t.state))
+    error = error_of(held, state)
+    best = addition(tried, error, lambda t: settles(held, state, t.state))
+    if best is None or best.evidence > PLAIN:
+        return best
+    sober = sobered(held, state, best)
+    return best if significant(sober, error, dispersion(tried), least=0.0) else None
 
 
 def judge(

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.adequacy import adequacy, settles
+from dnanalyze.diagnosis.adequacy import adequacy, settles, sobered
+from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.effects.offset_drift import OffsetDrift
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
@@ -57,3 +62,29 @@ def test_the_effect_settles_it_and_another_does_not(held):
 def test_there_is_nothing_to_settle_where_nothing_is_left(held):
     truth = _at(held, _model(OffsetDrift(1.0), seed=2))
     assert not settles(held, truth, truth)
+
+
+def test_what_is_put_right_of_one_sensors_clouds_is_luck():
+    clouds = FlickerFpn(3.0, 2.0)
+    points = [(OperatingPoint(t, 1.0, 1.0), 6) for t in (15.0, 25.0, 35.0, 45.0)]
+    seen = bench(design(simulate(_model(clouds, seed=1), (128, 128), points)))
+    before = _at(seen, _model(clouds, seed=2))
+    shaded = [
+        np.char.startswith(half.names.astype(str), "shading") for half in (seen.train, seen.test)
+    ]
+    train, test = (
+        np.where(s, 0.0, z) for s, z in zip(shaded, (before.train, before.test), strict=True)
+    )
+    found = judged(seen, before, "glow", replace(before, train=train, test=test))
+    sober = sobered(seen, before, found)
+    assert found.evidence > 60
+    assert sober.evidence < 0.7 * found.evidence
+
+
+def test_what_no_luck_makes_keeps_its_evidence():
+    noisy = NoiseModel((ReadNoise(5.0), *BASE[1:]), 64.0, COLD, 1)
+    seen = bench(design(simulate(noisy, (128, 128), [(COLD, 8), (WARM, 8)])))
+    before = _at(seen, _model(seed=2))
+    louder = replace(noisy, seed=2)
+    found = judged(seen, before, "more_noise", _at(seen, louder))
+    assert sobered(seen, before, found).evidence > 0.7 * found.evidence > 60
