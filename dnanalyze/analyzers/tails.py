@@ -21,7 +21,7 @@ HOT = (5, 8, 16, 32, 64, 128)
 COLD = (5, 8)
 TRANSIENT = 8.0  # robust temporal sigmas
 DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
-PAIR_ERROR = math.sqrt(2.0)  # root scale: clumps are Poisson, and hold two pixels at least
+LEAST = math.sqrt(2.0)  # error of pixels in clumps, which hold two at least, where there are none
 MOST_LISTED = 1 << 16  # hot pixels
 TAIL_SHARE = 0.001  # of the pixels, for the tail index
 
@@ -85,7 +85,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     centre, sigma = acc.pattern_centre, lower_sigma(acc)
     _counts(acc, centre, sigma, out)
     hot = acc.pattern > np.float32(centre + 8 * sigma)
-    out.values["hot_pairs"] = Value(float(in_clumps(hot).sum()), PAIR_ERROR)
+    out.values["hot_pairs"] = _in_clumps(clump_sizes(hot))
     if acc.plan.errors:
         _densities(acc, out)
         out.curves["hot_pixels"] = _hot_pixels(acc)
@@ -108,20 +108,37 @@ def lower_sigma(acc: Accumulated) -> float:
     return max(float(middle - low) / 0.6745, 1e-3 * acc.pattern_sigma)
 
 
-def in_clumps(mask: np.ndarray, kind: np.ndarray | None = None) -> np.ndarray:
-    """For each set pixel of ``mask``: has it a set 8-neighbour (of the same ``kind``)?"""
+def clump_sizes(mask: np.ndarray, kind: np.ndarray | None = None) -> np.ndarray:
+    """Pixels of the clump that each set pixel of ``mask`` is in, itself included.
+
+    Clumps hang together by their 8 neighbours, of the same ``kind`` where there are kinds.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     rows, columns = np.nonzero(mask)
-    kinds = np.zeros(rows.size) if kind is None else kind[rows, columns]
+    n = rows.size
+    if not n:
+        return np.zeros(0, int)
+    kinds = np.zeros(n) if kind is None else kind[rows, columns]
     width = mask.shape[1] + 2
     keys = (rows + 1) * width + columns + 1
-    if not keys.size:
-        return np.zeros(0, bool)
-    found = np.zeros(keys.size, bool)
-    for shift in (-width - 1, -width, -width + 1, -1, 1, width - 1, width, width + 1):
-        at = np.searchsorted(keys, keys + shift)
-        at = np.minimum(at, keys.size - 1)
-        found |= (keys[at] == keys + shift) & (kinds[at] == kinds)
-    return found
+    ends: list[np.ndarray] = []
+    for shift in (1, width - 1, width, width + 1):
+        at = np.minimum(np.searchsorted(keys, keys + shift), n - 1)
+        ends.append(np.where((keys[at] == keys + shift) & (kinds[at] == kinds), at, -1))
+    to, own = np.concatenate(ends), np.tile(np.arange(n), len(ends))
+    linked = coo_array((np.ones(to.size, bool)[to >= 0], (own[to >= 0], to[to >= 0])), (n, n))
+    clump = connected_components(linked, directed=False)[1]
+    return np.asarray(np.bincount(clump)[clump])
+
+
+def _in_clumps(sizes: np.ndarray) -> Value:
+    """Pixels with a neighbour: clumps are Poisson, and a clump's pixels come together."""
+    together = sizes[sizes > 1]
+    return Value(
+        float(together.size), math.sqrt(float(together.mean())) if together.size else LEAST
+    )
 
 
 def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
@@ -247,22 +264,26 @@ def _transients(acc: Accumulated, out: FamilyResult) -> None:
         for counts, change in ((rises, rise), (falls, fall)):
             counts += [np.count_nonzero(change > cut) for cut in (limit, 0.9 * limit)]
         np.greater(rise, limit, out=bright[rows])
-    out.values["transient_high"] = _transient_count(acc, rises, limit)
-    out.values["transient_low"] = _transient_count(acc, falls, limit)
-    clumped = in_clumps(bright, maps.high_at)
-    out.values["transient_adjacent"] = Value(float(clumped.sum()), PAIR_ERROR)
+    sizes = clump_sizes(bright, maps.high_at)
+    out.values["transient_high"] = _transient_count(acc, rises, limit, sizes)
+    out.values["transient_low"] = _transient_count(acc, falls, limit, np.ones(1))
+    out.values["transient_adjacent"] = _in_clumps(sizes)
 
 
-def _transient_count(acc: Accumulated, counts: np.ndarray, limit: np.float32) -> Value:
+def _transient_count(
+    acc: Accumulated, counts: np.ndarray, limit: np.float32, sizes: np.ndarray
+) -> Value:
     """Pixels above the limit, from the ``counts`` above it and above .9 of it.
 
-    Its error is that of drifting frames, which move all pixels.
+    Its error is that of the clumps, of these ``sizes``, in which they come, and of drifting
+    frames, which move all pixels.
     """
     count, inside = counts.tolist()
     slope = (inside - count) / 0.1  # per relative change of the limit
     relative = acc.drift_error(acc.difference_sigma**2) / 2
     relative = math.hypot(relative, math.sqrt(acc.level_variance) / float(limit))
-    return Value(count, math.sqrt(1 + (slope * relative) ** 2 / (count + 0.375)))
+    together = float(sizes.mean()) if sizes.size else 1.0
+    return Value(count, math.sqrt(together + (slope * relative) ** 2 / (count + 0.375)))
 
 
 def _dead(acc: Accumulated, out: FamilyResult) -> None:

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 from dark_frames import dark_frames
+from scipy import ndimage
 
 from dnanalyze.analyzers import codes, tails, time
 from dnanalyze.analyzers.streaming import accumulate
@@ -38,12 +39,38 @@ def test_hot_and_cold_counts_are_those_put_in():
 def test_neighbours_are_found_in_all_eight_directions():
     mask = np.zeros((12, 12), bool)
     mask[0, 0] = mask[11, 11] = mask[5, 11] = mask[6, 0] = True  # alone, across the edges
-    assert not tails.in_clumps(mask).any()
+    assert tails.clump_sizes(mask).tolist() == [1] * 4
     for dr, dc in [(-1, -1), (-1, 0), (-1, 1), (0, 1)]:
         pair = mask.copy()
         pair[4, 5] = pair[4 + dr, 5 + dc] = True
-        assert tails.in_clumps(pair).sum() == 2
-    assert tails.in_clumps(np.ones((3, 3), bool)).all()
+        assert sorted(tails.clump_sizes(pair)) == [1, 1, 1, 1, 2, 2]
+    assert tails.clump_sizes(np.ones((3, 3), bool)).tolist() == [9] * 9
+    assert tails.clump_sizes(np.zeros((3, 3), bool)).size == 0
+
+
+def test_clumps_are_those_of_labelled_regions():
+    mask = np.random.default_rng(4).random((200, 300)) < 0.15
+    label, _ = ndimage.label(mask, np.ones((3, 3)))
+    expected = np.bincount(label.ravel())[label[mask]]
+    np.testing.assert_array_equal(tails.clump_sizes(mask), expected)
+
+
+def test_errors_of_counts_are_those_of_the_clumps_in_which_they_come():
+    counts, errors = {}, {}
+    for seed in range(60):
+        rng = np.random.default_rng([seed, 9])
+        frames = gaussian(seed, 5)
+        for frame in frames:  # tracks of 2 to 10 pixels, 5 a frame
+            for _ in range(rng.poisson(5)):
+                r, c, n = rng.integers(1, 127), rng.integers(1, 140), rng.integers(2, 11)
+                frame[r, c : c + n] += 80
+        values = values_of(tails, frames)
+        for name in ("transient_high", "transient_adjacent"):
+            counts.setdefault(name, []).append(values[name].value)
+            errors.setdefault(name, []).append(values[name].se)
+    for name, seen in counts.items():
+        # on the root scale 2 sqrt(n); 60 captures tell a deviation to 9 %
+        assert np.std(2 * np.sqrt(seen)) == pytest.approx(np.mean(errors[name]), rel=0.3)
 
 
 def test_transients_are_counted_and_tracks_known_by_their_frame():
