@@ -52,11 +52,12 @@ def draw(captures: CaptureSet, found: Refinement) -> None:
         errors = [s.error for s in found.steps]
         colours = [ACCENT if HIDDEN in n else QUIET for n in names]
         steps.barh(range(len(names)), errors, color=colours, height=0.62)
-        for row, (name, error) in enumerate(zip(names, errors, strict=True)):
-            steps.text(0.78, row, name + " ", ha="right", va="center", fontsize=8)
+        for row, error in enumerate(errors):
             steps.text(error * 1.06, row, f"{error:.3g}", va="center", fontsize=8)
         steps.axvline(1.0, color=INK, linewidth=0.9)
-        steps.set(xscale="log", xlim=(0.5, max(errors) * 2), yticks=[], title="Error, step by step")
+        steps.set(xscale="log", xlim=(0.5, max(errors) * 2), title="Error, step by step")
+        steps.set_yticks(range(len(names)), names, fontsize=8)
+        steps.tick_params(axis="y", length=0)
         steps.set_xlabel("1: as close as a second sensor of the same make")
         log_axis(steps.xaxis)
         steps.invert_yaxis()
