@@ -157,7 +157,8 @@ def _share(
     """Adjusted R^2 and its standard error, for lines of which ``alike`` are worth one."""
     n = total.size - removed
     all_of_it = float(total @ total)
-    noise = alike * math.sqrt(2.0 * freedom / n) / math.sqrt(n)
+    # what lines that are alike explain by chance, beyond what the adjustment takes off
+    noise = math.hypot(alike * math.sqrt(2.0 * freedom), (alike - 1.0) * freedom) / n
     if all_of_it <= 1e-24 * n:
         return Value(0.0, noise)
     raw = float(explained @ explained) / all_of_it

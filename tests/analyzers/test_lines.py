@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import signal
 from structure_frames import accumulated, log_pull, scatter_over_error, sensor, values, white
 
 from dnanalyze.analyzers import lines
@@ -169,3 +170,15 @@ def test_known_line_noise_of_real_sensors(captures_root):
     assert 2 < found["column_noise"].value < 3
     assert found["row_noise"].value < 1.3
     assert found["temporal_column_noise"].value == pytest.approx(1, abs=0.1)
+
+
+@pytest.mark.parametrize("taps", [4, 8])
+def test_steps_that_clouds_make_by_chance_are_within_the_stated_error(taps):
+    pulls = []
+    for seed in range(100):
+        steps = np.random.default_rng([seed, taps]).standard_normal(600)
+        clouds = signal.lfilter([1.0], [1.0, -0.9], steps)[200:]
+        value = share_of_taps(clouds, taps)
+        pulls.append(value.value / value.se)
+    # 3.6 and 6.5 if the lines were taken for independent
+    assert np.sqrt(np.mean(np.square(pulls))) < 3.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import signal, stats
 
-from dnanalyze.detection import questions
+from dnanalyze.detection import questions, verdict
 from dnanalyze.detection.correlation import (
     LagCorrelation,
     crosstalk_kernel,
@@ -201,3 +201,30 @@ def test_matches_by_shared_noise_are_told_by_those_in_all_frames_but_one(shared,
     (asked,) = questions.sites(seen)
     assert asked.effect == pytest.approx(20.0)
     assert asked.limit == pytest.approx(5.0 * times)
+
+
+def _seen(view: str, variance: float) -> SimpleNamespace:
+    """Evidence of a setting, its noise correlated by .03 with next neighbours alone."""
+    lag = LagCorrelation((0.03, 0.0, 0.0), (0.03, 0.0, 0.0), 0.0, 1e-3, variance)
+    return SimpleNamespace(
+        view=view, usable=True, temporal=True, noise=5.0, step=1.0, correlation=lag,
+        point=SimpleNamespace(temperature_c=None, gain=1.0, channel=None), equal=(0.1, 0.1, 10000),
+        spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01)),
+        rank={8: SimpleNamespace(extremes=1.0, se=0.01)},
+        texture=SimpleNamespace(
+            dispersion=1.0, dispersion_se=0.1, hh_excess=0.0, hh_se=0.1, hh_kurtosis=3.0
+        ),
+    )  # fmt: skip
+
+
+def test_crosstalk_may_correlate_neighbours_but_hardly_those_of_a_colour():
+    for view, told in (("frame", False), ("planes", True)):
+        asked = {a.test: a for a in questions.smoothing(_seen(view, 1.0), [])}
+        found = asked["crosstalk_or_denoise"]
+        assert (found.effect > found.limit) == told
+
+
+def test_a_denoise_may_show_at_any_setting_within_a_colour_and_at_the_quietest_in_the_frame():
+    seen = [_seen(view, variance) for view in ("frame", "planes") for variance in (1.0, 4.0, 9.0)]
+    judges = verdict._quietest(seen)
+    assert [id(e) in judges for e in seen] == [True, True, False, True, True, True]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dnanalyze.diagnosis import refine
 from dnanalyze.diagnosis.bend import along_bend
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -48,3 +49,12 @@ def test_another_strength_brings_the_noise_it_bends(held):
 def test_an_effect_that_bends_nothing_stays(held):
     model = _model(SIGMA, None, 2)
     assert along_bend(held, start(held, model, knobs_of(model)), "pixel_fpn") is None
+
+
+def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
+    begun = _model(SIGMA * 0.8, 0.25, 2)
+    state = start(held, begun, knobs_of(begun))
+    monkeypatch.setattr(refine, "converge", lambda _, there: there)
+    monkeypatch.setattr(refine, "settled", lambda _, there, name, **more: there)
+    ended = refine._completed(held, state, "temporal_denoise")
+    assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from dnanalyze.diagnosis import diagnose
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     NOTHING,
@@ -104,3 +105,12 @@ def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already():
     assert addition([some], 1.0, lambda found: found is some) is some
     chance = made("a", 0.9 * NOTHING, 0.9)
     assert addition([chance], 1.0, lambda _: True) is None
+
+
+@pytest.mark.parametrize(("gain", "added"), [(100.0, False), (400.0, True)])
+def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, added):
+    found = made("a", gain, 0.9)
+    luck = dataclasses.replace(found, gain=1.0, fitted_gain=1.0)
+    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
+    monkeypatch.setattr(diagnose, "sobered", lambda *_: luck)
+    assert (diagnose.missing(None, found.state, [found]) is found) == added

@@ -46,3 +46,15 @@ def test_what_few_codes_say_of_slow_periods_gives_way_to_what_many_codes_say():
     wide, narrow = converted(300.0, 40.0, shift=0.8), converted(300.3, 1.3, shift=0.8)
     expected = np.tile((-0.8, 0.0, 0.0, 0.8), 4)
     np.testing.assert_allclose(code_widths([wide, narrow], 16), expected, atol=0.1)
+
+
+def test_a_narrow_tail_does_not_pass_for_widths_of_a_long_period():
+    rng = np.random.default_rng(7)
+    edges = np.arange(1, 4096) - 0.5 + (np.arange(1, 4096) % 16 == 0)
+    told = []
+    for centre, scale in ((89.0, 1.0), (95.0, 40.0)):  # cold and hot, log-normal dark current
+        x = centre + 1.05 * rng.standard_normal(300_000)
+        x += scale * np.exp(0.78 * rng.standard_normal(300_000))
+        told.append(np.unique(np.searchsorted(edges, x, side="right"), return_counts=True))
+    d = code_widths(told, 16)
+    np.testing.assert_allclose(d, [-1.0, *[0.0] * 14, 1.0], atol=0.05)
