@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.ndimage
 
 SURE = 5.0  # robust deviations: one Gaussian line in 1.7 million is farther off
 MOST = 0.1  # share of the lines up to which they are single ones
@@ -12,6 +11,13 @@ FEWEST, NEAR = 32, 15  # lines: of a profile, and of the neighbourhood that sets
 REACH = 4.0  # robust deviations to which a pixel counts
 KNOTS = 64  # places along a line that are tried first
 PARTIAL = 40.0  # gain in log likelihood, doubled, from which a line is taken to be a part of one
+
+
+def against_neighbours(profile: np.ndarray) -> np.ndarray:
+    """Each line less the median of the 15 around it."""
+    import scipy.ndimage
+
+    return np.asarray(profile - scipy.ndimage.median_filter(profile, NEAR, mode="reflect"))
 
 
 def standing_out(profile: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -24,7 +30,7 @@ def standing_out(profile: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     if profile.size < FEWEST:
         return np.empty(0, int), np.empty(0)
-    apart = profile - scipy.ndimage.median_filter(profile, NEAR, mode="reflect")
+    apart = against_neighbours(profile)
     spread = 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
     far = np.flatnonzero(np.abs(apart) > SURE * spread)
     if far.size > MOST * profile.size:

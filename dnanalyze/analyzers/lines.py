@@ -10,7 +10,7 @@ import numpy as np
 from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
-from dnanalyze.analyzers.line_defects import defects
+from dnanalyze.analyzers.line_defects import against_neighbours, defects
 from dnanalyze.analyzers.line_means import line_means
 from dnanalyze.analyzers.lines_infos import INFOS
 from dnanalyze.analyzers.quantiles import median
@@ -25,7 +25,6 @@ TAPS = (2, 4, 8)
 OUTLIER_SIGMAS = 6.0
 LINE_CLIP = 4.0  # robust sigmas
 FEWEST = 16  # lines
-_MEDIAN_WINDOW = 15  # lines
 _TREND_WINDOW = (
     24  # lines: every period above divides it, so that the periods pass the filter unchanged
 )
@@ -62,9 +61,7 @@ def finish(acc: Accumulated) -> FamilyResult:
 
 
 def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
-    import scipy.ndimage
-
-    apart = np.abs(mean - scipy.ndimage.median_filter(mean, _MEDIAN_WINDOW, mode="reflect"))
+    apart = np.abs(against_neighbours(mean))
     sigma = 1.4826 * float(np.median(apart))
     if sigma <= 1e-6 * max(1.0, float(apart.max())) and not apart.any():
         why = f"all {kind}s are alike"

@@ -1,4 +1,4 @@
-"""Another strength of an effect with everything that it bends: a step that no derivative finds.
+"""What a fit without an effect bends to make up for it, put right; along it, other strengths.
 
 A filter over frames takes noise away, and the fit of the model without it has made the noise small
 instead. Strength and noise must then move together, far and along a curve.
@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from dnanalyze.diagnosis.screening import unbent
-from dnanalyze.fitting.knobs import knobs_of
+import numpy as np
+
+from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State, converge, start
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.noise_model import NoiseModel
 
+UNBENT = (1.0, 0.0)
 FACTORS = (0.5, 0.65, 0.8, 1.25, 1.5, 2.0)
 
 
@@ -51,3 +54,36 @@ def _other_strengths(model: NoiseModel, name: str) -> Iterator[NoiseModel]:
             rest = unbent(model, other, effect)
             if rest is not None:
                 yield rest.with_effect(other)
+
+
+def unbent(model: NoiseModel, effect: Effect, other: Effect | None = None) -> NoiseModel | None:
+    """A model whose numbers are right with an effect in it; None where it bends none of them.
+
+    The numbers are those of a fit without it, or with it as ``other`` says.
+    """
+    knobs = knobs_of(model)
+    plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
+    right = [_right(x, k, model, effect, other) for k, x in zip(knobs, plain, strict=True)]
+    if right == plain:
+        return None
+    where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
+    return turned(model, knobs, np.array(where))
+
+
+def _right(x: float, knob: Knob, model: NoiseModel, effect: Effect, other: Effect | None) -> float:
+    factor, shift = bending(effect, knob, model)
+    was, moved = UNBENT if other is None else bending(other, knob, model)
+    if (factor, shift) == (was, moved) or not was:
+        return x
+    return factor * (x - moved) / was + shift
+
+
+def bending(effect: Effect, knob: Knob, model: NoiseModel) -> tuple[float, float]:
+    """Factor and shift of a number of a model that does without an effect.
+
+    Numbers of what works on codes are as they were found on these.
+    """
+    bearer = model.get(knob.effect)
+    if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
+        return UNBENT
+    return effect.bent(knob.name, knob.unit)

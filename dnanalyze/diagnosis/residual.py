@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.diagnosis.line_defects import defects_of, line_defects
+from dnanalyze.diagnosis.defects_of_halves import defects_of, line_defects
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dnanalyze.diagnosis.bend import unbent
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.model.effect import Effect, Stage
+from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
 FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
-UNBENT = (1.0, 0.0)
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 
@@ -110,39 +109,6 @@ def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Pro
         moved, _ = small.z(larger)
         found.append(Prospect(guess.name, larger, idle - _reachable(part, moved)))
     return found
-
-
-def unbent(model: NoiseModel, effect: Effect, other: Effect | None = None) -> NoiseModel | None:
-    """A model whose numbers are right with an effect in it; None where it bends none of them.
-
-    The numbers are those of a fit without it, or with it as ``other`` says.
-    """
-    knobs = knobs_of(model)
-    plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
-    right = [_right(x, k, model, effect, other) for k, x in zip(knobs, plain, strict=True)]
-    if right == plain:
-        return None
-    where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
-    return turned(model, knobs, np.array(where))
-
-
-def _right(x: float, knob: Knob, model: NoiseModel, effect: Effect, other: Effect | None) -> float:
-    factor, shift = bending(effect, knob, model)
-    was, moved = UNBENT if other is None else bending(other, knob, model)
-    if (factor, shift) == (was, moved) or not was:
-        return x
-    return factor * (x - moved) / was + shift
-
-
-def bending(effect: Effect, knob: Knob, model: NoiseModel) -> tuple[float, float]:
-    """Factor and shift of a number of a model that does without an effect.
-
-    Numbers of what works on codes are as they were found on these.
-    """
-    bearer = model.get(knob.effect)
-    if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
-        return UNBENT
-    return effect.bent(knob.name, knob.unit)
 
 
 def _reachable(state: State, moved: np.ndarray) -> float:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.screening import LEAST, UNBENT, Prospect, bending, prospects
+from dnanalyze.diagnosis.bend import UNBENT, bending
+from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start

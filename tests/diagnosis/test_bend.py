@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import refine
-from dnanalyze.diagnosis.bend import along_bend
+from dnanalyze.diagnosis.bend import along_bend, unbent
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.digital_gain import DigitalGain
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -58,3 +59,15 @@ def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
     monkeypatch.setattr(refine, "settled", lambda _, there, name, **more: there)
     ended = refine._completed(held, state, "temporal_denoise")
     assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
+
+
+def test_numbers_that_were_bent_come_right_by_factor_and_shift():
+    gain, other = (DigitalGain(g, 20.0) for g in (1.6, 1.25))
+    model = NoiseModel((ReadNoise(2.0),), 100.0, POINT)
+    right = unbent(model, gain)
+    assert right.get("read_noise").sigma == pytest.approx(2.0 / 1.6)
+    assert right.pedestal == pytest.approx(20.0 + 80.0 / 1.6)
+    changed = unbent(model, gain, other)  # numbers that were right with the other
+    assert changed.get("read_noise").sigma == pytest.approx(2.0 * 1.25 / 1.6)
+    assert changed.pedestal == pytest.approx(20.0 + 80.0 * 1.25 / 1.6)
+    assert unbent(model, gain, gain) is None

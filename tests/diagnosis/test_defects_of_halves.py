@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.line_defects import line_defects
+from dnanalyze.diagnosis.defects_of_halves import line_defects
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start

@@ -95,15 +95,3 @@ def test_later_guesses_are_simulated_only_where_an_early_one_promises(
     monkeypatch.setattr(screening, "_at_guess", at_guess)
     prospects(held, state, {"row_noise": Many})
     assert len(tried) == seen
-
-
-def test_numbers_that_were_bent_come_right_by_factor_and_shift():
-    gain, other = (KNOWN["digital_gain"](gain=g, offset=20.0) for g in (1.6, 1.25))
-    model = NoiseModel((KNOWN["read_noise"](sigma=2.0),), 100.0, POINTS[0])
-    right = screening.unbent(model, gain)
-    assert right.get("read_noise").sigma == pytest.approx(2.0 / 1.6)
-    assert right.pedestal == pytest.approx(20.0 + 80.0 / 1.6)
-    changed = screening.unbent(model, gain, other)  # numbers that were right with the other
-    assert changed.get("read_noise").sigma == pytest.approx(2.0 * 1.25 / 1.6)
-    assert changed.pedestal == pytest.approx(20.0 + 80.0 * 1.25 / 1.6)
-    assert screening.unbent(model, gain, gain) is None
