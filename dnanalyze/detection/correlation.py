@@ -19,6 +19,9 @@ from dnanalyze.detection.spectrum import EDGES, OctaveSpectrum, octave_log_power
 
 LARGEST_CROSSTALK = 0.02  # share to each of the 8 neighbours
 DECAY = 2.5  # of rho(1), and of its steps, for which 1/f noise over the scan may account
+# rho(1) / rho(3) of a field of power rho^-a: 6.2 at a = .6, less for steeper ones. What shallower
+# ones leave stays below .02 of their own variance.
+DECAY_OVER_FIELD = 6.2
 FEWER_EXTREMES = 0.045  # 1 - 9 P of shot noise under the largest crosstalk, by simulation
 LEAST_EA_EV = 0.40  # below the activation energy of any bulk dark current
 BOLTZMANN_EV_K = 8.617e-5
@@ -48,8 +51,8 @@ class LagCorrelation:
 
     @property
     def short_range(self) -> float:
-        """Correlation that is gone two pixels away in rows and in columns: the lesser of
-        rho(1) - 2.5 rho(2), at most zero for 1/f noise of either kind.
+        """Correlation that is gone two and three pixels away in rows and in columns: the lesser of
+        rho(1) - max(2.5 rho(2), 6.2 rho(3)), next to none for 1/f noise over the scan or the field.
 
         A readout that is slow along one of them is left out.
         """
@@ -66,15 +69,15 @@ class LagCorrelation:
         rows, columns = self.along_rows, self.along_columns
         plain = _gone(rows), _gone(columns)
         steps = [
-            max(one, _gone((r[0] - max(r[1], 0.0), r[1] - r[2])))
+            max(one, _gone((r[0] - max(r[1], 0.0), r[1] - r[2], 0.0)))
             for one, r in zip(plain, (rows, columns), strict=True)
         ]
         return max(min(steps[0], plain[1]), min(plain[0], steps[1]))
 
 
 def _gone(near_and_far: tuple[float, ...]) -> float:
-    near, far = near_and_far[:2]
-    return near - DECAY * max(far, 0.0)
+    near, far, farther = near_and_far
+    return near - max(DECAY * far, DECAY_OVER_FIELD * farther, 0.0)
 
 
 def lag_correlation(images: np.ndarray) -> LagCorrelation:
@@ -126,7 +129,7 @@ def largest_crosstalk(apart: int = 1) -> CrosstalkBound:
     along = np.append(seen[seen.shape[0] // 2, seen.shape[1] // 2 :], 0.0)
     spectrum = OctaveSpectrum(octave_log_power(seen), np.full(EDGES.size - 1, 1.0))
     return CrosstalkBound(
-        _gone((along[1], along[2])), spectrum.concavity()[0], FEWER_EXTREMES if apart == 1 else 0.0
+        _gone((along[1], along[2], 0.0)), spectrum.concavity()[0], FEWER_EXTREMES if apart == 1 else 0.0
     )
 
 

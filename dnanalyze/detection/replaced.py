@@ -5,7 +5,8 @@ copies), a site matches where the residual stays within one step in all frames t
 itself varies. The control counts matches with the same interpolation of a ring a few pixels away,
 which has the same noise, rounding, clipping and line structure, so that no model of the noise is
 needed. Noise that neighbours share (hum, 1/f) lets more of them match their own ring by chance;
-but then more match in all frames but one as well, which replaced sites do not.
+but then more match in all frames but one as well, which replaced sites do not. A pixel that is at
+the top of the scale in any frame is left out: in a bright spot its neighbours are there as well.
 """
 
 from __future__ import annotations
@@ -109,7 +110,7 @@ def _references(
 @njit(cache=True, nogil=True)
 def _match(
     stack: np.ndarray, squares: np.ndarray, shifts: np.ndarray,
-    step: float, slack: float, least: float, limit: int,
+    step: float, slack: float, least: float, top: float, limit: int,
 ):  # fmt: skip
     """Matches of each rule, in all frames and in all but one; own ring first, then displaced ones.
 
@@ -130,8 +131,8 @@ def _match(
     tried = 0
     for y in range(margin, h - margin):
         for x in range(margin, w - margin):
-            smallest = stack[:, y, x].min()
-            if stack[:, y, x].max() - smallest < least:
+            largest = stack[:, y, x].max()
+            if largest >= top or largest - stack[:, y, x].min() < least:
                 continue
             tried += 1
             for s in range(shifts.shape[0]):
@@ -216,7 +217,9 @@ def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
     slack = 1e-3 * (step or noise)
     shifts = np.concatenate([[(0, 0)], CONTROLS])
     least = max(2 * step, 0.1 * noise)
-    counts, sites, tried = _match(stack, _sums(stack), shifts, step, slack, least, 1 << 16)
+    counts, sites, tried = _match(
+        stack, _sums(stack), shifts, step, slack, least, stack.max(), 1 << 16
+    )
     whole, but_one = counts
     return Replaced(
         whole[0], whole[1:].max(axis=0), but_one[0], but_one[1:].max(axis=0),

@@ -76,6 +76,21 @@ def test_white_with_pink_noise_never_bends_like_a_filter(slope):
     assert bend < 5 * se
 
 
+@pytest.mark.parametrize("slope", [0.3, 0.5, 0.7, 0.9, 1.2, 1.6])
+def test_a_field_of_any_power_law_leaves_next_to_no_short_range(slope):
+    size = 512
+    rho = np.hypot(np.fft.fftfreq(size)[:, None], np.fft.fftfreq(size)[None])
+    rho[0, 0] = np.inf
+    power = rho**-slope
+    power[0], power[:, 0] = 0.0, 0.0  # the tests take row and column means away
+    shared = np.fft.ifft2(power).real
+    shared /= shared[0, 0]
+    along = tuple(float(r) for r in shared[0, 1:4])
+    field = LagCorrelation(along, along, float(shared[1, 1]), 1e-3, 1.0)
+    assert field.short_range < 0.035
+    assert field.short_range < 0.021 or slope < 0.5
+
+
 def test_lag_correlations_of_white_noise_are_zero_within_their_error():
     c = lag_correlation(_images("student", 1))
     values = np.array([*c.along_rows, *c.along_columns, c.diagonal])
@@ -157,6 +172,16 @@ def test_chance_matches_of_neighbours_are_those_of_a_ring_elsewhere():
     found = replaced(frames, 1.0, 1.5)
     spread = np.sqrt(found.own + found.control + 1)
     assert np.all(found.own - found.control < 5 * spread)
+
+
+def test_saturated_neighbours_are_no_copies_of_one_another():
+    """Two at the top in all frames but one, in which both lack as much."""
+    rng = np.random.default_rng(9)
+    frames = np.round(rng.normal(100, 3, (8, 120, 120))).astype(np.float32)
+    for y, x in [(y, x) for y in range(10, 110, 10) for x in range(10, 110, 10)]:
+        frames[:, y, x : x + 2] = 255
+        frames[rng.integers(8), y, x : x + 2] -= 4
+    assert replaced(frames, 1.0, 3.0).own[RULES.index("copy of a neighbour")] == 0
 
 
 def test_no_row_phase_departs_in_exchangeable_rows_of_unequal_noise():
