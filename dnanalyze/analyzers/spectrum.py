@@ -17,6 +17,7 @@ from scipy import special
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.line_means import block_means, line_means
 from dnanalyze.analyzers.plan import CLIP
+from dnanalyze.analyzers.spectral_coherence import in_step
 from dnanalyze.analyzers.spectral_modes import (
     FIRST_MODES,
     HIGH_BAND,
@@ -90,7 +91,7 @@ def finish(acc: Accumulated) -> FamilyResult:
         if part.name != "frame":
             _structure(part, result)
             _profiles(part, result)
-            _peaks(part, result)
+            _peaks(part, _images(part, acc), result)
         if part.errors:
             _shape(part, result)
             _curves(part, result)
@@ -303,18 +304,30 @@ def _mean_into(
         result.missing[name] = "no power, or no mode of this frame, in this band"
 
 
-def _peaks(part: _Part, result: FamilyResult) -> None:
+def _images(part: _Part, acc: Accumulated) -> tuple[np.ndarray, ...]:
+    """Images that hold the part: the pattern, or the first and the last frame less the mean."""
+    if part.name == "pattern":
+        return (acc.clipped_pattern,)
+    return tuple(frame - acc.pattern for frame in acc.end_frames)
+
+
+def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) -> None:
     shape = part.reduced.modes.shape
     peak = largest_peak(part.power, shape, part.repeats, part.name == "temporal")
     name = f"{part.name}_line"
     if peak is None:
         why = "the frame is too small, or has no power, to search for lines"
-        for what in ("", "_u", "_v", "_amplitude"):
+        for what in ("", "_in_step", "_u", "_v", "_amplitude"):
             result.missing[f"{name}{what}"] = why
     else:
         rows, columns = shape
         error = math.hypot(peak.log_error, _residue(part, peak))
         result.values[name] = Value(peak.ratio, error)
+        share = Value(*in_step(images, peak.u, peak.v, peak.real))
+        if math.isfinite(share.value):
+            result.values[f"{name}_in_step"] = share
+        else:
+            result.missing[f"{name}_in_step"] = "the frames at the ends of the series are alike"
         uniform = 1 / math.sqrt(12)  # chance puts its peak anywhere
         step = (1 / columns, 1 / rows) if peak.real else (0.5, 1.0)
         result.values[f"{name}_u"] = Value(peak.u, step[0] * uniform)

@@ -70,6 +70,14 @@ def _lines_of(part: str, of: str) -> Iterator[StatisticInfo]:
         "from a clock or supply, or a periodic pattern",
         low="the model has a spectral line that the measurement lacks",
     )  # fmt: skip
+    yield StatisticInfo(
+        f"{part}_line_in_step", "spectrum", "1",
+        f"share of the strongest line {of} that is in step over the field",
+        high="the strongest spectral line keeps step over the field better than the model's: one "
+        "plane wave",
+        low="the strongest spectral line is out of step over the field: no one plane wave as in "
+        "the model, but rings, a chirp, a beat or a patch",
+    )  # fmt: skip
     for axis, way in (("u", "horizontal"), ("v", "vertical")):
         yield _told(f"{part}_line_{axis}", "c/px", f"{way} frequency of the strongest line {of}")
     yield _told(f"{part}_line_amplitude", "DN", f"amplitude of the strongest line {of}")

@@ -16,6 +16,7 @@ _CHANCE = 0.1  # c/px; the frequency of a peak that chance made is told no bette
 _CLIPPED = 0.7  # share of a wave's effect on memory that a median over pixels keeps
 _BLUNT = 0.35  # and that is left where variances are told over their mean
 _QUARTILE = 0.6745
+_STEP = 0.3  # from the share of a chance peak that is in step to that of a wave, in 1.7 of these
 
 Values = dict[str, Value]
 
@@ -50,6 +51,32 @@ def _moves(name: str, values: Values, power: float, frames: int) -> float:
     """Standard deviation of a statistic's coordinate through the phases alone."""
     law = next((law for start, law in _LAWS.items() if name.startswith(start)), None)
     return law(name, values, power, frames) if law is not None else 0.0
+
+
+def _bands(name: str, values: Values, frames: int) -> float:
+    """Log of how far the power of the band that holds the wave may lie above the measured one.
+
+    What is left of the wave is exponential: where it happens to be little, the measurement does not
+    tell that it could be more.
+    """
+    kind, _, band = name.removeprefix("pattern_").partition("_")
+    at = {
+        "psd": math.hypot(values["temporal_line_u"].value, values["temporal_line_v"].value),
+        "u": values["temporal_line_u"].value,
+        "v": abs(values["temporal_line_v"].value),
+    }[kind]
+    low, _, high = band.partition("_")
+    if not high or not float(low) <= at < float(high):
+        return 0.0
+    alike = [v.value for n, v in values.items() if n.startswith(f"temporal_{kind}_")]
+    left = (values[f"temporal_{kind}_{band}"].value - min(alike)) / frames
+    return math.log1p(left / values[name].value)
+
+
+def _line(values: Values, power: float, frames: int) -> float:
+    """Ratio at which what is left of the wave stands over the floor, times that of the peak."""
+    amplitude = values["pattern_line_amplitude"].value
+    return 2.0 * power / frames / amplitude**2 if amplitude > 0 else 0.0
 
 
 def _left(power: float, frames: int) -> float:
@@ -115,4 +142,11 @@ _LAWS: dict[str, Callable[[str, Values, float, int], float]] = {
     "pattern_noise_core": lambda name, v, c, k: _left(c, k) / v[name].value ** 2 / 2,
     "pattern_noise": lambda name, v, c, k: _of_pattern(v, c, k) / 2,
     "pattern_q": _pattern_quantile,
+    "pattern_psd_": lambda name, v, c, k: _bands(name, v, k),
+    "pattern_u_": lambda name, v, c, k: _bands(name, v, k),
+    "pattern_v_": lambda name, v, c, k: _bands(name, v, k),
+    "pattern_line_": lambda name, v, c, k: (
+        _STEP * (1.0 - 1.0 / (1.0 + _line(v, c, k))) if name.endswith("in_step") else 0.0
+    ),
+    "pattern_line": lambda name, v, c, k: math.log1p(_line(v, c, k)),
 }

@@ -1,14 +1,13 @@
 """Correlation of the temporal noise between neighbours, and how much of it crosstalk can make.
 
 Charge crosstalk smooths the dark charge and its shot noise, never the read noise, which arises
-after it. So
-its correlation grows with the share of shot noise, and cannot exceed that of the largest crosstalk
-that
-sensors have; a filter smooths read noise as well.
+after it. So its correlation grows with the share of shot noise, and cannot exceed that of the
+largest crosstalk that sensors have; a filter smooths read noise as well.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +58,11 @@ class LagCorrelation:
         return min(_gone(self.along_rows), _gone(self.along_columns))
 
     @property
+    def short_range_error(self) -> float:
+        """Standard error of the short range, and all but that of its variant under flicker."""
+        return self.se * max(_error(self.along_rows), _error(self.along_columns))
+
+    @property
     def short_range_under_flicker(self) -> float:
         """The same where strong 1/f noise over the scan buries that of a filter in one direction.
 
@@ -78,6 +82,12 @@ class LagCorrelation:
 def _gone(near_and_far: tuple[float, ...]) -> float:
     near, far, farther = near_and_far
     return near - max(DECAY * far, DECAY_OVER_FIELD * farther, 0.0)
+
+
+def _error(near_and_far: tuple[float, ...]) -> float:
+    """Standard error of `_gone`, in those of a coefficient."""
+    _, far, farther = near_and_far
+    return math.hypot(1.0, DECAY_OVER_FIELD if DECAY_OVER_FIELD * farther > DECAY * far else DECAY)
 
 
 def lag_correlation(images: np.ndarray) -> LagCorrelation:

@@ -84,7 +84,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             "crosstalk_or_denoise",
             "denoise",
             e,
-            one_sided(shared, lag.se * 3),
+            one_sided(shared, lag.short_range_error),
             shared,
             0.02 + extra + room * bound.short_range,
             f"neighbours' noise correlates by {max(lag.along_rows[0], 0):.3f} along rows and "

@@ -91,6 +91,22 @@ def test_a_field_of_any_power_law_leaves_next_to_no_short_range(slope):
     assert field.short_range < 0.021 or slope < 0.5
 
 
+@pytest.mark.parametrize("pink", [0.0, 0.5, 1.0])
+def test_the_error_of_the_short_range_holds_its_scatter(pink):
+    rho = np.hypot(np.fft.fftfreq(128)[:, None], np.fft.rfftfreq(128)[None])
+    rho[0, 0] = np.inf
+    found = []
+    for seed in range(60):
+        field, white = np.random.default_rng(seed).standard_normal((2, 2, 128, 128))
+        field = np.fft.irfft2(np.fft.rfft2(field) * rho**-0.37)
+        found.append(lag_correlation((white + pink * field / field.std()).astype(np.float32)))
+    ranges = np.array([c.short_range for c in found])
+    said = np.mean([c.short_range_error for c in found])
+    assert np.std(ranges) < 1.3 * said  # 60 draws give it to 9 %; the lesser of two scatters less
+    assert np.std(ranges) > 0.2 * said
+    assert np.mean(ranges) < 0.02
+
+
 def test_lag_correlations_of_white_noise_are_zero_within_their_error():
     c = lag_correlation(_images("student", 1))
     values = np.array([*c.along_rows, *c.along_columns, c.diagonal])
