@@ -83,6 +83,6 @@ def _largest(amplitudes: np.ndarray) -> float:
         sums = np.einsum("ay,nyx,bx->nab", turns[0], amplitudes, turns[1], optimize=True)
         power = np.sum(np.abs(sums) ** 2, axis=0)
         a, b = np.unravel_index(int(np.argmax(power)), power.shape)
-        at, best = at + [tried[a], tried[b]], float(power[a, b])
+        at, best = at + np.array([tried[a], tried[b]]), float(power[a, b])
         reach *= 2.0 / (_GRID - 1)
     return best

@@ -139,7 +139,9 @@ def largest_crosstalk(apart: int = 1) -> CrosstalkBound:
     along = np.append(seen[seen.shape[0] // 2, seen.shape[1] // 2 :], 0.0)
     spectrum = OctaveSpectrum(octave_log_power(seen), np.full(EDGES.size - 1, 1.0))
     return CrosstalkBound(
-        _gone((along[1], along[2], 0.0)), spectrum.concavity()[0], FEWER_EXTREMES if apart == 1 else 0.0
+        _gone((along[1], along[2], 0.0)),
+        spectrum.concavity()[0],
+        FEWER_EXTREMES if apart == 1 else 0.0,
     )
 
 

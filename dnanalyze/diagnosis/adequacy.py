@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,17 +75,26 @@ def sobered(bench: Bench, before: State, found: Trial) -> Trial:
     return replace(found, gain=gains[0], fitted_gain=gains[1])
 
 
-def settles(bench: Bench, before: State, after: State) -> bool:
-    """Whether a model puts most of that right, on both halves, which is left ``before`` it."""
-    left = adequacy(bench, before, FEW).left
-    return bool(left) and all(
-        np.sum(new[here] ** 2) < SETTLED * np.sum(old[here] ** 2)
-        for held, old, new in (
-            (bench.train, before.train, after.train),
-            (bench.test, before.test, after.test),
-        )
-        for here in [np.isin(held.names, left)]
-    )
+def settles(bench: Bench, left: Sequence[str], before: State, after: State) -> bool:
+    """Whether a model puts most of that right, on both halves, which is ``left`` before it."""
+    return bool(left) and _share(bench, left, before, after) < SETTLED
+
+
+def mends(bench: Bench, left: Sequence[str], before: State, after: State) -> bool:
+    """Whether it puts any one of these statistics right."""
+    return any(_share(bench, [name], before, after) < SETTLED for name in left)
+
+
+def _share(bench: Bench, names: Sequence[str], before: State, after: State) -> float:
+    """Of the squares of these statistics that stay; of the half where more do."""
+    shares = []
+    for held, old, new in (
+        (bench.train, before.train, after.train),
+        (bench.test, before.test, after.test),
+    ):
+        here = np.isin(held.names, list(names))
+        shares.append(float(np.sum(new[here] ** 2) / max(np.sum(old[here] ** 2), 1e-12)))
+    return max(shares)
 
 
 def _others(bench: Bench, state: State, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -18,6 +18,9 @@ CERTAIN = 60.0  # evidence from which "nothing is missing" has less than one cha
 # The few defects of a half may be more or fewer than their density says: with so much evidence the
 # error may rise by this share.
 PLENTY, LUCK = 100.0, 0.02
+# Of effects that were named where something stayed unexplained, half were there; the others stood
+# in for what is in no catalogue (virtual sensors, as many of either).
+STANDS_IN = 0.5
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion
 
 

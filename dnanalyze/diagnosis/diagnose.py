@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, settles, sobered
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, mends, settles, sobered
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
+    STANDS_IN,
     addition,
     confidences,
     dispersion,
@@ -100,11 +102,18 @@ def diagnose(
 
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
-    """The effect to add next; None where the data support none."""
+    """The effect to add next; None where the data support none.
+
+    Where something is left that no second sensor of the model's make would show, an effect of no
+    plain evidence must put some of it right: else it but bends around what is really missing.
+    """
     error = error_of(held, state)
-    best = addition(tried, error, lambda t: settles(held, state, t.state))
+    left = cache(lambda: adequacy(held, state, FEW).left)
+    best = addition(tried, error, lambda t: settles(held, left(), state, t.state))
     if best is None or best.evidence > PLAIN:
         return best
+    if left() and not mends(held, left(), state, best.state):
+        return None
     sober = sobered(held, state, best)
     return best if significant(sober, error, dispersion(tried), least=0.0) else None
 
@@ -144,11 +153,29 @@ def judge(
     # what an effect leaves over is told in passing; whether nothing is missing is the question
     rest = adequacy(held, best.state, FEW) if best is not None else adequacy(held, state)
     verdict = "missing" if best is not None else ("adequate" if rest.adequate else "unexplained")
+    if best is not None and rest.left and _lone(best, tried, error):
+        candidates[0] = _doubted(candidates[0], rest.left)
     made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
     return replace(
         made,
         detection_limits=detection_limits(held, state, known) if limits else {},
         next_capture=next_capture(held, verdict, candidates),
+    )
+
+
+def _lone(best: Trial, tried: Sequence[Trial], error: float) -> bool:
+    """No other candidate has evidence enough to account for what this one leaves over."""
+    spread = dispersion(tried)
+    return not any(significant(t, error, spread) for t in tried if t is not best)
+
+
+def _doubted(found: Candidate, left: Sequence[str]) -> Candidate:
+    words = (
+        f"it leaves {', '.join(left[:3])} unexplained, for which there is no other candidate: it "
+        "may stand in for an effect that is in no catalogue"
+    )
+    return replace(
+        found, confidence=found.confidence * STANDS_IN, evidence=[*found.evidence, words]
     )
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dnanalyze.diagnosis.bend import along_bend
-from dnanalyze.diagnosis.confidence import NOTHING, confidences
+from dnanalyze.diagnosis.confidence import NOTHING, STANDS_IN, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.screening import prospects
@@ -154,9 +154,18 @@ def refine(
             note(Step(f"-{name}", error_of(held, state)))
         keep(state.model)
     found = judge(captures.name, held, state, tried, known, limits=False)
+    if found.verdict == "unexplained":
+        steps = [_doubted(s) for s in steps]
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
     )
+
+
+def _doubted(step: Step) -> Step:
+    """Something stays unexplained at the end, for which the effect may stand in."""
+    if step.confidence is None:
+        return step
+    return replace(step, confidence=step.confidence * STANDS_IN)
 
 
 def _everyday(

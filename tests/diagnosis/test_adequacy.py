@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.adequacy import adequacy, settles, sobered
+from dnanalyze.diagnosis.adequacy import adequacy, mends, settles, sobered
 from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -55,13 +55,27 @@ def test_nothing_is_left_of_a_sensor_of_the_same_make(held):
 
 def test_the_effect_settles_it_and_another_does_not(held):
     before = _at(held, _model(seed=2))
-    assert settles(held, before, _at(held, _model(OffsetDrift(1.0), seed=2)))
-    assert not settles(held, before, before)
+    left = adequacy(held, before).left
+    right = _at(held, _model(OffsetDrift(1.0), seed=2))
+    for asked in (settles, mends):
+        assert asked(held, left, before, right)
+        assert not asked(held, left, before, before)
+        assert not asked(held, [], before, right)
 
 
-def test_there_is_nothing_to_settle_where_nothing_is_left(held):
-    truth = _at(held, _model(OffsetDrift(1.0), seed=2))
-    assert not settles(held, truth, truth)
+def test_one_thing_put_right_is_mended_though_not_settled(held):
+    before = _at(held, _model(seed=2))
+    worst, small = left = ["drift", "temporal_noise"]
+    for name, settled in ((worst, True), (small, False)):
+        train, test = (
+            np.where(half.names == name, 0.0, z)
+            for half, z in ((held.train, before.train), (held.test, before.test))
+        )
+        after = replace(before, train=train, test=test)
+        assert mends(held, left, before, after)
+        assert settled or not settles(held, left, before, after)
+    one = replace(before, test=np.where(held.test.names == worst, 0.0, before.test))
+    assert not mends(held, left, before, one)  # on one half alone
 
 
 def test_what_is_put_right_of_one_sensors_clouds_is_luck():

@@ -1,6 +1,7 @@
 """Confidences from gains on data that no fit saw."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -112,5 +113,26 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, added):
     found = made("a", gain, 0.9)
     luck = dataclasses.replace(found, gain=1.0, fitted_gain=1.0)
     monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
+    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
     monkeypatch.setattr(diagnose, "sobered", lambda *_: luck)
+    assert (diagnose.missing(None, found.state, [found]) is found) == added
+
+
+@pytest.mark.parametrize(
+    ("gain", "left", "mended", "added"),
+    [
+        (100.0, [], False, True),
+        (100.0, ["drift"], False, False),
+        (100.0, ["drift"], True, True),
+        (400.0, ["drift"], False, True),
+    ],
+)
+def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
+    monkeypatch, gain, left, mended, added
+):
+    found = made("a", gain, 0.9)
+    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
+    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
+    monkeypatch.setattr(diagnose, "mends", lambda *_: mended)
+    monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
