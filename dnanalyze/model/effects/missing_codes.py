@@ -20,6 +20,8 @@ PERIODS = 2, 4, 8, 16, 32, 64
 _BLOCK = 64  # codes; also a multiple of every period
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
 WIDE = 5  # codes over which a density hardly bends
+ALIKE = 0.1  # of a width: histograms tell no better
+FEWEST = 4  # codes of a period; in shorter ones too few others are alike
 NEARLY = 0.75  # share of the squares of measured widths from which a simpler pattern is them
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 _FARTHEST = _ORIGIN - 2 * _BLOCK  # no converter has codes beyond
@@ -123,9 +125,13 @@ def _periodic(clues: Clues, sigma: float) -> list[Effect]:
     """With the widths of the codes that the histograms tell; else with the period of the comb.
 
     Where one edge alone is out of place, as by one bit's error, it is tried so first: the other
-    widths are noise.
+    widths are noise. Where every code is as wide as the others but for one of twice the width, or
+    of none, a digital gain did it: that a converter's error should be just one step is a
+    coincidence.
     """
     d = _shortest(_histograms(clues))
+    if _by_a_gain(d):
+        return []
     if not d.any():
         period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
         turns = {p: p / period for p in PERIODS} if period else {}  # a harmonic may be strongest
@@ -134,6 +140,16 @@ def _periodic(clues: Clues, sigma: float) -> list[Effect]:
     edge = _one_edge(d)
     shapes = [edge, d] if _share(d, edge) > NEARLY else [d]
     return [_with_widths(shape, d.size) for shape in shapes]
+
+
+def _by_a_gain(d: np.ndarray) -> bool:
+    if d.size < FEWEST:
+        return False
+    odd = int(np.argmax(np.abs(d - np.median(d))))
+    others = 1.0 + np.delete(d, odd)
+    times = (1.0 + d[odd]) / others.mean()
+    alike = bool(np.ptp(others) < ALIKE * others.mean())
+    return alike and bool(min(abs(times - 2.0), times) < ALIKE)
 
 
 def _shortest(histograms: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

@@ -151,3 +151,15 @@ def test_the_period_is_the_one_that_the_next_longer_only_repeats(period):
     assert (effect.kind, effect.period) == ("periodic", period)
     d = effect.sigma * np.array(effect.widths)
     np.testing.assert_allclose(d[[0, -1]], (-0.6, 0.6), atol=0.05)
+
+
+@pytest.mark.parametrize(("gain", "kinds"), [(0.8, ["random"]), (4 / 3, ["random"])])
+def test_widths_that_a_digital_gain_makes_are_left_to_it(gain, kinds):
+    x = 200.3 + 20.0 * np.random.default_rng(6).standard_normal(200_000)
+    codes, n = np.unique(np.rint(np.rint(x) * gain), return_counts=True)
+    clues = Given(
+        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
+        off={"code_roughness": 9.0, "code_comb": 9.0},
+        curves={"histogram_codes": [codes], "histogram_counts": [n]},
+    )
+    assert [e.kind for e in MissingCodes.guess(clues)] == kinds
