@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -11,15 +12,20 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import curve
+from dnanalyze.model.evidence import curve, shows
 
 TERMS = ("x", "y", "xx", "yy", "xy")
+SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
+CLEAR_SLOPE = 8.0  # standard errors of a slope
 CLEAR = 3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
 
 
 @dataclass(frozen=True)
 class DarkGradient(Effect):
-    """h += a low-order surface, or h (1 + surface), in Legendre polynomials of unit rms."""
+    """h += a low-order surface, or h (1 + surface), in Legendre polynomials of unit rms.
+
+    And a ramp over the rows, of charge collected while they wait to be read.
+    """
 
     name: ClassVar[str] = "dark_gradient"
     stage: ClassVar[Stage] = Stage.CHARGE
@@ -33,12 +39,16 @@ class DarkGradient(Effect):
         "temperature: activation energy 0.) It raises the spectrum below .01 cycles/pixel only, "
         "and where it scales the dark current of every pixel (`form`: scaled), the scatter of the "
         "pixels and the shot noise as well. "
-        "Remedies: even cooling, dark-frame subtraction, row and column references."
+        "In a CCD the rows that are read last wait longest and collect dark charge meanwhile "
+        "(`wait`): a ramp that is there without any exposure and grows with temperature alone, "
+        "with the shot noise of its charge. Remedies: even cooling, dark-frame subtraction, row "
+        "and column references."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) [a_x P1(x) + a_y P1(y) + a_xx P2(x) + a_yy "
         "P2(y) + a_xy P1(x) P1(y)], x and y from -1 (left, top) to 1, P1 = sqrt(3) x, P2 = "
-        "sqrt(5)(3 x^2 - 1)/2; scaled: h (1 + a_x P1(x) + ...)"
+        "sqrt(5)(3 x^2 - 1)/2; scaled: h (1 + a_x P1(x) + ...); h += w e^(-Ea/k (1/T - 1/T_ref)) "
+        "i / rows, for w < 0 from the last row up"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0",
@@ -55,8 +65,7 @@ class DarkGradient(Effect):
         "amp_glow": "a glow fades from one corner or edge and hardly depends on temperature",
         "flicker_fpn": "a random low-frequency field has orders above 2 as well (shading_mid)",
         "column_fpn": "column offsets vary from one column to the next",
-        "row_fpn": "a ramp of rows that wait to be read is there without exposure, and has no shot "
-        "noise of its own",
+        "row_fpn": "row offsets vary from one row to the next, and have no shot noise",
     }
 
     x: float = parameter(0.0, "DN", -1e5, 1e5, "tilt along a row, rms over the field", "linear")
@@ -70,10 +79,15 @@ class DarkGradient(Effect):
     form: str = choice(
         "added", "added to the dark signal; or a share of it, coefficients 1", "added", "scaled"
     )
+    wait: float = parameter(
+        0.0, "DN", -1e5, 1e5, "of the row that waits longest to be read, at any exposure", "linear"
+    )
 
     def idle(self) -> tuple[str, ...]:
-        """A share of the dark signal grows as that does."""
-        return ("ea_ev",) if self.form == "scaled" else ()
+        """No rows that wait, where none do; a share of the dark signal grows as that does."""
+        waits = self.wait != 0.0
+        idle = () if waits else ("wait",)
+        return idle if waits or self.form == "added" else (*idle, "ea_ev")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the surface, or scale by it."""
@@ -82,7 +96,14 @@ class DarkGradient(Effect):
             signal *= surface
         else:
             signal += surface
+        if self.wait != 0.0:
+            signal += site.keep("waiting", lambda: self._waiting(site))[:, None]
         return signal
+
+    def _waiting(self, site: Site) -> np.ndarray:
+        height = self.value("wait", site.point) * site.thermal(self.value("ea_ev", site.point))
+        share = site.row_index / site.shape[0] - (height < 0)
+        return (height * site.gain_ratio * share).astype(np.float32)
 
     def _map(self, site: Site) -> np.ndarray:
         x, y, xx, yy, xy = (self.value(name, site.point) for name in TERMS)
@@ -98,15 +119,22 @@ class DarkGradient(Effect):
 
     def variance(self, point: OperatingPoint) -> float | None:
         """Over the field, DN^2, at the reference: the sum of the squares of the coefficients."""
-        if self.form == "scaled":
-            return None  # a share of a signal that is not known here
+        if self.form == "scaled" or self.wait != 0.0:
+            return None  # a share of a signal that is not known here; a ramp beside a tilt
         return sum(self.value(n, point) ** 2 for n in TERMS)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """Least squares on the block means; their growth gives the activation energy, or their
-        slope over the mean level the share.
+        slope over the mean level the share. Rows that wait from the slope of the row means at the
+        shortest exposures.
         """
+        waits = _waits(clues) if shows(clues, ("shading_0_1", "pattern_rows_0_0.02")) else None
+        waiting = [] if waits is None else [cls(wait=waits[0], ea_ev=waits[1])]
+        return [*cls._surfaces(clues), *waiting]
+
+    @classmethod
+    def _surfaces(cls, clues: Clues) -> list[DarkGradient]:
         names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
         seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
         if not (seen > CLEAR).any():
@@ -161,3 +189,29 @@ def surface(blocks: np.ndarray) -> np.ndarray:
     ]  # fmt: skip
     design = np.stack([b.ravel() for b in basis], 1)
     return np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0][1:]
+
+
+def _waits(clues: Clues) -> tuple[float, float] | None:
+    """Height of the ramp (DN at the reference) and activation energy; None: none stands out."""
+    known = [p.exposure_s for p in clues.points if p.exposure_s is not None]
+    limit = SHORT * max(known) if known else math.inf
+    if known and min(known) > limit:
+        limit = min(known)
+    heights = np.full(len(clues.points), np.nan)
+    for i, point in enumerate(clues.points):
+        places, means = clues.lines("rows", i)
+        if means.size < 16 or (point.exposure_s or 0.0) > limit:
+            continue
+        x = places - places.mean()
+        slope = float(x @ means / (x @ x))
+        rest = means - means.mean() - slope * x
+        error = math.sqrt(float(rest @ rest) / means.size / float(x @ x))
+        if abs(slope) > CLEAR_SLOPE * error:
+            heights[i] = slope * clues.field[0]
+    if not np.isfinite(heights).any():
+        return None
+    sign = math.copysign(1.0, float(np.nansum(heights)))
+    fitted = hints.thermal_fit(clues, sign * heights / hints.gains(clues), 0.63)
+    if fitted is None:
+        return None
+    return sign * min(fitted[0], 1e5), fitted[1]

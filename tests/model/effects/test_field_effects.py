@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames, growth
+from readout_bench import Given
 from scipy import stats
 from scipy.ndimage import find_objects, label
 
@@ -15,6 +16,7 @@ from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.persistence import Persistence
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.laws import arrhenius
 
 
 def blocks(frame, size=16):
@@ -212,7 +214,7 @@ def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():
     plain = frames(HotPixels(0.3, 20.0), (64, 96))[0]
     both = frames((HotPixels(0.3, 20.0), DarkGradient(x=0.1, yy=0.05, **form)), (64, 96))[0]
     np.testing.assert_allclose(both, plain * (1 + added), rtol=1e-5, atol=1e-5)
-    assert DarkGradient(**form).idle() == ("ea_ev",)
+    assert DarkGradient(**form).idle() == ("wait", "ea_ev")
 
 
 def test_a_share_is_guessed_from_the_slope_over_the_level():
@@ -249,3 +251,43 @@ def test_a_twist_is_guessed_from_the_block_means():
                         curves={"block_means": maps})  # fmt: skip
     (guess,) = DarkGradient.guess(clues)
     assert [guess.x, guess.xy, guess.ea_ev] == pytest.approx([1.0, 2.0, 0.7], abs=0.03)
+
+
+def test_rows_that_wait_collect_charge_at_any_exposure():
+    effect = DarkGradient(wait=16.0, ea_ev=0.6)
+    y = frames(effect, (64, 32))[0]
+    np.testing.assert_allclose(y, np.broadcast_to(np.arange(64)[:, None] / 4, y.shape), atol=1e-4)
+    for point, factor in ((LONG, 1), (LOUD, 2), (WARM, growth(0.6))):
+        np.testing.assert_allclose(
+            frames(effect, (64, 32), point=point)[0], factor * y, rtol=1e-5, atol=1e-4
+        )
+    up = frames(DarkGradient(wait=-16.0), (64, 32))[0]
+    assert up[0, 0] == pytest.approx(16.0)  # the first row waits longest, and none is negative
+    assert 0 <= up.min() < 1
+    assert DarkGradient().idle() == ("wait",)
+    assert effect.idle() == DarkGradient(wait=1.0, form="scaled").idle() == ()
+    assert effect.variance(HERE) is None
+
+
+def test_what_waiting_rows_collect_has_its_shot_noise():
+    y = frames((DarkGradient(wait=400.0), DarkShotNoise(dn_per_e=2.0)), (256, 400), 8)
+    variance = y.var(axis=0, ddof=1).mean(axis=1)
+    expected = 2.0 * 400.0 * np.arange(256) / 256
+    # each row: 400 pixels of 8 frames
+    assert np.all(np.abs(variance - expected) < 5 * expected * np.sqrt(2 / 7 / 400) + 0.5)
+
+
+def test_waiting_rows_are_guessed_from_the_shortest_exposures():
+    points = tuple(OperatingPoint(t, e) for t in (25.0, 45.0) for e in (0.0, 300.0))
+    row = np.arange(256)
+    rng = np.random.default_rng(8)
+    profiles = []
+    for p in points:
+        height = -12.0 * arrhenius(p.temperature_c, 25.0, 0.7) + 5.0 * p.exposure_s
+        profiles.append(height * (row / 256 - 0.5) + 0.1 * rng.standard_normal(256))
+    clues = Given(
+        points=points, off={"pattern_rows_0_0.02": 9.0}, profiles={"rows": profiles},
+        reference=OperatingPoint(25.0, 300.0),
+    )  # fmt: skip
+    (guess,) = DarkGradient.guess(clues)
+    assert (guess.wait, guess.ea_ev) == pytest.approx((-12.0, 0.7), rel=0.03)

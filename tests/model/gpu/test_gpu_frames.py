@@ -47,9 +47,9 @@ MODELS = {
     },
     "settling columns, waiting rows, slipping taps, shares of the signal": PAPER | {
         "column_fpn": {"settle": 9.0, "length": 12.0, "first": "right"},
-        "row_fpn": {"ramp": 6.0},
+        "row_fpn": {},
         "column_taps": {"taps": 3, "levels": (2.0, -1.0, -1.0), "slip": 1.0},
-        "dark_gradient": {"x": 2.0, "xy": 3.0},
+        "dark_gradient": {"x": 2.0, "xy": 3.0, "wait": 6.0},
         "flicker_fpn": {"rms": 0.1, "form": "scaled"},
         "offset_drift": {"step": 0.02, "form": "scaled"},
     },
