@@ -23,6 +23,7 @@ __all__ = ["INFOS", "finish"]
 PERIODS = {"column": (2, 3, 4, 8), "row": (2,)}
 TAPS = (2, 4, 8)
 OUTLIER_SIGMAS = 6.0
+FLATTEST = 0.5  # Hill exponent: defects of one type within a factor of two or so
 LINE_CLIP = 4.0  # robust sigmas
 FEWEST = 16  # lines
 _TREND_WINDOW = (
@@ -81,14 +82,15 @@ def _extreme_error(lines: int, beyond: np.ndarray) -> float:
     """Standard error of the log of the largest of many deviations.
 
     Gumbel's law for Gaussian lines; where there are outliers, that of the largest of a Pareto tail
-    with their Hill exponent: another sensor of the type has other defects.
+    with their Hill exponent, another sensor of the type having other defects; but no flatter than
+    `FLATTEST`: one defect far out says nothing of the tail, yet no line is there by chance.
     """
     expected, step = (-float(special.ndtri(0.5 * p / lines)) for p in (1.0, 0.9))
     # exceeded by one line, and by .9 of a line: ln(1/.9) steps of Gumbel's scale apart
     chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
     if not beyond.size:
         return chance
-    return max(chance, _GUMBEL_SD * float(np.mean(np.log(beyond))))
+    return max(chance, _GUMBEL_SD * min(float(np.mean(np.log(beyond))), FLATTEST))
 
 
 def detrended(mean: np.ndarray) -> np.ndarray:

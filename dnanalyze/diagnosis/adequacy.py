@@ -14,7 +14,7 @@ from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
 SIGMAS = 4.0
-SETTLED = 0.5  # share of the squares that may stay
+MENDED = 0.5  # share of the squares that may stay
 TOLERABLE = 1.3  # an error below this is never called unexplained on its own
 
 
@@ -75,26 +75,18 @@ def sobered(bench: Bench, before: State, found: Trial) -> Trial:
     return replace(found, gain=gains[0], fitted_gain=gains[1])
 
 
-def settles(bench: Bench, left: Sequence[str], before: State, after: State) -> bool:
-    """Whether a model puts most of that right, on both halves, which is ``left`` before it."""
-    return bool(left) and _share(bench, left, before, after) < SETTLED
-
-
 def mends(bench: Bench, left: Sequence[str], before: State, after: State) -> bool:
-    """Whether it puts any one of these statistics right."""
-    return any(_share(bench, [name], before, after) < SETTLED for name in left)
-
-
-def _share(bench: Bench, names: Sequence[str], before: State, after: State) -> float:
-    """Of the squares of these statistics that stay; of the half where more do."""
-    shares = []
-    for held, old, new in (
-        (bench.train, before.train, after.train),
-        (bench.test, before.test, after.test),
-    ):
-        here = np.isin(held.names, list(names))
-        shares.append(float(np.sum(new[here] ** 2) / max(np.sum(old[here] ** 2), 1e-12)))
-    return max(shares)
+    """Whether a model puts most of any one of these statistics right, on both halves."""
+    return any(
+        all(
+            np.sum(new[held.names == name] ** 2) < MENDED * np.sum(old[held.names == name] ** 2)
+            for held, old, new in (
+                (bench.train, before.train, after.train),
+                (bench.test, before.test, after.test),
+            )
+        )
+        for name in left
+    )
 
 
 def _others(bench: Bench, state: State, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from dnanalyze.diagnosis.adequacy import TOLERABLE
 from dnanalyze.diagnosis.trial import Trial, deviance
 
 # The statistics are correlated, so a gain overstates the log likelihood ratio: neighbouring
@@ -14,7 +15,7 @@ from dnanalyze.diagnosis.trial import Trial, deviance
 # their calibration on random sensors is still to be made.
 DEFLATION = 8.0
 NOTHING = 25.0
-CERTAIN = 60.0  # evidence from which "nothing is missing" has less than one chance in ten
+CERTAIN = 60.0  # the same, from which "nothing is missing" has less than one chance in ten
 # The few defects of a half may be more or fewer than their density says: with so much evidence the
 # error may rise by this share.
 PLENTY, LUCK = 100.0, 0.02
@@ -47,7 +48,7 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
 
 
 def dispersion(trials: Sequence[Trial]) -> float:
-    """Misfit per statistic that even the best candidate leaves, at least 1.
+    """Misfit per statistic that even the best candidate leaves; 1 where that is tolerable.
 
     While more than one effect is missing, differences of gain measure how the candidates bend
     around what is still wrong, and count for less (the overdispersion of a quasi-likelihood).
@@ -55,7 +56,7 @@ def dispersion(trials: Sequence[Trial]) -> float:
     if not trials:
         return 1.0
     left = min(deviance(t.state.test) / max(len(t.state.test), 1) for t in trials)
-    return max(1.0, left)
+    return left if left > TOLERABLE**2 else 1.0
 
 
 def lowers(found: Trial, error: float) -> bool:
@@ -72,12 +73,12 @@ def significant(found: Trial, error: float, spread: float = 1.0, least: float = 
     the `dispersion` that is left: a useless effect bends with it.
     """
     lesser = min(found.gain, found.fitted_gain)
-    enough = found.evidence > max(NOTHING * spread, least) and lesser > NOTHING * spread / 4
+    enough = found.evidence > max(NOTHING, least) * spread and lesser > NOTHING * spread / 4
     return enough and lowers(found, error)
 
 
 def addition(
-    trials: Sequence[Trial], error: float, settles: Callable[[Trial], bool] = lambda _: False
+    trials: Sequence[Trial], error: float, mends: Callable[[Trial], bool] = lambda _: False
 ) -> Trial | None:
     """The candidate with the most evidence, if it is significant; None: the data support none.
 
@@ -89,7 +90,7 @@ def addition(
     trials : sequence of Trial
     error : float
         Of the model without any of them.
-    settles : callable
+    mends : callable
         Whether a candidate puts right what no second sensor of the model's make would show. Then
         "nothing is missing" is refuted already, and less evidence is asked for.
     """
@@ -98,7 +99,7 @@ def addition(
     best, spread = trials[0], dispersion(trials)
     if significant(best, error, spread):
         return best
-    return best if significant(best, error, spread, least=0.0) and settles(best) else None
+    return best if significant(best, error, spread, least=0.0) and mends(best) else None
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, mends, settles, sobered
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, mends, sobered
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
@@ -30,7 +30,8 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, catalogue
 
-PLAIN = 300.0  # evidence that the luck of one sensor does not make
+WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
+PLAIN = 300.0  # evidence, in units of the dispersion, that the luck of one sensor does not make
 
 
 @dataclass(frozen=True)
@@ -109,8 +110,8 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     """
     error = error_of(held, state)
     left = cache(lambda: adequacy(held, state, FEW).left)
-    best = addition(tried, error, lambda t: settles(held, left(), state, t.state))
-    if best is None or best.evidence > PLAIN:
+    best = addition(tried, error, lambda t: mends(held, left()[:WORST], state, t.state))
+    if best is None or best.evidence > PLAIN * dispersion(tried):
         return best
     if left() and not mends(held, left(), state, best.state):
         return None

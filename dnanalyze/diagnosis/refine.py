@@ -148,7 +148,7 @@ def refine(
         state = _completed(held, best_guess(held, before, best), best.effect)
         sure = float(confidences(among, error)[0])
         note(Step(best.effect, error_of(held, state), sure))
-        state, gone = _needless(held, state, keep=best.effect)
+        state, gone = _needless(held, state)
         for name in gone:
             dropped.add(name)
             note(Step(f"-{name}", error_of(held, state)))
@@ -203,11 +203,14 @@ def _completed(held: Bench, state: State, name: str) -> State:
     return state if again is state else converge(held, again)
 
 
-def _needless(held: Bench, state: State, keep: str) -> tuple[State, list[str]]:
-    """Drop effects whose removal, after a refit, costs nothing on the unseen half."""
+def _needless(held: Bench, state: State) -> tuple[State, list[str]]:
+    """Drop effects whose removal, after a refit, costs nothing on the unseen half.
+
+    The latest too: it may have led others to a place from which they do without it.
+    """
     gone = []
     for name in list(state.model.names):
-        if name in (*EVERYDAY, keep, BASE):
+        if name in (*EVERYDAY, BASE):
             continue
         without = removal(held, state, name)
         if deviance(without.test) - deviance(state.test) < NOTHING / 2:

@@ -92,7 +92,7 @@ def trials(
             continue
         wanted = state.loss - WORTH * most
         made = judged(bench, state, p.effect, refitted(bench, p, state, wanted, iterations))
-        if p.effect not in best or made.state.loss < best[p.effect].state.loss:
+        if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made
         most = max(most, made.fitted_gain)
     if best:

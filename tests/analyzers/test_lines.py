@@ -23,6 +23,16 @@ def test_defect_columns_are_counted_and_the_worst_is_measured():
     assert found["column_extreme"].value == pytest.approx(4 / 0.0408, rel=0.3)
 
 
+@pytest.mark.parametrize("offset", [4.0, 40.0, 400.0])
+def test_a_line_far_out_is_no_chance_however_far(offset):
+    frames = white(np.random.default_rng(1), (200, 180), 3)
+    for f in frames:
+        f[60] += offset
+    found = values(lines, frames)["row_extreme"]
+    normal = values(lines, white(np.random.default_rng(2), (200, 180), 3))["row_extreme"]
+    assert np.log(found.value / normal.value) > 4 * np.hypot(found.se, normal.se)
+
+
 def test_without_defects_the_extreme_is_that_of_a_normal_sample():
     found = values(lines, white(np.random.default_rng(2), (256, 300), 2))
     assert found["column_outliers"].value == 0

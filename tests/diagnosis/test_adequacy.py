@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.adequacy import adequacy, mends, settles, sobered
+from dnanalyze.diagnosis.adequacy import adequacy, mends, sobered
 from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -53,29 +53,25 @@ def test_nothing_is_left_of_a_sensor_of_the_same_make(held):
     assert found.error == pytest.approx(found.expected, abs=6 * max(found.spread, 0.05))
 
 
-def test_the_effect_settles_it_and_another_does_not(held):
+def test_the_effect_mends_it_and_another_does_not(held):
     before = _at(held, _model(seed=2))
     left = adequacy(held, before).left
     right = _at(held, _model(OffsetDrift(1.0), seed=2))
-    for asked in (settles, mends):
-        assert asked(held, left, before, right)
-        assert not asked(held, left, before, before)
-        assert not asked(held, [], before, right)
+    assert mends(held, left, before, right)
+    assert not mends(held, left, before, before)
+    assert not mends(held, [], before, right)
 
 
-def test_one_thing_put_right_is_mended_though_not_settled(held):
+def test_one_thing_is_mended_where_it_is_put_right_on_both_halves(held):
     before = _at(held, _model(seed=2))
-    worst, small = left = ["drift", "temporal_noise"]
-    for name, settled in ((worst, True), (small, False)):
-        train, test = (
-            np.where(half.names == name, 0.0, z)
-            for half, z in ((held.train, before.train), (held.test, before.test))
-        )
-        after = replace(before, train=train, test=test)
-        assert mends(held, left, before, after)
-        assert settled or not settles(held, left, before, after)
-    one = replace(before, test=np.where(held.test.names == worst, 0.0, before.test))
-    assert not mends(held, left, before, one)  # on one half alone
+    train, test = (
+        np.where(half.names == "drift", 0.0, z)
+        for half, z in ((held.train, before.train), (held.test, before.test))
+    )
+    left = ["drift", "temporal_noise"]
+    assert mends(held, left, before, replace(before, train=train, test=test))
+    assert not mends(held, left, before, replace(before, test=test))
+    assert not mends(held, left[1:], before, replace(before, train=train, test=test))
 
 
 def test_what_is_put_right_of_one_sensors_clouds_is_luck():

@@ -83,6 +83,8 @@ class HeavyTailedReadNoise(Effect):
     def guess(cls, clues: Clues) -> list[Effect]:
         """The 99.9 % quantile over the core gives the tail if all of the noise is of this kind;
         else a heavier tail beside Gaussian noise makes it.
+
+        Of the quietest setting, for there dark current has least noise of its own; and of all.
         """
         high = ("temporal_kurtosis", "temporal_q0.999", "temporal_q0.99")
         low = ("temporal_q0.001", "temporal_q0.01")
@@ -91,13 +93,22 @@ class HeavyTailedReadNoise(Effect):
         core = np.asarray(clues.measured("temporal_noise_core"), float)
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = np.asarray(clues.measured("temporal_q0.999"), float) / core
-        tails = np.linspace(-0.4, 0.1, 101)
-        reach = [(0.999**t - 0.001**t) / t / robust_scale(t) if t else 0.0 for t in tails + 1e-9]
-        wanted = typical_positive(ratio) or 4.5
-        tail = float(tails[int(np.argmin(np.abs(np.array(reach) - wanted)))])
+        tail = _tail_of(typical_positive(ratio) or 4.5)
         noise = typical_positive(core) or 1.0
         whole, part = (bounded(cls, "sigma", share * noise) for share in (0.9, 0.5))
-        return [cls(whole, tail), cls(part, bounded(cls, "tail", tail - 0.2))]
+        found: list[Effect] = [cls(whole, tail), cls(part, bounded(cls, "tail", tail - 0.2))]
+        good = np.isfinite(ratio) & (core > 0)
+        if good.any():
+            i = int(np.argmin(np.where(good, core, np.inf)))
+            found.insert(0, cls(bounded(cls, "sigma", 0.9 * core[i]), _tail_of(ratio[i])))
+        return list(dict.fromkeys(found))
+
+
+def _tail_of(ratio: float) -> float:
+    """The tail whose 99.9 % quantile is so many robust standard deviations."""
+    tails = np.linspace(-0.4, 0.1, 101)
+    reach = [(0.999**t - 0.001**t) / t / robust_scale(t) if t else 0.0 for t in tails + 1e-9]
+    return float(tails[int(np.argmin(np.abs(np.array(reach) - ratio)))])
 
 
 def bent(z: np.ndarray, tail: float) -> np.ndarray:

@@ -58,3 +58,18 @@ def test_guess_reads_the_tail_off_the_quantile():
     assert beside.tail < alone.tail
     assert beside.sigma < alone.sigma < 2.0
     assert HeavyTailedReadNoise.guess(Given(off={"temporal_kurtosis": -9.0})) == []
+
+
+def test_the_quietest_setting_is_asked_first():
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 65.0, 105.0))
+    clues = Given(
+        points=points,
+        seen={
+            "temporal_noise_core": np.array([0.5, 1.0, 2.0]),
+            "temporal_q0.999": np.array([1.8, 5.0, 10.0]),
+        },
+        off={"temporal_kurtosis": 30.0},
+    )
+    quiet, typical, _ = HeavyTailedReadNoise.guess(clues)
+    assert quiet.sigma == pytest.approx(0.45)
+    assert typical.tail < quiet.tail - 0.05
