@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import diagnose
+from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     NOTHING,
@@ -136,3 +137,23 @@ def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
     monkeypatch.setattr(diagnose, "mends", lambda *_: mended)
     monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
+
+
+def test_a_tolerable_misfit_is_no_dispersion_and_a_larger_one_asks_for_more():
+    some = made("a", 1.2 * CERTAIN, 0.9, 1.2)
+    assert dispersion([some]) == 1.0
+    assert significant(some, 1.0, dispersion([some]))
+    wide = made("a", 1.2 * CERTAIN, 0.9, 1.5)
+    assert dispersion([wide]) > 2.0
+    assert not significant(wide, 1.0, dispersion([wide]))
+
+
+def test_only_a_candidate_alone_before_what_it_leaves_over_is_doubted():
+    best, other = made("a", 500.0, 0.9), made("b", 3 * CERTAIN, 0.95)
+    assert diagnose._lone(best, [best], 1.0)
+    assert diagnose._lone(best, [best, made("c", 5.0, 0.99)], 1.0)
+    assert not diagnose._lone(best, [best, other], 1.0)
+    found = Candidate("a", 0.9, 0.5, 0.8, [], ["why"])
+    doubted = diagnose._doubted(found, ["temporal_v_first"])
+    assert doubted.confidence == pytest.approx(0.4)
+    assert "temporal_v_first" in doubted.evidence[-1]

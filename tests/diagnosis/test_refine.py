@@ -1,11 +1,17 @@
 """Completing a model on a sensor of the independent generator, step by step."""
 
+import importlib
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.confidence import STANDS_IN
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.diagnosis.trial import DOUBT, deviance
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import start
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
 
 FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
@@ -43,6 +49,33 @@ def test_it_stops_where_it_is_told(captures, known):
     assert "row_fpn" not in without.effects
     enough = refine(captures, first.model, known=known, until_error=1e3)
     assert len(enough.steps) == 1
+
+
+def test_what_stays_unexplained_halves_the_confidence_of_what_was_added(
+    captures, known, monkeypatch
+):
+    plain = refine(captures, known=known)
+    open_end = replace(plain.diagnosis, verdict="unexplained")
+    monkeypatch.setattr(importlib.import_module("dnanalyze.diagnosis.refine"), "judge",
+                        lambda *_, **__: open_end)  # fmt: skip
+    doubted = refine(captures, known=known)
+    assert plain.verdict == "adequate"
+    assert [s.added for s in doubted.steps] == [s.added for s in plain.steps]
+    sure, unsure = plain.steps[-1].confidence, doubted.steps[-1].confidence
+    assert unsure == pytest.approx(STANDS_IN * sure)
+    assert doubted.steps[0].confidence is None
+
+
+def test_an_addition_that_only_led_the_others_to_their_place_goes_again(
+    captures, known, monkeypatch
+):
+    module = importlib.import_module("dnanalyze.diagnosis.refine")
+    truth = refine(captures, known=known)
+    led = truth.model.with_effect(known["column_fpn"](1e-4))
+    state = start(truth.bench, led, knobs_of(led))
+    kept, gone = module._needless(truth.bench, state)
+    assert gone == ["column_fpn"]
+    assert kept.model.get("row_fpn") is not None
 
 
 def test_deviance_is_a_square_below_the_doubt_and_one_witness_beyond_it():

@@ -17,6 +17,7 @@ from dnanalyze.model.evidence import curve, shows
 TERMS = ("x", "y", "xx", "yy", "xy")
 SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
 CLEAR_SLOPE = 8.0  # standard errors of a slope
+CLEAR_TERM = 4.0  # standard errors of a coefficient
 CLEAR = 3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
 
 
@@ -84,10 +85,13 @@ class DarkGradient(Effect):
     )
 
     def idle(self) -> tuple[str, ...]:
-        """No rows that wait, where none do; a share of the dark signal grows as that does."""
-        waits = self.wait != 0.0
-        idle = () if waits else ("wait",)
-        return idle if waits or self.form == "added" else (*idle, "ea_ev")
+        """What is 0 beside others: half a field does not hold them apart. And the energy of a share
+        of the dark signal, which grows as that does.
+        """
+        numbers = (*TERMS, "wait")
+        unused = tuple(n for n in numbers if getattr(self, n) == 0.0)
+        idle = unused if len(unused) < len(numbers) else ("wait",)
+        return (*idle, "ea_ev") if self.form == "scaled" and self.wait == 0.0 else idle
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the surface, or scale by it."""
@@ -141,10 +145,11 @@ class DarkGradient(Effect):
             return []
         growth = hints.exposure_and_gain(clues)
         raw = np.full((len(growth), len(TERMS)), np.nan)
+        errors = np.full(len(growth), np.nan)
         for j in range(len(growth)):
             blocks = curve(clues, "block_means", j)
             if blocks is not None and min(blocks.shape) >= 3:
-                raw[j] = surface(blocks)
+                raw[j], errors[j] = surface(blocks)
         fits = raw / growth[:, None]
         size = np.sqrt((fits**2).sum(1))
         fitted = hints.thermal_fit(clues, size, 0.63)
@@ -152,13 +157,14 @@ class DarkGradient(Effect):
             return []
         height, ea = fitted
         best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
-        values = dict(zip(TERMS, fits[best] / size[best] * height, strict=True))
+        told = np.abs(raw[best]) >= min(CLEAR_TERM * errors[best], np.abs(raw[best]).max())
+        values = dict(zip(TERMS, told * fits[best] / size[best] * height, strict=True))
         inside: dict[str, Any] = hints.clip(cls, **values, ea_ev=ea)
         added = cls(**inside)
         shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
         if shares is None:
             return [added]
-        share: dict[str, Any] = dict(zip(TERMS, map(float, shares), strict=True))
+        share: dict[str, Any] = dict(zip(TERMS, map(float, told * shares), strict=True))
         return [added, cls(**share, form="scaled")]
 
 
@@ -177,8 +183,10 @@ def legendre(index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
     return np.sqrt(3.0) * x, np.sqrt(5.0) * (1.5 * x * x - 0.5)
 
 
-def surface(blocks: np.ndarray) -> np.ndarray:
-    """Coefficients x, y, xx, yy, xy (DN rms) of the surface closest to the block means."""
+def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
+    """Coefficients x, y, xx, yy, xy (DN rms) of the surface closest to the block means, and the
+    standard error of each.
+    """
     rows, columns = blocks.shape
     px, qx = legendre(np.arange(columns), columns)
     py, qy = legendre(np.arange(rows), rows)
@@ -188,7 +196,9 @@ def surface(blocks: np.ndarray) -> np.ndarray:
         np.outer(one_r, qx), np.outer(qy, one_c), np.outer(py, px),
     ]  # fmt: skip
     design = np.stack([b.ravel() for b in basis], 1)
-    return np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0][1:]
+    found = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
+    rest = blocks.ravel() - design @ found
+    return found[1:], float(np.std(rest)) / math.sqrt(blocks.size)
 
 
 def _waits(clues: Clues) -> tuple[float, float] | None:

@@ -80,6 +80,7 @@ def test_gradient_is_guessed_from_the_block_means():
     (guess,) = DarkGradient.guess(clues)
     got = [guess.x, guess.y, guess.xx, guess.yy, guess.ea_ev]
     assert got == pytest.approx([3.0, -4.0, 0.0, 1.0, 0.7], abs=0.03)
+    assert guess.xx == guess.xy == 0.0  # below what the blocks tell
 
 
 def test_cosmic_rays_bring_the_charge_and_number_they_should():
@@ -215,6 +216,7 @@ def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():
     both = frames((HotPixels(0.3, 20.0), DarkGradient(x=0.1, yy=0.05, **form)), (64, 96))[0]
     np.testing.assert_allclose(both, plain * (1 + added), rtol=1e-5, atol=1e-5)
     assert DarkGradient(**form).idle() == ("wait", "ea_ev")
+    assert "ea_ev" not in DarkGradient(wait=1.0, **form).idle()
 
 
 def test_a_share_is_guessed_from_the_slope_over_the_level():
@@ -265,7 +267,8 @@ def test_rows_that_wait_collect_charge_at_any_exposure():
     assert up[0, 0] == pytest.approx(16.0)  # the first row waits longest, and none is negative
     assert 0 <= up.min() < 1
     assert DarkGradient().idle() == ("wait",)
-    assert effect.idle() == DarkGradient(wait=1.0, form="scaled").idle() == ()
+    assert effect.idle() == ("x", "y", "xx", "yy", "xy")
+    assert DarkGradient(x=1.0, yy=2.0).idle() == ("y", "xx", "xy", "wait")
     assert effect.variance(HERE) is None
 
 
