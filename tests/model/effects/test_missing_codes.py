@@ -163,3 +163,18 @@ def test_widths_that_a_digital_gain_makes_are_left_to_it(gain, kinds):
         curves={"histogram_codes": [codes], "histogram_counts": [n]},
     )
     assert [e.kind for e in MissingCodes.guess(clues)] == kinds
+
+
+@pytest.mark.parametrize("wide", [1.5, 2.6])
+def test_one_wide_code_that_is_not_just_twice_as_wide_is_the_converters(wide):
+    widths = np.tile([wide, 1.0, 1.0, 1.0], 300)
+    edges = np.cumsum(widths / widths.mean()) - 0.5
+    x = 200.3 + 20.0 * np.random.default_rng(6).standard_normal(200_000)
+    codes, n = np.unique(np.searchsorted(edges, x, side="right"), return_counts=True)
+    clues = Given(
+        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
+        off={"code_roughness": 9.0, "code_comb": 9.0},
+        curves={"histogram_codes": [codes], "histogram_counts": [n]},
+    )
+    first = MissingCodes.guess(clues)[0]
+    assert (first.kind, first.period) == ("periodic", 4)
