@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -58,20 +57,20 @@ def in_step(
 
 def _blocks(image: np.ndarray, u: float, v: float) -> np.ndarray:
     """Complex amplitude of each block, (4, 4)."""
+    from dnanalyze.analyzers import spectral_kernels as kernels
+
     rows, columns = image.shape
-    across = _waves(u, columns)
-    down = _waves(v, rows)
-    return down.T @ (np.asarray(image, np.float32) @ across)
-
-
-def _waves(frequency: float, size: int) -> np.ndarray:
-    """exp(-2 pi i f x) on each block of an axis and 0 elsewhere, (size, blocks)."""
-    edges = np.arange(BLOCKS + 1) * (size // BLOCKS)
-    out = np.zeros((size, BLOCKS), np.complex64)
-    turn = np.exp(-2j * math.pi * frequency * np.arange(size))
-    for block, (low, high) in enumerate(pairwise(edges)):
-        out[low:high, block] = turn[low:high]
-    return out
+    turn = 2.0 * math.pi * u * np.arange(columns)
+    across = kernels.block_waves(
+        np.asarray(image, np.float32),
+        np.cos(turn).astype(np.float32),
+        np.sin(turn).astype(np.float32),
+        BLOCKS,
+    )
+    height = rows // BLOCKS
+    line = across[: height * BLOCKS, :, 0] - 1j * across[: height * BLOCKS, :, 1]
+    down = np.exp(-2j * math.pi * v * np.arange(height * BLOCKS))
+    return np.asarray((line * down[:, None]).reshape(BLOCKS, height, BLOCKS).sum(axis=1))
 
 
 def _largest(amplitudes: np.ndarray) -> float:

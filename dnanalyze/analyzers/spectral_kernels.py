@@ -120,3 +120,20 @@ def line_sums(image, centre, reach):
         by_row[i] = total
         square += squares
     return by_column, by_row, square
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
+def block_waves(image, cosine, sine, blocks):
+    """Sums of each row's blocks times a cosine and a sine, (rows, blocks, 2), float64."""
+    rows = image.shape[0]
+    width = image.shape[1] // blocks
+    out = np.zeros((rows, blocks, 2))
+    for i in range(rows):
+        for b in range(blocks):
+            even, odd = np.float32(0), np.float32(0)
+            for j in range(b * width, (b + 1) * width):
+                even += image[i, j] * cosine[j]
+                odd += image[i, j] * sine[j]
+            out[i, b, 0] = even
+            out[i, b, 1] = odd
+    return out
