@@ -16,7 +16,7 @@ _CHANCE = 0.1  # c/px; the frequency of a peak that chance made is told no bette
 _CLIPPED = 0.7  # share of a wave's effect on memory that a median over pixels keeps
 _BLUNT = 0.35  # and that is left where variances are told over their mean
 _QUARTILE = 0.6745
-_STEP = 0.3  # from the share of a chance peak that is in step to that of a wave, in 1.7 of these
+_STEP = 0.3  # how far a peak of chance and one of a wave differ in the share that is in step
 
 Values = dict[str, Value]
 
@@ -49,7 +49,8 @@ def widened(values: Values, frames: int) -> Values:
 
 def _moves(name: str, values: Values, power: float, frames: int) -> float:
     """Standard deviation of a statistic's coordinate through the phases alone."""
-    law = next((law for start, law in _LAWS.items() if name.startswith(start)), None)
+    starts = next((law for start, law in _LAWS.items() if name.startswith(start)), None)
+    law = _WHOLE_NAMES.get(name, starts)
     return law(name, values, power, frames) if law is not None else 0.0
 
 
@@ -145,8 +146,8 @@ _LAWS: dict[str, Callable[[str, Values, float, int], float]] = {
     "pattern_psd_": lambda name, v, c, k: _bands(name, v, k),
     "pattern_u_": lambda name, v, c, k: _bands(name, v, k),
     "pattern_v_": lambda name, v, c, k: _bands(name, v, k),
-    "pattern_line_": lambda name, v, c, k: (
-        _STEP * (1.0 - 1.0 / (1.0 + _line(v, c, k))) if name.endswith("in_step") else 0.0
-    ),
+}
+_WHOLE_NAMES: dict[str, Callable[[str, Values, float, int], float]] = {
     "pattern_line": lambda name, v, c, k: math.log1p(_line(v, c, k)),
+    "pattern_line_in_step": lambda name, v, c, k: _STEP * (1.0 - 1.0 / (1.0 + _line(v, c, k))),
 }

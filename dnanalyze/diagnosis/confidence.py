@@ -15,12 +15,12 @@ from dnanalyze.diagnosis.trial import Trial, deviance
 # their calibration on random sensors is still to be made.
 DEFLATION = 8.0
 NOTHING = 25.0
-CERTAIN = 60.0  # the same, from which "nothing is missing" has less than one chance in ten
+CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
 # The few defects of a half may be more or fewer than their density says: with so much evidence the
 # error may rise by this share.
 PLENTY, LUCK = 100.0, 0.02
-# Of effects that were named where something stayed unexplained, half were there; the others stood
-# in for what is in no catalogue (virtual sensors, as many of either).
+# Of names given where something stayed unexplained, 13 of 19 were there on virtual sensors with an
+# effect of the catalogue, and 0 of 24 where it is in none: even odds that it stands in for another.
 STANDS_IN = 0.5
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion
 

@@ -88,10 +88,9 @@ class DarkGradient(Effect):
         """What is 0 beside others: half a field does not hold them apart. And the energy of a share
         of the dark signal, which grows as that does.
         """
-        numbers = (*TERMS, "wait")
-        unused = tuple(n for n in numbers if getattr(self, n) == 0.0)
-        idle = unused if len(unused) < len(numbers) else ("wait",)
-        return (*idle, "ea_ev") if self.form == "scaled" and self.wait == 0.0 else idle
+        used = [n for n in (*TERMS, "wait") if getattr(self, n) != 0.0] or list(TERMS)
+        grows = self.form == "added" or "wait" in used
+        return tuple(n for n in (*TERMS, "wait") if n not in used) + (() if grows else ("ea_ev",))
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the surface, or scale by it."""
@@ -134,8 +133,8 @@ class DarkGradient(Effect):
         shortest exposures.
         """
         waits = _waits(clues) if shows(clues, ("shading_0_1", "pattern_rows_0_0.02")) else None
-        waiting = [] if waits is None else [cls(wait=waits[0], ea_ev=waits[1])]
-        return [*cls._surfaces(clues), *waiting]
+        found: dict[str, Any] = hints.clip(cls, **(waits or {}))
+        return [*cls._surfaces(clues), *([cls(**found)] if found else [])]
 
     @classmethod
     def _surfaces(cls, clues: Clues) -> list[DarkGradient]:
@@ -201,7 +200,7 @@ def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
     return found[1:], float(np.std(rest)) / math.sqrt(blocks.size)
 
 
-def _waits(clues: Clues) -> tuple[float, float] | None:
+def _waits(clues: Clues) -> dict[str, float] | None:
     """Height of the ramp (DN at the reference) and activation energy; None: none stands out."""
     known = [p.exposure_s for p in clues.points if p.exposure_s is not None]
     limit = SHORT * max(known) if known else math.inf
@@ -224,4 +223,4 @@ def _waits(clues: Clues) -> tuple[float, float] | None:
     fitted = hints.thermal_fit(clues, sign * heights / hints.gains(clues), 0.63)
     if fitted is None:
         return None
-    return sign * min(fitted[0], 1e5), fitted[1]
+    return {"wait": sign * fitted[0], "ea_ev": fitted[1]}

@@ -10,16 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.evidence import (
-    LINE_BANDS,
-    bounded,
-    line_sigma,
-    named,
-    shows,
-)
-
-SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
-CLEAR = 8.0  # standard errors of a slope
+from dnanalyze.model.evidence import LINE_BANDS, bounded, line_sigma, named, shows
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,17 @@ def test_guess_from_the_roughness_of_the_histogram():
 WIDTHS = (-0.6, 0.0, 0.0, 0.6)
 
 
+def rough(settings, period):
+    """Clues of a rough histogram, its codes and counts at each setting, and the comb it shows."""
+    codes, n = zip(*settings, strict=True)
+    return Given(
+        points=tuple(OperatingPoint(25.0 + 20.0 * i, 1.0, 1.0) for i in range(len(settings))),
+        seen={"code_roughness": 0.4, "code_comb_period": period},
+        off={"code_roughness": 9.0, "code_comb": 9.0},
+        curves={"histogram_codes": codes, "histogram_counts": n},
+    )
+
+
 def converted(x):
     """Codes and counts where every fourth edge is .6 DN too high."""
     upper = np.arange(1, 401)
@@ -101,11 +112,7 @@ def test_widths_that_make_no_pattern_are_refused(widths):
 
 def test_guess_reads_the_widths_off_the_histogram():
     codes, n = converted(200.3 + 20.0 * np.random.default_rng(3).standard_normal(200_000))
-    clues = Given(
-        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
-        off={"code_roughness": 9.0, "code_comb": 9.0},
-        curves={"histogram_codes": [codes], "histogram_counts": [n]},
-    )
+    clues = rough([(codes, n)], 4.0)
     effect = MissingCodes.guess(clues)[0]
     assert (effect.kind, effect.period) == ("periodic", 4)
     d = effect.sigma * np.array(effect.widths)
@@ -116,13 +123,7 @@ def test_guess_reads_the_widths_off_the_histogram():
 def test_one_edge_is_tried_without_the_noise_of_the_others_and_no_period_twice():
     rng = np.random.default_rng(4)
     settings = [converted(64.2 + level + 0.9 * rng.standard_normal(50_000)) for level in (0, 2, 5)]
-    names = ("histogram_codes", "histogram_counts")
-    clues = Given(
-        points=tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0)),
-        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
-        off={"code_roughness": 9.0, "code_comb": 9.0},
-        curves=dict(zip(names, zip(*settings, strict=True), strict=True)),
-    )
+    clues = rough(settings, 4.0)
     first, second, *rest = MissingCodes.guess(clues)
     np.testing.assert_allclose(first.widths, np.array(WIDTHS) / np.std(WIDTHS), atol=1e-3)
     assert first.sigma == pytest.approx(np.std(WIDTHS), abs=0.1)
@@ -142,11 +143,7 @@ def test_the_period_is_the_one_that_the_next_longer_only_repeats(period):
         + np.exp(3.0 + 0.8 * rng.standard_normal(300_000))
     )
     codes, n = np.unique(np.searchsorted(edges, x, side="right"), return_counts=True)
-    clues = Given(
-        seen={"code_roughness": 0.4, "code_comb_period": 3.0},  # the harmonic that is strongest
-        off={"code_roughness": 9.0, "code_comb": 9.0},
-        curves={"histogram_codes": [codes], "histogram_counts": [n]},
-    )
+    clues = rough([(codes, n)], 3.0)  # the harmonic that is strongest
     effect = MissingCodes.guess(clues)[0]
     assert (effect.kind, effect.period) == ("periodic", period)
     d = effect.sigma * np.array(effect.widths)
@@ -157,11 +154,7 @@ def test_the_period_is_the_one_that_the_next_longer_only_repeats(period):
 def test_widths_that_a_digital_gain_makes_are_left_to_it(gain, kinds):
     x = 200.3 + 20.0 * np.random.default_rng(6).standard_normal(200_000)
     codes, n = np.unique(np.rint(np.rint(x) * gain), return_counts=True)
-    clues = Given(
-        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
-        off={"code_roughness": 9.0, "code_comb": 9.0},
-        curves={"histogram_codes": [codes], "histogram_counts": [n]},
-    )
+    clues = rough([(codes, n)], 4.0)
     assert [e.kind for e in MissingCodes.guess(clues)] == kinds
 
 
@@ -171,10 +164,6 @@ def test_one_wide_code_that_is_not_just_twice_as_wide_is_the_converters(wide):
     edges = np.cumsum(widths / widths.mean()) - 0.5
     x = 200.3 + 20.0 * np.random.default_rng(6).standard_normal(200_000)
     codes, n = np.unique(np.searchsorted(edges, x, side="right"), return_counts=True)
-    clues = Given(
-        seen={"code_roughness": 0.4, "code_comb_period": 4.0},
-        off={"code_roughness": 9.0, "code_comb": 9.0},
-        curves={"histogram_codes": [codes], "histogram_counts": [n]},
-    )
+    clues = rough([(codes, n)], 4.0)
     first = MissingCodes.guess(clues)[0]
     assert (first.kind, first.period) == ("periodic", 4)
