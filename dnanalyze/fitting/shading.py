@@ -25,17 +25,19 @@ def _basis(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[int, int]]]:
     """Cosine surfaces of order < WIDE at the blocks of one colour, low orders first.
 
-    Returns the surfaces, their pseudo-inverse, the places of the blocks, and the orders.
+    Returns the surfaces, their pseudo-inverse, the places of the blocks, and the orders (across,
+    down).
     """
     top = min(WIDE, rows // 2, cols // 2)
     orders = sorted(
-        ((i, j) for i in range(top) for j in range(top)), key=lambda o: (max(o), o[0] + o[1], o)
+        ((i, j) for i in range(top) for j in range(top)),
+        key=lambda o: (max(o), o[0] + o[1], o[1]),
     )
     y = np.cos(np.pi * np.outer(np.arange(rows) + 0.5, np.arange(top)) / rows)
     x = np.cos(np.pi * np.outer(np.arange(cols) + 0.5, np.arange(top)) / cols)
     r, c = np.nonzero((np.add.outer(np.arange(rows), np.arange(cols)) % 2) == parity)
     scale = [(np.sqrt(2) if i else 1) * (np.sqrt(2) if j else 1) for i, j in orders]
-    design = np.stack([y[r, i] * x[c, j] * s for (i, j), s in zip(orders, scale, strict=True)], 1)
+    design = np.stack([x[c, i] * y[r, j] * s for (i, j), s in zip(orders, scale, strict=True)], 1)
     return design, np.linalg.pinv(design), r * cols + c, orders
 
 
@@ -54,40 +56,45 @@ def shading_values(
     Returns
     -------
     dict
-        shading_i_j for i, j < 4 save 0_0. The squared error is that of the white residue plus the
-        power of the next orders of its kind: a random low-frequency field shows there, and a
-        second sensor would draw it anew. ``mean`` and ``median`` of the half are
-        moved by how far the blocks of the colour lie from its own.
+        shading_i_j, order i across and j down, for i, j < 4 save 0_0. The squared error is that of
+        the white residue plus the power of the next orders of its kind: a random low-frequency
+        field shows there, and a second sensor would draw it anew. ``mean`` and ``median`` of the
+        half are moved by how far the blocks of the colour lie from its own.
     """
     if "block_means" not in upper.curves or "block_means" not in lower.curves:
         return {}
     blocks = np.concatenate([upper.curves["block_means"], lower.curves["block_means"]])
     if min(blocks.shape) < 2 * ORDER or not np.isfinite(blocks).all():
         return {}
+    found = {f"shading_{i}_{j}": v for (i, j), v in _surfaces(blocks, parity).items()}
+    half = (upper, lower)[parity]
+    colour = blocks.ravel()[_basis(*blocks.shape, parity)[2]]
+    shift = float(colour.mean() - half.curves["block_means"].mean())
+    levels = {n: half.values[n] for n in LEVELS if n in half.values}
+    moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
+    return found | moved
+
+
+def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:
+    """Coefficients below `ORDER`, rms over the field, by their orders (across, down)."""
     design, inverse, where, orders = _basis(*blocks.shape, parity)
-    low = [k for k, o in enumerate(orders) if max(o) < ORDER]
     coefficient = inverse @ blocks.ravel()[where]
     residue = blocks.ravel()[where] - design @ coefficient
     freedom = max(1, len(where) - len(orders))
     white = residue @ residue / freedom / len(where)
-    se = {}
-    for k in low:
+    found = {}
+    for k, order in enumerate(orders):
+        if max(order) >= ORDER or order == (0, 0):
+            continue
         # Rows and columns that vary at random show along their own axis only.
-        kind = _kind(orders[k])
+        kind = _kind(order)
         alike = [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == kind]
         next_power = np.mean(coefficient[alike] ** 2) if alike else white
-        se[k] = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
-    found = {
-        f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se[k], 1e-4))
-        for k in low
-        if orders[k] != (0, 0)
-    }
-    half = (upper, lower)[parity]
-    shift = float(blocks.ravel()[where].mean() - half.curves["block_means"].mean())
-    levels = {n: half.values[n] for n in LEVELS if n in half.values}
-    return found | {n: replace(v, value=v.value + shift) for n, v in levels.items()}
+        se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
+        found[order] = Value(float(coefficient[k]), max(se, 1e-4))
+    return found
 
 
 def _kind(order: tuple[int, int]) -> str:
     """Whether a cosine surface varies along rows, along columns, or both."""
-    return "both" if order[0] and order[1] else "columns" if order[1] else "rows"
+    return "both" if order[0] and order[1] else "columns" if order[0] else "rows"

@@ -1,8 +1,11 @@
 """Low-order shading from one colour of a checkerboard."""
 
 import numpy as np
+import pytest
 
+from dnanalyze.analyzers import shading
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
+from dnanalyze.analyzers.streaming import accumulate
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -15,10 +18,10 @@ def halves(blocks):
     ]
 
 
-def cosine(i, j, shape=(16, 16)):
-    y = np.cos(np.pi * i * (np.arange(shape[0]) + 0.5) / shape[0]) * (np.sqrt(2) if i else 1)
-    x = np.cos(np.pi * j * (np.arange(shape[1]) + 0.5) / shape[1]) * (np.sqrt(2) if j else 1)
-    return np.outer(y, x)
+def cosine(across, down, shape=(16, 16)):
+    x = np.cos(np.pi * across * (np.arange(shape[1]) + 0.5) / shape[1])
+    y = np.cos(np.pi * down * (np.arange(shape[0]) + 0.5) / shape[0])
+    return np.outer(y, x) * np.sqrt((2 if across else 1) * (2 if down else 1))
 
 
 def test_a_surface_is_found_in_dn_rms_on_either_colour():
@@ -46,8 +49,18 @@ def test_random_rows_do_not_pass_for_shading():
     for _ in range(200):
         blocks = rng.normal(size=(16, 16)) * 0.1 + rng.normal(size=(16, 1))
         found = shading_values(*halves(blocks), 0)
-        pulls.append(found["shading_1_0"].value / found["shading_1_0"].se)
+        pulls.append(found["shading_0_1"].value / found["shading_0_1"].se)
     assert np.std(pulls) < 1.2
+
+
+def test_orders_are_named_as_the_statistics_of_a_whole_frame_are():
+    blocks = 64.0 + cosine(2, 1)
+    frame = np.repeat(np.repeat(blocks, 16, axis=0), 16, axis=1).astype(np.float32)
+    whole = shading.finish(accumulate([frame, frame]).finish()).values
+    for parity in (0, 1):
+        found = shading_values(*halves(blocks), parity)
+        for name in found:
+            assert found[name].value == pytest.approx(whole[name].value, abs=1e-4), name
 
 
 def test_halves_of_different_level_are_shaded_and_not_wrong_in_level():

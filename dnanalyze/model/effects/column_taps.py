@@ -16,8 +16,8 @@ from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.line_profile import line_profile, strip_profile
 
 _PERIODS, _STRIPS = (2, 3, 4, 8), (2, 4, 8, 16)
-_SEAMS = ("column_taps_2", "column_taps_4", "column_taps_8", "shading_0_1", "shading_0_2",
-          "shading_0_3")  # fmt: skip
+_SEAMS = ("column_taps_2", "column_taps_4", "column_taps_8", "shading_1_0", "shading_2_0",
+          "shading_3_0")  # fmt: skip
 _PEAK = 14.0  # times the median: by chance in one of 1000 spectra of 1000 exponential modes
 NEARLY = 0.8  # share of what any number of taps explains
 

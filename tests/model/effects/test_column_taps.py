@@ -69,7 +69,7 @@ def test_guess_reads_interleaved_levels_off_the_columns_beside_a_gradient():
 
 def test_guess_reads_the_levels_of_strips_off_the_blocks():
     blocks = np.repeat(np.array([[3.0, -1.0, -1.0, -1.0]]), 8, axis=1).repeat(6, axis=0)
-    seen = Given(off={"shading_0_1": -5.0}, curves={"block_means": [blocks]})
+    seen = Given(off={"shading_1_0": -5.0}, curves={"block_means": [blocks]})
     (effect,) = ColumnTaps.guess(seen)
     assert (effect.kind, effect.taps) == ("blocks", 4)
     np.testing.assert_allclose(effect.levels, np.array([3, -1, -1, -1]) / np.sqrt(3), atol=1e-3)
