@@ -1,4 +1,8 @@
-"""Shading: how the fixed pattern varies over the field, as cosine coefficients of block means."""
+"""Shading: how the fixed pattern, and the noise, vary over the field.
+
+Cosine coefficients of block means. Charge has its shot noise with it, an offset of the readout has
+none: where the noise is shaded like the pattern, that is charge.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +20,12 @@ SMALLEST_BLOCK = 8  # pixels
 ORDERS = 4  # coefficients of lower orders are told one by one
 MID = (4, 8)  # orders, half open
 HIGH = 8  # orders from here on
+NOISE = "noise_shading_"
+NOISE_ORDERS = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # across, down
 _RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
 
+
+_REACH = 8.0  # times the typical variance; a pixel's own is cut there
 
 _UNLIKE = (
     "the fixed pattern is shaded over the field otherwise than in the model: glow, a thermal "
@@ -28,6 +36,12 @@ _UNLIKE = (
 def _order(i: int, j: int) -> StatisticInfo:
     title = f"shading of order {i} across, {j} down"
     return StatisticInfo(f"shading_{i}_{j}", "shading", "DN", title, high=_UNLIKE, low=_UNLIKE)
+
+
+def _noise_order(i: int, j: int) -> StatisticInfo:
+    title = f"shading of the temporal variance of order {i} across, {j} down, over its mean"
+    name = f"{NOISE}{i}_{j}"
+    return StatisticInfo(name, "shading", "1", title, compared=False)
 
 
 def _power(name: str, orders: str) -> StatisticInfo:
@@ -43,19 +57,23 @@ INFOS: tuple[StatisticInfo, ...] = (
     *(_order(i, j) for i in range(ORDERS) for j in range(ORDERS) if i or j),
     _power("shading_mid", "4 to 7"),
     _power("shading_high", "8 to 15"),
+    *(_noise_order(i, j) for i, j in NOISE_ORDERS),
 )
 
 
 def finish(acc: Accumulated) -> FamilyResult:
-    """Cosine coefficients of the winsorised pattern; of the frame itself where there is one."""
+    """Cosine coefficients of the winsorised pattern, of the frame itself where there is one, and
+    of the winsorised temporal variance.
+    """
     image = acc.clipped_pattern
     shape = tuple(min(GRID, n // SMALLEST_BLOCK) for n in image.shape)
     if min(shape) < 2:
         why = f"needs two blocks of {SMALLEST_BLOCK} pixels along each side"
         return FamilyResult(missing={"shading": why})
     means = block_means(image, (shape[0], shape[1]))
-    coefficients = scipy.fft.dctn(means, norm="ortho").T / math.sqrt(means.size)
+    coefficients = _cosines(means)
     result = FamilyResult(curves={"block_means": means + acc.pattern_centre})
+    _of_noise(acc, (shape[0], shape[1]), result)
     square = coefficients**2
     order = np.maximum(*np.indices(square.shape))
     resolution = acc.pattern_step or 1e-6 * max(1.0, abs(acc.pattern_centre))
@@ -80,6 +98,32 @@ def finish(acc: Accumulated) -> FamilyResult:
         else:
             result.missing[name] = "the frame has too few blocks for these orders, or no pattern"
     return result
+
+
+def _cosines(blocks: np.ndarray) -> np.ndarray:
+    """Orthonormal coefficients, (across, down), in the unit of the blocks rms over the field."""
+    return np.asarray(scipy.fft.dctn(blocks, norm="ortho").T / math.sqrt(blocks.size))
+
+
+def _of_noise(acc: Accumulated, grid: tuple[int, int], result: FamilyResult) -> None:
+    """Add the coefficients of the temporal variance over its mean."""
+    names = [f"{NOISE}{i}_{j}" for i, j in NOISE_ORDERS]
+    typical, variance = acc.difference_sigma**2, acc.temporal_variance
+    if variance is None or min(typical, acc.temporal_mean) <= 0 or min(grid) <= MID[0]:
+        why = "needs two frames with noise between them, and five blocks along each side"
+        result.missing.update(dict.fromkeys(names, why))
+        return
+    blocks = block_means(np.minimum(variance, np.float32(_REACH * typical)), grid)
+    blocks /= blocks.mean()
+    coefficients = _cosines(blocks)
+    square = coefficients**2
+    kinds = _groups((square.shape[0], square.shape[1]))
+    fine = np.maximum(*np.indices(square.shape)) >= MID[0]
+    white = float(square[fine & (kinds == 2)].mean())
+    for name, (i, j) in zip(names, NOISE_ORDERS, strict=True):
+        own = float(square[fine & (kinds == _kind(i, j))].mean())
+        error = math.sqrt(max(own, white, 1e-12))
+        result.values[name] = Value(float(coefficients[i, j]), error)
 
 
 def _kind(i: int, j: int) -> int:

@@ -29,7 +29,7 @@ def test_a_cosine_surface_is_its_own_coefficient(across, down):
     # block means of 16 blocks keep sinc(order / 32) of a wave along each axis
     kept = np.sinc(across / 32) * np.sinc(down / 32)
     for name, value in found.items():
-        if name.count("_") == 2:
+        if name.startswith("shading_") and name[-1].isdigit():
             expected = amplitude * kept if name == f"shading_{across}_{down}" else 0.0
             assert abs(value.value - expected) < 4.5 * value.se, name
 
@@ -41,6 +41,34 @@ def test_white_noise_gives_every_order_its_share():
     assert found["shading_1_1"].se == pytest.approx(np.sqrt(share), rel=0.3)
     assert abs(log_pull(found["shading_mid"], share)) < 4.5
     assert abs(log_pull(found["shading_high"], share)) < 4.5
+
+
+@pytest.mark.parametrize(("across", "down"), [(1, 0), (0, 1), (1, 1)])
+def test_charge_shades_the_noise_and_an_offset_does_not(across, down):
+    shape, frames, share = (256, 192), 6, 0.3
+    rng = np.random.default_rng(11)
+    charge = 100.0 * (1.0 + share * surface(shape, across, down))
+    shot = [rng.poisson(charge).astype(np.float32) for _ in range(frames)]
+    offset = [(f + charge).astype(np.float32) for f in white(rng, shape, frames, 10.0)]
+    kept = np.sinc(across / 32) * np.sinc(down / 32)
+    for made, wanted in ((shot, share * kept), (offset, 0.0)):
+        found = values(shading, made)
+        for i, j in shading.NOISE_ORDERS:
+            value = found[f"noise_shading_{i}_{j}"]
+            expected = wanted if (i, j) == (across, down) else 0.0
+            assert abs(value.value - expected) < 4.5 * value.se, (i, j)
+        # variances of 6 Gaussian values scatter by sqrt(2 / 5)
+        stated = found["noise_shading_1_1"].se
+        assert stated == pytest.approx(np.sqrt(0.4 / (shape[0] * shape[1])), rel=0.3)
+
+
+def test_noise_of_few_pixels_does_not_shade_it():
+    rng = np.random.default_rng(12)
+    frames = white(rng, (128, 128), 4)
+    for f in frames:
+        f[:16, :16][rng.random((16, 16)) < 0.02] += 1e4
+    found = values(shading, frames)["noise_shading_1_0"]
+    assert abs(found.value) < 5 * found.se
 
 
 def test_hot_pixels_do_not_shade():
