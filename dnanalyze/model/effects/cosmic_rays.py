@@ -11,7 +11,7 @@ from scipy.special import pdtrik
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import excess, shows
 
 SPACING = 0.25  # of the points along a track, pixels
@@ -28,14 +28,15 @@ class CosmicRays(Effect):
     physics: ClassVar[str] = (
         "Muons (about one per square centimetre and minute at sea level), natural radioactivity "
         "of the packaging, and in space protons leave thousands of electrons along a straight "
-        "track. A hit is in one frame only, lights one pixel or a line of them, and the number "
-        "of hits grows with exposure and area but not with temperature. The median of several "
-        "frames removes them; single frames need a detector of sharp edges."
+        "track, in proportion to their path through the silicon, or as much as they had left where "
+        "they stop in it (`charge`). A hit is in one frame only, lights one pixel or a line of "
+        "them, and the number of hits grows with exposure and area but not with temperature. The "
+        "median of several frames removes them; single frames need a detector of sharp edges."
     )
     formula: ClassVar[str] = (
         "number ~ Pois(rate x Mpx x exposure); each: uniform place and direction, length Exp(l), "
-        "charge Exp(E) spread evenly along it and bilinearly over the pixels; mean added a pixel "
-        "rate x exposure x E / 1e6"
+        "charge Exp(E), or Exp(E) (1 + length) / (1 + l), spread evenly along it and bilinearly "
+        "over the pixels; mean added a pixel rate x exposure x E / 1e6"
     )
     references: ClassVar[tuple[str, ...]] = ("Groom, Experimental Astronomy 14 (2002)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
@@ -61,6 +62,7 @@ class CosmicRays(Effect):
     )
     energy: float = parameter(1000.0, "DN", 1.0, 1e7, "mean charge of a hit at the reference gain")
     length: float = parameter(2.0, "pixel", 0.05, 200.0, "mean length of a track")
+    charge: str = choice("track", "drawn for the track, or in proportion to it", "track", "path")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the tracks of this frame that cross the window."""
@@ -97,6 +99,8 @@ class CosmicRays(Effect):
         u = random.random((number, 5))
         length = -self.value("length", site.point) * np.log1p(-u[:, 3])
         energy = -self.value("energy", site.point) * site.gain_ratio * np.log1p(-u[:, 4])
+        if self.charge == "path":  # the silicon is about a pixel deep
+            energy *= (1.0 + length) / (1.0 + self.value("length", site.point))
         steps = np.ceil(length / SPACING).astype(int) + 1
         track = np.repeat(np.arange(number), steps)
         along = np.arange(track.size) - np.repeat(np.cumsum(steps) - steps, steps)
@@ -125,9 +129,8 @@ class CosmicRays(Effect):
         rate = seen / (np.prod(clues.shape) * 1e-6)
         noise = np.asarray(clues.measured("temporal_noise_core"), float)
         energy = 30.0 * float(np.nanmedian(noise / hints.gains(clues))) * pixels_a_hit
-        return [
-            cls(**hints.clip(cls, rate=rate, energy=energy * f, length=length)) for f in (1, 10)
-        ]
+        numbers = [hints.clip(cls, rate=rate, energy=energy * f, length=length) for f in (1, 10)]
+        return [cls(**n, charge=kind) for kind in ("track", "path") for n in numbers]
 
     def variance(self, point: OperatingPoint) -> float | None:
         """None: it depends on how a track falls on the pixels."""

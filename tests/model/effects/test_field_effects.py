@@ -88,12 +88,15 @@ def test_gradient_is_guessed_from_the_block_means():
     assert guess.xx == guess.xy == 0.0  # below what the blocks tell
 
 
-def test_cosmic_rays_bring_the_charge_and_number_they_should():
-    effect = CosmicRays(rate=200.0, energy=500.0, length=4.0)
+# second moment of the charge over the square of its mean: 2 for Exp(E); times
+# (1 + 2 l + 2 l^2) / (1 + l)^2 where it goes with a length of Exp(l)
+@pytest.mark.parametrize(("charge", "moment"), [("track", 2.0), ("path", 2.0 * 41 / 25)])
+def test_cosmic_rays_bring_the_charge_and_number_they_should(charge, moment):
+    effect = CosmicRays(rate=200.0, energy=500.0, length=4.0, charge=charge)
     y = frames(effect, (512, 512), 40, LONG)
     number = 200 * 0.262144 * 3 * 40
-    # compound Poisson, exponential charges: second moment 2 E^2; the border takes a part
-    assert y.sum() / (number * 500) == pytest.approx(1, abs=5 * np.sqrt(2 / number) + 0.01)
+    # compound Poisson; the border takes a part
+    assert y.sum() / (number * 500) == pytest.approx(1, abs=5 * np.sqrt(moment / number) + 0.01)
     a, b = (y[n] > 1 for n in (0, 1))
     assert (a & b).sum() < 40  # chance overlap, no repeat
     assert abs(frames(effect, (512, 512), 40, LOUD).sum() / (2 * 500 * number / 3) - 1) < 0.2
@@ -113,6 +116,22 @@ def test_tracks_are_as_long_as_told_in_any_direction():
     assert rows.mean() == pytest.approx(columns.mean(), abs=spread)
 
 
+@pytest.mark.parametrize(("charge", "slope"), [("track", 0.0), ("path", 1.0)])
+def test_longer_tracks_hold_more_charge_where_it_is_drawn_for_the_path(charge, slope):
+    effect = CosmicRays(rate=1.0, energy=1e5, length=30.0, charge=charge)
+    sums, extents = [], []
+    for y in frames(effect, (600, 600), 150, OperatingPoint(25.0, 4.0, 1.0)):
+        marked, count = label(y > 1e-3, np.ones((3, 3)))
+        places = find_objects(marked)
+        extents += [np.hypot(r.stop - r.start - 1, c.stop - c.start - 1) for r, c in places]
+        sums += [y[marked == n + 1].sum() for n in range(count)]
+    away = np.array(extents) / np.mean(extents) - 1.0
+    relative = np.array(sums) / np.mean(sums)
+    # charge over length, both over their means: 0, or nearly 1; exponential charges scatter
+    found, error = away @ relative / (away @ away), 3.0 / np.sqrt(len(sums))
+    assert found == pytest.approx(slope, abs=4 * error)
+
+
 def test_number_of_tracks_is_poisson_and_grows_one_by_one():
     u = (np.arange(20000) + 0.5) / 20000
     for mean in (0.01, 0.7, 5.0, 300.0):
@@ -126,7 +145,9 @@ def test_cosmic_rays_are_guessed_from_the_transients():
         model={"transient_high": 0.0, "transient_adjacent": 0.0},
         stands_out=("transient_high",),
     )
-    for guess in CosmicRays.guess(clues):
+    guesses = CosmicRays.guess(clues)
+    assert {g.charge for g in guesses} == {"track", "path"}
+    for guess in guesses:
         hits = guess.rate * 0.262144 * 8
         assert 20 < hits < 300
         assert guess.length > 1
