@@ -16,9 +16,10 @@ from dnanalyze.diagnosis.trial import Trial, deviance
 DEFLATION = 8.0
 NOTHING = 25.0
 CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
-# The few defects of a half may be more or fewer than their density says: with so much evidence the
-# error may rise by this share.
-PLENTY, LUCK = 100.0, 0.02
+# The few defects or tracks of a half may be more or fewer than their density says: where the
+# evidence is certain the error may rise by what it scatters over simulated sensors of one make (.06
+# of an ordinary one's, .13 where tracks of particles cross it).
+LUCK = 0.06
 # Of names given where something stayed unexplained, 13 of 19 were there on virtual sensors with an
 # effect of the catalogue, and 0 of 24 where it is in none: even odds that it stands in for another.
 STANDS_IN = 0.5
@@ -40,7 +41,7 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
         (candidates + 1,), sums to 1.
     """
     spread = dispersion(trials)
-    known = [t.evidence if lowers(t, error) else min(t.evidence, 0.0) for t in trials]
+    known = [t.evidence if lowers(t, error, spread) else min(t.evidence, 0.0) for t in trials]
     known.append(NOTHING * spread)
     excess = np.array(known) - max(known)
     weight = np.exp(excess / (2.0 * DEFLATION * spread))
@@ -59,9 +60,9 @@ def dispersion(trials: Sequence[Trial]) -> float:
     return left if left > TOLERABLE**2 else 1.0
 
 
-def lowers(found: Trial, error: float) -> bool:
+def lowers(found: Trial, error: float, spread: float = 1.0) -> bool:
     """Whether a model that stands at ``error`` is better with the effect, on the unseen half."""
-    return found.error < error * (1.0 + (LUCK if found.evidence > PLENTY else 0.0))
+    return found.error < error * (1.0 + (LUCK if found.evidence > CERTAIN * spread else 0.0))
 
 
 def significant(found: Trial, error: float, spread: float = 1.0, least: float = CERTAIN) -> bool:
@@ -74,7 +75,7 @@ def significant(found: Trial, error: float, spread: float = 1.0, least: float = 
     """
     lesser = min(found.gain, found.fitted_gain)
     enough = found.evidence > max(NOTHING, least) * spread and lesser > NOTHING * spread / 4
-    return enough and lowers(found, error)
+    return enough and lowers(found, error, spread)
 
 
 def addition(

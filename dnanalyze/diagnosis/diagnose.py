@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, mends, sobered
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, averaged, mends, sobered
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
+    CERTAIN,
     STANDS_IN,
     addition,
     confidences,
@@ -19,7 +20,7 @@ from dnanalyze.diagnosis.confidence import (
     significant,
 )
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
-from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, trials
+from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, judged, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -31,6 +32,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, catalogue
 
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
+DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
 PLAIN = 300.0  # evidence, in units of the dispersion, that the luck of one sensor does not make
 
 
@@ -105,6 +107,31 @@ def diagnose(
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     """The effect to add next; None where the data support none.
 
+    Where one half speaks for the leader and the other does not, both are asked once more, of what
+    its model shows on average: one simulated sensor has its luck of the places of few defects.
+    """
+    best = _supported(held, state, tried)
+    if best is not None or not tried:
+        return best
+    leader = tried[0]
+    least, most = sorted((leader.gain, leader.fitted_gain))
+    if most < CERTAIN * dispersion(tried) or least > DISAGREE * most:
+        return None
+    calm = averaged(held, state)
+    again = judged(held, calm, leader.effect, averaged(held, leader.state))
+    if _supported(held, calm, [again]) is None:
+        return None
+    return replace(again, state=leader.state, others=leader.others)
+
+
+def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:
+    """The trials, the one to be added as it is told last."""
+    return [best if best is not None and t.effect == best.effect else t for t in tried]
+
+
+def _supported(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
+    """The leader, if the evidence is enough.
+
     Where something is left that no second sensor of the model's make would show, an effect of no
     plain evidence must put some of it right: else it but bends around what is really missing.
     """
@@ -129,12 +156,17 @@ def judge(
 ) -> Diagnosis:
     """The verdict, with candidates in the order of what they explain."""
     error = error_of(held, state)
-    chances = confidences(tried, error)
-    kept = [t for t in tried if t.gain > 0 and lowers(t, error)]
+    best = missing(held, state, tried)
+    tried = retold(tried, best)
+    chances, spread = confidences(tried, error), dispersion(tried)
+    seen = [
+        (t, chance)
+        for t, chance in zip(tried, chances, strict=False)
+        if t is best or (t.gain > 0 and lowers(t, error, spread))
+    ]
+    kept = [t for t, _ in seen]
     candidates = []
-    for t, chance in zip(tried, chances, strict=False):
-        if t.gain <= 0 or not lowers(t, error):
-            continue
+    for t, chance in seen:
         against = kept[1] if t is kept[0] and len(kept) > 1 else kept[0]
         words = evidence_for(held, state, t.state, known[t.effect])
         if t is kept[0] and against is not t:
@@ -150,7 +182,6 @@ def judge(
                 words,
             )
         )
-    best = missing(held, state, tried)
     # what an effect leaves over is told in passing; whether nothing is missing is the question
     rest = adequacy(held, best.state, FEW) if best is not None else adequacy(held, state)
     verdict = "missing" if best is not None else ("adequate" if rest.adequate else "unexplained")

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
+from dnanalyze.diagnosis.adequacy import averaged
 from dnanalyze.diagnosis.bend import along_bend
-from dnanalyze.diagnosis.confidence import NOTHING, STANDS_IN, confidences
-from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing
+from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN, confidences
+from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing, retold
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
     best_guess,
     candidates_of,
-    deviance,
     error_of,
     judged,
     preferred,
@@ -135,7 +135,8 @@ def refine(
         tried = trials(held, state, open_to, trying)
         error = error_of(held, state)
         added = [n for n in state.model.names if n not in (*begun.names, *EVERYDAY)]
-        best, before, among = missing(held, state, tried), state, tried
+        best, before = missing(held, state, tried), state
+        among = retold(tried, best)
         other = exchange(held, state, added, open_to, trying) if not best and error > POOR else None
         if other is not None:
             best, before, among = other.found, other.without, [other.found]
@@ -213,10 +214,20 @@ def _needless(held: Bench, state: State) -> tuple[State, list[str]]:
         if name in (*EVERYDAY, BASE):
             continue
         without = removal(held, state, name)
-        if deviance(without.test) - deviance(state.test) < NOTHING / 2:
+        if _idle(held, without, state, name):
             state = without
             gone.append(name)
     return state, gone
+
+
+def _idle(held: Bench, without: State, state: State, name: str) -> bool:
+    """Whether an effect gains nothing on the unseen half; where the fitted half gains much, on
+    average over simulated sensors.
+    """
+    found = judged(held, without, name, state)
+    if found.gain < NOTHING / 2 and found.fitted_gain > CERTAIN:
+        found = judged(held, averaged(held, without), name, averaged(held, state))
+    return found.gain < NOTHING / 2
 
 
 def add(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.adequacy import adequacy, mends, sobered
+from dnanalyze.diagnosis.adequacy import adequacy, averaged, mends, sobered
 from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -51,6 +51,20 @@ def test_nothing_is_left_of_a_sensor_of_the_same_make(held):
     assert found.adequate
     assert found.left == []
     assert found.error == pytest.approx(found.expected, abs=6 * max(found.spread, 0.05))
+
+
+def test_an_average_sensor_is_the_mean_of_some_and_scatters_less(held):
+    model = _model(OffsetDrift(1.0), seed=2)
+    own, calm = _at(held, model), averaged(held, _at(held, model), 3)
+    drawn = [held.replicate(model, r) for r in range(3)]
+    for side, half, single, mean in (
+        (0, held.train, own.train, calm.train),
+        (1, held.test, own.test, calm.test),
+    ):
+        every = np.array([single, *(half.z(d[side]) for d in drawn)])
+        told = np.isfinite([d[side] for d in drawn]).all(axis=0)
+        np.testing.assert_allclose(mean[told], every.mean(axis=0)[told], atol=1e-6)
+        assert np.mean(mean**2) < np.mean(every**2)
 
 
 def test_the_effect_mends_it_and_another_does_not(held):

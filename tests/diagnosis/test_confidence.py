@@ -73,8 +73,8 @@ def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enou
 
 
 def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
-    assert significant(made("a", 150.0, 1.01), 1.0)
-    assert not significant(made("a", 150.0, 1.03), 1.0)
+    assert significant(made("a", 150.0, 1.05), 1.0)
+    assert not significant(made("a", 150.0, 1.07), 1.0)
     assert not significant(made("a", 40.0, 1.01), 1.0)
 
 
@@ -117,6 +117,33 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, added):
     monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
     monkeypatch.setattr(diagnose, "sobered", lambda *_: luck)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
+
+
+@pytest.mark.parametrize(
+    ("gain", "fitted", "average", "added"),
+    [
+        (2.0, 300.0, 150.0, True),
+        (300.0, 2.0, 150.0, True),
+        (2.0, 300.0, 2.0, False),
+        (2.0, 0.9 * CERTAIN, 150.0, False),
+    ],
+)
+def test_where_the_halves_disagree_the_average_sensor_decides(
+    monkeypatch, gain, fitted, average, added
+):
+    found = dataclasses.replace(made("a", gain, 0.9), fitted_gain=fitted)
+    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
+    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
+    monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
+    monkeypatch.setattr(diagnose, "averaged", lambda _, state: state)
+    monkeypatch.setattr(diagnose, "judged", lambda *_: made("a", average, 0.9))
+    best = diagnose.missing(None, found.state, [found])
+    assert (best is not None) == added
+    if best is not None:  # it is told by what the average sensor gains
+        told = diagnose.retold([found], best)
+        assert told == [best]
+        assert (best.gain, best.fitted_gain, best.state) == (average, average, found.state)
+        assert confidences(told, 1.0)[0] > 0.9
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,13 @@
 
 import importlib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.confidence import STANDS_IN
+from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.diagnosis.trial import DOUBT, deviance
 from dnanalyze.fitting.knobs import knobs_of
@@ -83,3 +84,27 @@ def test_deviance_is_a_square_below_the_doubt_and_one_witness_beyond_it():
     assert deviance(np.array([DOUBT])) == pytest.approx(DOUBT**2 * np.log(2))
     assert deviance(np.full(10, 3.0)) > 0.2 * deviance(np.array([100.0]))
     assert deviance(np.array([1e4])) < 16 * DOUBT**2
+
+
+@pytest.mark.parametrize(
+    ("gain", "fitted", "average", "idle"),
+    [
+        (NOTHING, 0.0, 0.0, False),
+        (0.0, 2 * CERTAIN, NOTHING, False),
+        (0.0, 2 * CERTAIN, 0.0, True),
+        (0.0, CERTAIN / 2, NOTHING, True),
+    ],
+)
+def test_what_only_the_average_sensor_shows_to_be_needed_stays(
+    monkeypatch, gain, fitted, average, idle
+):
+    module = importlib.import_module("dnanalyze.diagnosis.refine")
+    monkeypatch.setattr(module, "averaged", lambda _, state: f"average {state}")
+    monkeypatch.setattr(
+        module,
+        "judged",
+        lambda _held, before, _name, _after: SimpleNamespace(
+            gain=average if before.startswith("average") else gain, fitted_gain=fitted
+        ),
+    )
+    assert module._idle(None, "without", "with", "a") is idle
