@@ -114,12 +114,14 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     if best is not None or not tried:
         return best
     leader = tried[0]
+    spread = dispersion(tried)  # of single sensors: averages lie nearer to the measurement
     least, most = sorted((leader.gain, leader.fitted_gain))
-    if most < CERTAIN * dispersion(tried) or least > DISAGREE * most:
+    if most < CERTAIN * spread or least > DISAGREE * most:
         return None
     calm = averaged(held, state)
     again = judged(held, calm, leader.effect, averaged(held, leader.state))
-    if _supported(held, calm, [again]) is None:
+    sure = significant(again, error_of(held, calm), spread)
+    if not sure or _supported(held, calm, [again]) is None:
         return None
     return replace(again, state=leader.state, others=leader.others)
 
