@@ -30,8 +30,7 @@ def _basis(
     """
     top = min(WIDE, rows // 2, cols // 2)
     orders = sorted(
-        ((i, j) for i in range(top) for j in range(top)),
-        key=lambda o: (max(o), o[0] + o[1], o[1]),
+        ((i, j) for i in range(top) for j in range(top)), key=lambda o: (max(o), o[0] + o[1], o)
     )
     y = np.cos(np.pi * np.outer(np.arange(rows) + 0.5, np.arange(top)) / rows)
     x = np.cos(np.pi * np.outer(np.arange(cols) + 0.5, np.arange(top)) / cols)
@@ -66,33 +65,28 @@ def shading_values(
     blocks = np.concatenate([upper.curves["block_means"], lower.curves["block_means"]])
     if min(blocks.shape) < 2 * ORDER or not np.isfinite(blocks).all():
         return {}
-    found = {f"shading_{i}_{j}": v for (i, j), v in _surfaces(blocks, parity).items()}
-    half = (upper, lower)[parity]
-    colour = blocks.ravel()[_basis(*blocks.shape, parity)[2]]
-    shift = float(colour.mean() - half.curves["block_means"].mean())
-    levels = {n: half.values[n] for n in LEVELS if n in half.values}
-    moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
-    return found | moved
-
-
-def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:
-    """Coefficients below `ORDER`, rms over the field, by their orders (across, down)."""
     design, inverse, where, orders = _basis(*blocks.shape, parity)
+    low = [k for k, o in enumerate(orders) if max(o) < ORDER]
     coefficient = inverse @ blocks.ravel()[where]
     residue = blocks.ravel()[where] - design @ coefficient
     freedom = max(1, len(where) - len(orders))
     white = residue @ residue / freedom / len(where)
-    found = {}
-    for k, order in enumerate(orders):
-        if max(order) >= ORDER or order == (0, 0):
-            continue
+    se = {}
+    for k in low:
         # Rows and columns that vary at random show along their own axis only.
-        kind = _kind(order)
+        kind = _kind(orders[k])
         alike = [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == kind]
         next_power = np.mean(coefficient[alike] ** 2) if alike else white
-        se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
-        found[order] = Value(float(coefficient[k]), max(se, 1e-4))
-    return found
+        se[k] = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
+    found = {
+        f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se[k], 1e-4))
+        for k in low
+        if orders[k] != (0, 0)
+    }
+    half = (upper, lower)[parity]
+    shift = float(blocks.ravel()[where].mean() - half.curves["block_means"].mean())
+    levels = {n: half.values[n] for n in LEVELS if n in half.values}
+    return found | {n: replace(v, value=v.value + shift) for n, v in levels.items()}
 
 
 def _kind(order: tuple[int, int]) -> str:

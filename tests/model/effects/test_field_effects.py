@@ -24,12 +24,6 @@ def blocks(frame, size=16):
     return frame.reshape(rows // size, size, columns // size, size).mean((1, 3))
 
 
-def surface_of(effect, shape, **more):
-    """What an effect adds to a dark signal that leaves room for less."""
-    bare = frames(flat(300.0), shape, **more)[0]
-    return frames((flat(300.0), effect), shape, **more)[0] - bare
-
-
 def test_glow_fades_exponentially_from_its_source():
     y = frames(AmpGlow(50.0, 0.25, 0.0, "se"), (100, 200))[0]
     assert y[-1, -1] == pytest.approx(50)
@@ -67,19 +61,20 @@ def test_glow_is_found_where_it_is(place):
 
 def test_gradient_has_the_rms_of_its_coefficients_and_no_mean():
     effect = DarkGradient(3.0, -4.0, 2.0, 1.0, 0.6)
-    y = surface_of(effect, (200, 300))
+    y = frames(effect, (200, 300))[0]
     assert abs(y.mean()) < 1e-3
     assert y.var() == pytest.approx(effect.variance(HERE), rel=1e-3)
     assert y[100, -1] > y[100, 0]  # x grows to the right
     assert y[-1, 150] < y[0, 150]  # y, here negative, downwards
     for point, factor in ((LONG, 3), (LOUD, 2), (WARM, growth(0.6))):
-        got = surface_of(effect, (200, 300), point=point)
-        np.testing.assert_allclose(got, factor * y, rtol=1e-3, atol=2e-3)
+        np.testing.assert_allclose(
+            frames(effect, (200, 300), point=point)[0], factor * y, rtol=1e-4, atol=1e-4
+        )
 
 
 def test_gradient_is_guessed_from_the_block_means():
     truth = DarkGradient(3.0, -4.0, 0.0, 1.0, 0.7)
-    maps = [blocks(surface_of(truth, (256, 256), point=p)) for p in (HERE, WARM)]
+    maps = [blocks(frames(truth, (256, 256), point=p)[0]) for p in (HERE, WARM)]
     clues = MadeUpClues((HERE, WARM), HERE, (256, 256), stands_out=("shading_0_1",),
                         curves={"block_means": maps})  # fmt: skip
     (guess,) = DarkGradient.guess(clues)
@@ -237,10 +232,10 @@ def test_crosstalk_is_guessed_from_the_correlation_of_neighbours():
 
 def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():
     form = {"form": "scaled"}
-    added = surface_of(DarkGradient(x=0.1, yy=0.05, ea_ev=0.0), (64, 96))
+    added = frames(DarkGradient(x=0.1, yy=0.05, ea_ev=0.0), (64, 96))[0]
     plain = frames(HotPixels(0.3, 20.0), (64, 96))[0]
     both = frames((HotPixels(0.3, 20.0), DarkGradient(x=0.1, yy=0.05, **form)), (64, 96))[0]
-    np.testing.assert_allclose(both, plain * (1 + added), rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(both, plain * (1 + added), rtol=1e-5, atol=1e-5)
     assert DarkGradient(**form).idle() == ("wait", "ea_ev")
     assert "ea_ev" not in DarkGradient(wait=1.0, **form).idle()
 
@@ -248,7 +243,7 @@ def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():
 def test_a_share_is_guessed_from_the_slope_over_the_level():
     points = (HERE, WARM)
     levels = np.array([110.0, 190.0])  # 100 is the black level
-    shape = blocks(surface_of(DarkGradient(x=0.08, y=-0.03, ea_ev=0.0), (256, 256)))
+    shape = blocks(frames(DarkGradient(x=0.08, y=-0.03, ea_ev=0.0), (256, 256))[0])
     clues = MadeUpClues(points, HERE, (256, 256), seen={"mean": levels},
                         stands_out=("shading_0_1",),
                         curves={"block_means": [(m - 100) * shape for m in levels]})  # fmt: skip
@@ -265,7 +260,7 @@ def test_persistence_of_a_running_sensor_lifts_the_first_frame_as_all_others():
 
 
 def test_a_twist_lifts_two_corners_and_lowers_the_others():
-    y = surface_of(DarkGradient(xy=2.0), (200, 300))
+    y = frames(DarkGradient(xy=2.0), (200, 300))[0]
     assert y.std() == pytest.approx(2.0, rel=1e-3)
     assert abs(y.mean(axis=0)).max() < 1e-3 > abs(y.mean(axis=1)).max()
     assert y[0, 0] > 5 < y[-1, -1]  # 3 xy at the corners
@@ -274,7 +269,7 @@ def test_a_twist_lifts_two_corners_and_lowers_the_others():
 
 def test_a_twist_is_guessed_from_the_block_means():
     truth = DarkGradient(x=1.0, xy=2.0, ea_ev=0.7)
-    maps = [blocks(surface_of(truth, (256, 256), point=p)) for p in (HERE, WARM)]
+    maps = [blocks(frames(truth, (256, 256), point=p)[0]) for p in (HERE, WARM)]
     clues = MadeUpClues((HERE, WARM), HERE, (256, 256), stands_out=("shading_1_1",),
                         curves={"block_means": maps})  # fmt: skip
     (guess,) = DarkGradient.guess(clues)
