@@ -14,6 +14,7 @@ from dnanalyze.diagnosis.confidence import (
     addition,
     confidences,
     dispersion,
+    lowers,
     rivals,
     significant,
 )
@@ -76,6 +77,8 @@ def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
     assert significant(made("a", 150.0, 1.05), 1.0)
     assert not significant(made("a", 150.0, 1.07), 1.0)
     assert not significant(made("a", 40.0, 1.01), 1.0)
+    assert lowers(made("a", 150.0, 1.05), 1.0, spread=2.0)
+    assert not lowers(made("a", 150.0, 1.05), 1.0, spread=3.0)
 
 
 def test_while_much_is_wrong_chance_reaches_farther():
@@ -120,18 +123,19 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, added):
 
 
 @pytest.mark.parametrize(
-    ("gain", "fitted", "average", "added"),
+    ("gain", "fitted", "misfit", "average", "added"),
     [
-        (2.0, 300.0, 150.0, True),
-        (300.0, 2.0, 150.0, True),
-        (2.0, 300.0, 2.0, False),
-        (2.0, 0.9 * CERTAIN, 150.0, False),
+        (2.0, 300.0, 1.0, 150.0, True),
+        (300.0, 2.0, 1.0, 150.0, True),
+        (2.0, 300.0, 1.0, 2.0, False),
+        (2.0, 300.0, 2.0, 150.0, False),  # beyond chance, but not beyond this dispersion
+        (2.0, 0.9 * CERTAIN, 1.0, 150.0, False),
     ],
 )
 def test_where_the_halves_disagree_the_average_sensor_decides(
-    monkeypatch, gain, fitted, average, added
+    monkeypatch, gain, fitted, misfit, average, added
 ):
-    found = dataclasses.replace(made("a", gain, 0.9), fitted_gain=fitted)
+    found = dataclasses.replace(made("a", gain, 0.9, left=misfit), fitted_gain=fitted)
     monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
     monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
     monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
