@@ -20,10 +20,15 @@ SMALLEST_BLOCK = 8  # pixels
 ORDERS = 4  # coefficients of lower orders are told one by one
 MID = (4, 8)  # orders, half open
 HIGH = 8  # orders from here on
+NOISE = "noise_shading_"
 NOISE_ORDERS = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # across, down
 _REACH = 8.0  # times the typical temporal variance; a pixel's own is cut there
 _RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
 
+_NOISE_UNLIKE = (
+    "the noise between frames varies over the field otherwise than in the model: shading of charge "
+    "has its shot noise with it, shading by the readout has none"
+)
 _UNLIKE = (
     "the fixed pattern is shaded over the field otherwise than in the model: glow, a thermal "
     "gradient, or a readout ramp"
@@ -37,7 +42,8 @@ def _order(i: int, j: int) -> StatisticInfo:
 
 def _noise_order(i: int, j: int) -> StatisticInfo:
     title = f"shading of the temporal variance of order {i} across, {j} down, over its mean"
-    return StatisticInfo(f"noise_shading_{i}_{j}", "shading", "1", title, compared=False)
+    name = f"{NOISE}{i}_{j}"
+    return StatisticInfo(name, "shading", "1", title, high=_NOISE_UNLIKE, low=_NOISE_UNLIKE)
 
 
 def _power(name: str, orders: str) -> StatisticInfo:
@@ -103,15 +109,15 @@ def _cosines(blocks: np.ndarray) -> np.ndarray:
 
 def _of_noise(acc: Accumulated, grid: tuple[int, int], result: FamilyResult) -> None:
     """Add the coefficients of the temporal variance over its mean."""
-    names = [f"noise_shading_{i}_{j}" for i, j in NOISE_ORDERS]
+    names = [f"{NOISE}{i}_{j}" for i, j in NOISE_ORDERS]
     typical, variance = acc.difference_sigma**2, acc.temporal_variance
     if variance is None or min(typical, acc.temporal_mean) <= 0 or min(grid) <= MID[0]:
         why = "needs two frames with noise between them, and five blocks along each side"
         result.missing.update(dict.fromkeys(names, why))
         return
     blocks = block_means(np.minimum(variance, np.float32(_REACH * typical)), grid)
-    blocks /= blocks.mean()
-    coefficients = _cosines(blocks)
+    result.curves["noise_blocks"] = blocks
+    coefficients = _cosines(blocks / blocks.mean())
     square = coefficients**2
     kinds = _groups((square.shape[0], square.shape[1]))
     fine = np.maximum(*np.indices(square.shape)) >= MID[0]

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.trial import Trial, deviance
+from dnanalyze.diagnosis.deviance import TOLERABLE, deviance
+from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
 SIGMAS = 4.0
 MENDED = 0.5  # share of the squares that may stay
-TOLERABLE = 1.3  # an error below this is never called unexplained on its own
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from dnanalyze.diagnosis.adequacy import TOLERABLE
-from dnanalyze.diagnosis.trial import Trial, deviance
+from dnanalyze.diagnosis.trial import Trial
 
 # The statistics are correlated, so a gain overstates the log likelihood ratio: neighbouring
 # quantiles and bands move together, about eight at a time. "Nothing is missing" is credited with a
-# gain that noise does not reach, in proportion to the dispersion that is left. Both are reasoned;
+# gain that noise does not reach, in proportion to the misfit that is left. Both are reasoned;
 # their calibration on random sensors is still to be made.
 DEFLATION = 8.0
 NOTHING = 25.0
@@ -40,42 +39,29 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     ndarray
         (candidates + 1,), sums to 1.
     """
-    spread = dispersion(trials)
-    known = [t.evidence if lowers(t, error, spread) else min(t.evidence, 0.0) for t in trials]
-    known.append(NOTHING * spread)
+    known = [(t.evidence if lowers(t, error) else min(t.evidence, 0.0)) / t.spread for t in trials]
+    known.append(NOTHING)
     excess = np.array(known) - max(known)
-    weight = np.exp(excess / (2.0 * DEFLATION * spread))
+    weight = np.exp(excess / (2.0 * DEFLATION))
     return weight / weight.sum()
 
 
-def dispersion(trials: Sequence[Trial]) -> float:
-    """Misfit per statistic that even the best candidate leaves; 1 where that is tolerable.
-
-    While more than one effect is missing, differences of gain measure how the candidates bend
-    around what is still wrong, and count for less (the overdispersion of a quasi-likelihood).
-    """
-    if not trials:
-        return 1.0
-    left = min(deviance(t.state.test) / max(len(t.state.test), 1) for t in trials)
-    return left if left > TOLERABLE**2 else 1.0
-
-
-def lowers(found: Trial, error: float, spread: float = 1.0) -> bool:
+def lowers(found: Trial, error: float) -> bool:
     """Whether a model that stands at ``error`` is better with the effect, on the unseen half."""
-    return found.error < error * (1.0 + (LUCK if found.evidence > CERTAIN * spread else 0.0))
+    return found.error < error * (1.0 + (LUCK if found.evidence > CERTAIN * found.spread else 0.0))
 
 
-def significant(found: Trial, error: float, spread: float = 1.0, least: float = CERTAIN) -> bool:
+def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
     """Whether an effect is worth adding to a model that stands at ``error``.
 
     The mean of its gains must be beyond what a useless effect could reach by chance, and leave
     "nothing is missing" less than one chance in ten (``least``); either half must give its part of
     it, and the pooled error of the unseen half must fall. Chance reaches farther in proportion to
-    the `dispersion` that is left: a useless effect bends with it.
+    the misfit that is left (`Trial.spread`): a useless effect bends with it.
     """
     lesser = min(found.gain, found.fitted_gain)
-    enough = found.evidence > max(NOTHING, least) * spread and lesser > NOTHING * spread / 4
-    return enough and lowers(found, error, spread)
+    enough = found.evidence > max(NOTHING, least) * found.spread
+    return enough and lesser > NOTHING * found.spread / 4 and lowers(found, error)
 
 
 def addition(
@@ -97,10 +83,10 @@ def addition(
     """
     if not trials:
         return None
-    best, spread = trials[0], dispersion(trials)
-    if significant(best, error, spread):
+    best = trials[0]
+    if significant(best, error):
         return best
-    return best if significant(best, error, spread, least=0.0) and mends(best) else None
+    return best if significant(best, error, least=0.0) and mends(best) else None
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -14,7 +14,6 @@ from dnanalyze.diagnosis.confidence import (
     STANDS_IN,
     addition,
     confidences,
-    dispersion,
     lowers,
     rivals,
     significant,
@@ -33,7 +32,7 @@ from dnanalyze.model.registry import BASE, catalogue
 
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
-PLAIN = 300.0  # evidence, in units of the dispersion, that the luck of one sensor does not make
+PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 
 
 @dataclass(frozen=True)
@@ -114,14 +113,13 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     if best is not None or not tried:
         return best
     leader = tried[0]
-    spread = dispersion(tried)  # of single sensors: averages lie nearer to the measurement
     least, most = sorted((leader.gain, leader.fitted_gain))
-    if most < CERTAIN * spread or least > DISAGREE * most:
+    if most < CERTAIN * leader.spread or least > DISAGREE * most:
         return None
     calm = averaged(held, state)
     again = judged(held, calm, leader.effect, averaged(held, leader.state))
-    sure = significant(again, error_of(held, calm), spread)
-    if not sure or _supported(held, calm, [again]) is None:
+    again = replace(again, spread=leader.spread)  # averages lie nearer to the measurement
+    if not significant(again, error_of(held, calm)) or _supported(held, calm, [again]) is None:
         return None
     return replace(again, state=leader.state, others=leader.others)
 
@@ -140,12 +138,12 @@ def _supported(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | Non
     error = error_of(held, state)
     left = cache(lambda: adequacy(held, state, FEW).left)
     best = addition(tried, error, lambda t: mends(held, left()[:WORST], state, t.state))
-    if best is None or best.evidence > PLAIN * dispersion(tried):
+    if best is None or best.evidence > PLAIN * best.spread:
         return best
     if left() and not mends(held, left(), state, best.state):
         return None
     sober = sobered(held, state, best)
-    return best if significant(sober, error, dispersion(tried), least=0.0) else None
+    return best if significant(sober, error, least=0.0) else None
 
 
 def judge(
@@ -160,11 +158,11 @@ def judge(
     error = error_of(held, state)
     best = missing(held, state, tried)
     tried = retold(tried, best)
-    chances, spread = confidences(tried, error), dispersion(tried)
+    chances = confidences(tried, error)
     seen = [
         (t, chance)
         for t, chance in zip(tried, chances, strict=False)
-        if t is best or (t.gain > 0 and lowers(t, error, spread))
+        if t is best or (t.gain > 0 and lowers(t, error))
     ]
     kept = [t for t, _ in seen]
     candidates = []
@@ -199,8 +197,7 @@ def judge(
 
 def _lone(best: Trial, tried: Sequence[Trial], error: float) -> bool:
     """No other candidate has evidence enough to account for what this one leaves over."""
-    spread = dispersion(tried)
-    return not any(significant(t, error, spread) for t in tried if t is not best)
+    return not any(significant(t, error) for t in tried if t is not best)
 
 
 def _doubted(found: Candidate, left: Sequence[str]) -> Candidate:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.diagnosis.confidence import dispersion, significant
+from dnanalyze.diagnosis.confidence import significant
 from dnanalyze.diagnosis.trial import Trial, error_of, judged, removal, trials
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
@@ -62,7 +62,7 @@ def exchange(
         without = removal(bench, state, name)
         for trial in trials(bench, without, rivals, tell):
             made = judged(bench, state, trial.effect, trial.state)
-            if significant(made, error, dispersion([made])):
+            if significant(made, error):
                 found.append(Exchange(name, without, replace(made, others=trial.others)))
     return max(found, key=lambda f: f.found.evidence, default=None)
 

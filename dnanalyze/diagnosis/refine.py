@@ -9,6 +9,7 @@ from dnanalyze.diagnosis.adequacy import averaged
 from dnanalyze.diagnosis.bend import along_bend
 from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing, retold
+from dnanalyze.diagnosis.everyday import everyday
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
@@ -25,10 +26,7 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, minimise, start
-from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench, bench
-from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import ordinary_model, partly_named
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -124,7 +122,7 @@ def refine(
     state = minimise(held, start(held, begun, knobs_of(begun)))
     note(Step(None, error_of(held, state)))
     if all(begun.get(name) is None for name in EVERYDAY):
-        state = _everyday(held, state.model, exclude, note)
+        state = everyday(held, state.model, exclude, lambda name, error: note(Step(name, error)))
         keep(state.model)
     dropped: set[str] = set()
     while True:
@@ -167,33 +165,6 @@ def _doubted(step: Step) -> Step:
     if step.confidence is None:
         return step
     return replace(step, confidence=step.confidence * STANDS_IN)
-
-
-def _everyday(
-    held: Bench, paper: NoiseModel, exclude: Sequence[str], note: Callable[[Step], None]
-) -> State:
-    """Put in what every sensor has, and let what the paper's tables absorbed get its name.
-
-    All four are fitted together, beside a seed of constant spread and kernel. The models on the
-    way there take the effects named so far from that fit and leave the rest to the paper's tables.
-    """
-    seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
-    found = moments(seen, sensor.black_level)
-    bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
-    model = ordinary_model(found, bits, serial)
-    for name in exclude:
-        model = model.without(name)
-    full = converge(held, start(held, model, knobs_of(model)))
-    names = [n for n in EVERYDAY if n not in exclude]
-    for count in range(1, len(names)):
-        ways = [
-            partly_named(found, paper, full.model, names[:count], pedestal)
-            for pedestal in (paper.pedestal, full.model.pedestal)
-        ]
-        state = min((start(held, way, []) for way in ways), key=lambda s: s.loss)
-        note(Step(names[count - 1], error_of(held, state)))
-    note(Step(names[-1], error_of(held, full)))
-    return full
 
 
 def _completed(held: Bench, state: State, name: str) -> State:

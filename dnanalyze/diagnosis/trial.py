@@ -10,6 +10,7 @@ import numpy as np
 
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.bend import UNBENT, bending
+from dnanalyze.diagnosis.deviance import deviance, dispersion
 from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
@@ -25,7 +26,6 @@ FAR = 3.0  # times the present loss: another kind that begins farther off is not
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
 CLEAR = 50.0  # evidence from which the choice between rivals matters
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
-DOUBT = 6.0  # floors from which a difference tells less and less
 KIND_GAIN = 4.0  # mean gain of the halves that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 
@@ -45,6 +45,8 @@ class Trial:
         The same on the half that was fitted.
     error : float
         Pooled error on the judged half.
+    spread : float
+        Misfit per statistic that it leaves, the unit of its gains (see `dispersion`).
     others : tuple of Prospect
         Guesses of the effect that promised nearly as much and were not refitted.
     """
@@ -54,6 +56,7 @@ class Trial:
     gain: float
     fitted_gain: float
     error: float
+    spread: float = 1.0
     others: tuple[Prospect, ...] = ()
 
     @property
@@ -96,9 +99,28 @@ def trials(
             best[p.effect] = made
         most = max(most, made.fitted_gain)
     if best:
+        _tried_again(bench, state, best, others, iterations)
         _polish(bench, state, best)
     complete = (replace(t, others=others.get(t.effect, ())) for t in best.values())
     return sorted(complete, key=lambda t: -t.evidence)
+
+
+def _tried_again(
+    bench: Bench,
+    state: State,
+    best: dict[str, Trial],
+    others: dict[str, tuple[Prospect, ...]],
+    iterations: int,
+) -> None:
+    """Rivals from their other guesses, where the leader leaves what it changes wrong."""
+    leader = max(best.values(), key=lambda t: t.evidence)
+    if leader.spread == 1.0:
+        return
+    for effect in [e for e in others if e != leader.effect]:
+        for p in others.pop(effect):
+            made = judged(bench, state, effect, refitted(bench, p, state, state.loss, iterations))
+            if made.evidence > best[effect].evidence:
+                best[effect] = made
 
 
 def best_guess(bench: Bench, before: State, found: Trial, iterations: int = 3) -> State:
@@ -151,18 +173,10 @@ def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iteration
     return ended
 
 
-def deviance(z: np.ndarray) -> float:
-    """Misfit as evidence: z^2 for small differences, growing as their log beyond `DOUBT` floors.
-
-    However far off, one statistic is one witness: a saturated quantile, a floor that is too small
-    by luck. (Twice the negative log likelihood of Student's t, but for a constant factor.)
-    """
-    return float(DOUBT**2 * np.sum(np.log1p((z / DOUBT) ** 2)))
-
-
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
     """A refit, with what it gained on either half."""
-    return Trial(effect, after, *_gains(before, after), error_of(bench, after))
+    gains, left = _gains(before, after), dispersion(bench.test.names, before.test, after.test)
+    return Trial(effect, after, *gains, error_of(bench, after), left)
 
 
 def _gains(before: State, after: State) -> tuple[float, float]:

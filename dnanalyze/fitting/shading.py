@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from dnanalyze.analyzers.shading import NOISE, NOISE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 
 ORDER = 4
@@ -48,45 +49,67 @@ def shading_values(
     Parameters
     ----------
     upper, lower : SettingStatistics
-        Halves of the field; their curve ``block_means`` in DN.
+        Halves of the field; their curves ``block_means``, DN, and ``noise_blocks``.
     parity : int
         Which colour of the checkerboard.
 
     Returns
     -------
     dict
-        shading_i_j, order i across and j down, for i, j < 4 save 0_0. The squared error is that of
-        the white residue plus the power of the next orders of its kind: a random low-frequency
-        field shows there, and a second sensor would draw it anew. ``mean`` and ``median`` of the
-        half are moved by how far the blocks of the colour lie from its own.
+        shading_i_j, order i across and j down, for i, j < 4 save 0_0, and noise_shading_i_j of the
+        temporal variance over its mean. The squared error is that of the white residue plus the
+        power of the next orders of its kind: a random low-frequency field shows there, and a
+        second sensor would draw it anew. ``mean`` and ``median`` of the half are moved by how far
+        the blocks of the colour lie from its own.
     """
-    if "block_means" not in upper.curves or "block_means" not in lower.curves:
+    blocks = _whole(upper, lower, "block_means")
+    if blocks is None:
         return {}
-    blocks = np.concatenate([upper.curves["block_means"], lower.curves["block_means"]])
-    if min(blocks.shape) < 2 * ORDER or not np.isfinite(blocks).all():
+    found = {f"shading_{i}_{j}": v for (i, j), v in _surfaces(blocks, parity).items()}
+    half = (upper, lower)[parity]
+    colour = blocks.ravel()[_basis(*blocks.shape, parity)[2]]
+    shift = float(colour.mean() - half.curves["block_means"].mean())
+    levels = {n: half.values[n] for n in LEVELS if n in half.values}
+    moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
+    return found | moved | _noise(upper, lower, parity)
+
+
+def _noise(upper: SettingStatistics, lower: SettingStatistics, parity: int) -> dict[str, Value]:
+    """How the temporal variance varies over the field, over its mean there."""
+    blocks = _whole(upper, lower, "noise_blocks")
+    if blocks is None:
         return {}
+    found = _surfaces(blocks / blocks.mean(), parity)
+    return {f"{NOISE}{i}_{j}": found[i, j] for i, j in NOISE_ORDERS}
+
+
+def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.ndarray | None:
+    """Blocks of the whole field; None where there are none, or too few."""
+    if name not in upper.curves or name not in lower.curves:
+        return None
+    blocks = np.concatenate([upper.curves[name], lower.curves[name]])
+    told = min(blocks.shape) >= 2 * ORDER and np.isfinite(blocks).all()
+    return blocks if told else None
+
+
+def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:
+    """Coefficients below `ORDER`, rms over the field, by their orders (across, down)."""
     design, inverse, where, orders = _basis(*blocks.shape, parity)
-    low = [k for k, o in enumerate(orders) if max(o) < ORDER]
     coefficient = inverse @ blocks.ravel()[where]
     residue = blocks.ravel()[where] - design @ coefficient
     freedom = max(1, len(where) - len(orders))
     white = residue @ residue / freedom / len(where)
-    se = {}
-    for k in low:
+    found = {}
+    for k, order in enumerate(orders):
+        if max(order) >= ORDER or order == (0, 0):
+            continue
         # Rows and columns that vary at random show along their own axis only.
-        kind = _kind(orders[k])
+        kind = _kind(order)
         alike = [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == kind]
         next_power = np.mean(coefficient[alike] ** 2) if alike else white
-        se[k] = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
-    found = {
-        f"shading_{orders[k][0]}_{orders[k][1]}": Value(float(coefficient[k]), max(se[k], 1e-4))
-        for k in low
-        if orders[k] != (0, 0)
-    }
-    half = (upper, lower)[parity]
-    shift = float(blocks.ravel()[where].mean() - half.curves["block_means"].mean())
-    levels = {n: half.values[n] for n in LEVELS if n in half.values}
-    return found | {n: replace(v, value=v.value + shift) for n, v in levels.items()}
+        se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
+        found[order] = Value(float(coefficient[k]), max(se, 1e-4))
+    return found
 
 
 def _kind(order: tuple[int, int]) -> str:

@@ -159,7 +159,7 @@ def _order(statistics: Statistics, index: int) -> int:
 
 
 def _compared(info: StatisticInfo, setting: SettingStatistics) -> bool:
-    if not info.compared or (info.family == "shading" and info.name.count("_") == 2):
+    if not info.compared or (info.family == "shading" and info.name[-1].isdigit()):
         return False  # low-order shading is taken over the whole field, see shading.py
     if info.family in ("distribution", "spectrum", "level") and info.name.startswith("frame_"):
         return setting.frames == 1

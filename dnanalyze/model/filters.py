@@ -327,33 +327,34 @@ def nonlocal_means(
         a = _mirror(r - margin, rows)
         for c in range(columns + 2 * margin):
             padded[r, c] = image[a, _mirror(c - margin, columns)]
-    result = np.empty_like(image)
     size = (2 * patch + 1) ** 2
     scale = np.float32(-1.0 / (size * h * h))
     free = np.float32(2.0 * sigma * sigma * size)
-    for r in range(rows):
-        total = np.zeros(columns, np.float32)
-        weight = np.zeros(columns, np.float32)
-        line = np.empty(columns + 2 * patch, np.float32)
-        for dy in range(-distance, distance + 1):
-            for dx in range(-distance, distance + 1):
-                for c in range(columns + 2 * patch):
+    total = padded.copy()  # each place is like itself
+    weight = np.ones_like(padded)
+    below = np.empty(columns + 2 * margin, np.float32)
+    # Two places are as alike as the other way round: each pair is met once, at its upper place.
+    for r in range(patch, rows + margin):
+        for dy in range(distance + 1):
+            for dx in range(-distance if dy else 1, distance + 1):
+                first, last = max(0, -dx), columns + 2 * margin - max(0, dx)
+                for c in range(first, last):
+                    below[c] = np.float32(0.0)
+                for k in range(-patch, patch + 1):
+                    for c in range(first, last):
+                        d = padded[r + k, c] - padded[r + k + dy, c + dx]
+                        below[c] += d * d
+                for c in range(first + patch, last - patch):
                     s = np.float32(0.0)
-                    for k in range(2 * patch + 1):
-                        a = padded[r + distance + k, c + distance]
-                        d = a - padded[r + distance + k + dy, c + distance + dx]
-                        s += d * d
-                    line[c] = s
-                for c in range(columns):
-                    s = np.float32(0.0)
-                    for k in range(2 * patch + 1):
-                        s += line[c + k]
+                    for k in range(-patch, patch + 1):
+                        s += below[c + k]
                     s = scale * max(s - free, np.float32(0.0))
                     if s < -5.0:  # weights below e^-5 count as none, as in scikit-image
                         continue
                     w = np.float32(math.exp(s))
-                    total[c] += w * padded[r + margin + dy, c + margin + dx]
-                    weight[c] += w
-        for c in range(columns):
-            result[r, c] = total[c] / weight[c]
-    return result
+                    total[r, c] += w * padded[r + dy, c + dx]
+                    weight[r, c] += w
+                    total[r + dy, c + dx] += w * padded[r, c]
+                    weight[r + dy, c + dx] += w
+    inside = total[margin : margin + rows, margin : margin + columns]
+    return inside / weight[margin : margin + rows, margin : margin + columns]

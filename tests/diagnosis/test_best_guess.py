@@ -1,11 +1,13 @@
 """The better of an effect's guesses, by both halves."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import trial
 from dnanalyze.diagnosis.screening import Prospect
-from dnanalyze.diagnosis.trial import Trial, best_guess
+from dnanalyze.diagnosis.trial import Trial, best_guess, trials
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -36,3 +38,29 @@ def test_another_guess_is_taken_where_both_halves_together_gain(monkeypatch, tra
 def test_without_other_guesses_the_trial_stands():
     first = state(2.0, 2.0)
     assert best_guess(None, first, Trial("a", first, 10.0, 10.0, 1.0)) is first
+
+
+@pytest.mark.parametrize(("left", "again"), [(0.5, False), (2.0, True)])
+def test_a_rival_is_tried_from_its_other_guess_where_the_leader_leaves_much(
+    monkeypatch, left, again
+):
+    """The second guess of b would put all right; a bends around what b is."""
+    names = np.array(["codes"] * 100)
+    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    begun, after = state(5.0, 5.0), {"a": state(left, left), "b": state(4.0, 4.0)}
+    first, second = NoiseModel(()), NoiseModel(())
+    guesses = [
+        Prospect("a", first, 900.0),
+        Prospect("b", first, 800.0),
+        Prospect("b", second, 700.0),
+    ]
+    monkeypatch.setattr(trial, "prospects", lambda *_: guesses)
+    monkeypatch.setattr(
+        trial,
+        "refitted",
+        lambda _bench, p, *_: state(0.1, 0.1) if p.model is second else after[p.effect],
+    )
+    monkeypatch.setattr(trial, "minimise", lambda _bench, ended, *_: ended)
+    found = trials(bench, begun, {})
+    assert [t.effect for t in found] == (["b", "a"] if again else ["a", "b"])
+    assert (found[0].state.loss < 2.0) == again

@@ -13,7 +13,6 @@ from dnanalyze.diagnosis.confidence import (
     NOTHING,
     addition,
     confidences,
-    dispersion,
     lowers,
     rivals,
     significant,
@@ -23,10 +22,9 @@ from dnanalyze.fitting.least_squares import State
 from dnanalyze.model.noise_model import NoiseModel
 
 
-def made(effect: str, gain: float, error: float, left: float = 1.0) -> Trial:
-    z = np.full(400, left)
-    state = State(NoiseModel(()), [], z, z, np.zeros((400, 0)))
-    return Trial(effect, state, gain, gain, error)
+def made(effect: str, gain: float, error: float, spread: float = 1.0) -> Trial:
+    state = State(NoiseModel(()), [], np.ones(4), np.ones(4), np.zeros((4, 0)))
+    return Trial(effect, state, gain, gain, error, spread)
 
 
 def test_they_sum_to_one_with_nothing_in_the_last_place():
@@ -46,9 +44,11 @@ def test_a_small_gain_is_nothing_and_so_is_one_that_raises_the_error():
 
 def test_what_is_still_wrong_makes_gains_count_for_less():
     sure = confidences([made("a", 300.0, 1.0), made("b", 200.0, 1.2)], 3.0)[0]
-    unsure = confidences([made("a", 300.0, 1.0, 8.0), made("b", 200.0, 1.2, 8.0)], 3.0)[0]
+    unsure = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2, 4.0)], 3.0)[0]
     assert sure > 0.99
     assert unsure < 0.9
+    clean = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)], 3.0)
+    assert clean[1] > clean[0]  # b leaves nothing wrong with what it touches
 
 
 def test_a_near_rival_is_named():
@@ -77,22 +77,19 @@ def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
     assert significant(made("a", 150.0, 1.05), 1.0)
     assert not significant(made("a", 150.0, 1.07), 1.0)
     assert not significant(made("a", 40.0, 1.01), 1.0)
-    assert lowers(made("a", 150.0, 1.05), 1.0, spread=2.0)
-    assert not lowers(made("a", 150.0, 1.05), 1.0, spread=3.0)
+    assert lowers(made("a", 150.0, 1.05, spread=2.0), 1.0)
+    assert not lowers(made("a", 150.0, 1.05, spread=3.0), 1.0)
 
 
 def test_while_much_is_wrong_chance_reaches_farther():
-    messy = [made("a", 70.0, 1.0, left=2.0)]
-    assert dispersion(messy) == pytest.approx(36 * np.log1p(1 / 9))
-    assert significant(messy[0], 3.0)
-    assert not significant(messy[0], 3.0, dispersion(messy))
+    assert significant(made("a", 70.0, 1.0), 3.0)
+    assert not significant(made("a", 70.0, 1.0, spread=2.0), 3.0)
 
 
-def test_nothing_is_credited_in_proportion_to_what_is_left():
-    for left in (0.5, 3.0):
-        level = dispersion([made("a", 0.0, 1.0, left)])
-        even = [made("a", NOTHING * level, 1.0, left)]
-        np.testing.assert_allclose(confidences(even, 2.0), [0.5, 0.5])
+@pytest.mark.parametrize("spread", [1.0, 8.0])
+def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
+    even = [made("a", NOTHING * spread, 1.0, spread)]
+    np.testing.assert_allclose(confidences(even, 2.0), [0.5, 0.5])
 
 
 def test_where_the_halves_disagree_about_the_leader_nothing_is_added():
@@ -123,19 +120,19 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, added):
 
 
 @pytest.mark.parametrize(
-    ("gain", "fitted", "misfit", "average", "added"),
+    ("gain", "fitted", "spread", "average", "added"),
     [
         (2.0, 300.0, 1.0, 150.0, True),
         (300.0, 2.0, 1.0, 150.0, True),
         (2.0, 300.0, 1.0, 2.0, False),
-        (2.0, 300.0, 2.0, 150.0, False),  # beyond chance, but not beyond this dispersion
+        (2.0, 300.0, 3.0, 150.0, False),  # beyond chance, but not beyond what is left
         (2.0, 0.9 * CERTAIN, 1.0, 150.0, False),
     ],
 )
 def test_where_the_halves_disagree_the_average_sensor_decides(
-    monkeypatch, gain, fitted, misfit, average, added
+    monkeypatch, gain, fitted, spread, average, added
 ):
-    found = dataclasses.replace(made("a", gain, 0.9, left=misfit), fitted_gain=fitted)
+    found = dataclasses.replace(made("a", gain, 0.9, spread), fitted_gain=fitted)
     monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
     monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
     monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
@@ -168,15 +165,6 @@ def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
     monkeypatch.setattr(diagnose, "mends", lambda *_: mended)
     monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
-
-
-def test_a_tolerable_misfit_is_no_dispersion_and_a_larger_one_asks_for_more():
-    some = made("a", 1.2 * CERTAIN, 0.9, 1.2)
-    assert dispersion([some]) == 1.0
-    assert significant(some, 1.0, dispersion([some]))
-    wide = made("a", 1.2 * CERTAIN, 0.9, 1.5)
-    assert dispersion([wide]) > 2.0
-    assert not significant(wide, 1.0, dispersion([wide]))
 
 
 def test_only_a_candidate_alone_before_what_it_leaves_over_is_doubted():

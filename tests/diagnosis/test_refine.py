@@ -10,7 +10,6 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN
 from dnanalyze.diagnosis.refine import refine
-from dnanalyze.diagnosis.trial import DOUBT, deviance
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
@@ -77,13 +76,6 @@ def test_an_addition_that_only_led_the_others_to_their_place_goes_again(
     kept, gone = module._needless(truth.bench, state)
     assert gone == ["column_fpn"]
     assert kept.model.get("row_fpn") is not None
-
-
-def test_deviance_is_a_square_below_the_doubt_and_one_witness_beyond_it():
-    assert deviance(np.array([0.1, -0.2])) == pytest.approx(0.05, rel=1e-3)
-    assert deviance(np.array([DOUBT])) == pytest.approx(DOUBT**2 * np.log(2))
-    assert deviance(np.full(10, 3.0)) > 0.2 * deviance(np.array([100.0]))
-    assert deviance(np.array([1e4])) < 16 * DOUBT**2
 
 
 @pytest.mark.parametrize(

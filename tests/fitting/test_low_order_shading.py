@@ -10,11 +10,14 @@ from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
 
 
-def halves(blocks):
+def halves(blocks, **more):
     middle = blocks.shape[0] // 2
+    curves = {"block_means": blocks} | more
     return [
-        SettingStatistics(OperatingPoint(), "", 4, (128, 256), {}, {"block_means": part})
-        for part in (blocks[:middle], blocks[middle:])
+        SettingStatistics(
+            OperatingPoint(), "", 4, (128, 256), {}, {k: v[part] for k, v in curves.items()}
+        )
+        for part in (slice(None, middle), slice(middle, None))
     ]
 
 
@@ -61,6 +64,15 @@ def test_orders_are_named_as_the_statistics_of_a_whole_frame_are():
         found = shading_values(*halves(blocks), parity)
         for name in found:
             assert found[name].value == pytest.approx(whole[name].value, abs=1e-4), name
+
+
+def test_shading_of_the_noise_is_relative_to_its_mean_over_the_field():
+    noise = 50.0 * (1.0 + 0.2 * cosine(0, 1) - 0.1 * cosine(1, 1))
+    for parity in (0, 1):
+        found = shading_values(*halves(np.zeros((16, 16)), noise_blocks=noise), parity)
+        assert found["noise_shading_0_1"].value == pytest.approx(0.2, abs=1e-9)
+        assert found["noise_shading_1_1"].value == pytest.approx(-0.1, abs=1e-9)
+        assert found["noise_shading_2_0"].value == pytest.approx(0.0, abs=1e-9)
 
 
 def test_halves_of_different_level_are_shaded_and_not_wrong_in_level():

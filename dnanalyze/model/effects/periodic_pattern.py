@@ -13,6 +13,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import LINE_BANDS, bounded, curve, named, shows, strongest
 
+_PERIODS = 1.5  # over the field; less is no pattern but a slope that varies
 _PEAK = 14.0  # times the floor: by chance in one of 1000 spectra of 1000 exponential modes
 
 
@@ -77,8 +78,10 @@ class PeriodicPattern(Effect):
         found: list[Effect] = []
         for family, phase in (("temporal", "random"), ("pattern", "fixed")):
             line = _off_axis(clues, family) or _on_axis(clues, family)
-            if line is not None:
-                amplitude, u, v = line
+            if line is None:
+                continue
+            amplitude, u, v = line
+            if max(abs(v) * clues.field[0], abs(u) * clues.field[1]) >= _PERIODS:
                 found.append(cls(bounded(cls, "amplitude", amplitude), u, v, phase))
         return found
 

@@ -41,6 +41,20 @@ def test_guess_from_the_line_off_the_axes():
     assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
 
 
+@pytest.mark.parametrize(("periods", "pattern"), [(1.0, False), (2.0, True)])
+def test_less_than_a_period_and_a_half_over_the_field_is_no_pattern(periods, pattern):
+    size = Given().field[0]
+    clues = Given(
+        seen={
+            "temporal_line_u": periods / size,
+            "temporal_line_v": -1.0 / size,
+            "temporal_line_amplitude": 0.6,
+        },
+        off={"temporal_line": 12.0},
+    )
+    assert bool(PeriodicPattern.guess(clues)) == pattern
+
+
 def test_guess_from_a_line_on_an_axis():
     spectrum = np.random.default_rng(1).exponential(4.0, 129)
     spectrum[32] = 0.36 / 4 * 256 * 256

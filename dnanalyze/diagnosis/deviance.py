@@ -1,0 +1,50 @@
+"""Misfit as evidence, and how much of it is left where an effect was put in."""
+
+from __future__ import annotations
+
+import numpy as np
+
+DOUBT = 6.0  # floors from which a difference tells less and less
+TOLERABLE = 1.3  # an error below this is never called unexplained on its own
+
+
+def deviance(z: np.ndarray) -> float:
+    """Misfit as evidence: z^2 for small differences, growing as their log beyond `DOUBT` floors.
+
+    However far off, one statistic is one witness: a saturated quantile, a floor that is too small
+    by luck. (Twice the negative log likelihood of Student's t, but for a constant factor.)
+    """
+    return float(np.sum(_witness(z)))
+
+
+def _witness(z: np.ndarray) -> np.ndarray:
+    """The deviance of each statistic."""
+    return DOUBT**2 * np.log1p((z / DOUBT) ** 2)
+
+
+def dispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
+    """Misfit per statistic that an effect leaves where it changes the fit; 1 where tolerable.
+
+    While more than one effect is missing, differences of gain measure how a candidate bends around
+    what is still wrong, and count for less (the overdispersion of a quasi-likelihood). What is
+    wrong with statistics that it leaves as they are says nothing against it: the misfit is that of
+    the statistics as it moves their deviance, or of all of them if that is less.
+
+    Parameters
+    ----------
+    names : ndarray of str
+        (statistics,).
+    before, after : ndarray
+        (statistics,), differences in floors without and with the effect.
+    """
+    if not names.size:
+        return 1.0
+    _, which = np.unique(names, return_inverse=True)
+    count, was, now = (
+        np.bincount(which, each)
+        for each in (np.ones(names.size), _witness(before), _witness(after))
+    )
+    moved = np.abs(was - now)
+    there = float(np.sum(moved * now / count) / np.sum(moved)) if moved.any() else np.inf
+    left = min(there, float(now.sum() / names.size))
+    return left if left > TOLERABLE**2 else 1.0

@@ -1,0 +1,73 @@
+"""What every sensor has, put in together, and told one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from dnanalyze.diagnosis.trial import error_of
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, converge, start
+from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.start import ordinary_model, partly_named
+from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import EVERYDAY
+
+FAR_GAIN = 4.0  # times the conversion gain that the moments give
+NO_WORSE = 0.03  # share of the loss by which a fit may lie higher and be as good
+
+
+def everyday(
+    bench: Bench, paper: NoiseModel, exclude: Sequence[str], note: Callable[[str, float], None]
+) -> State:
+    """Put in what every sensor has, and let what the paper's tables absorbed get its name.
+
+    All four are fitted together, beside a seed of constant spread and kernel. The models on the
+    way there take the effects named so far from that fit and leave the rest to the paper's tables.
+
+    Parameters
+    ----------
+    bench : Bench
+    paper : NoiseModel
+        The paper's model, fitted.
+    exclude : sequence of str
+        Effects to leave out.
+    note : callable
+        Called with the name of each effect and the error with it.
+    """
+    seen, sensor = Readings(bench.measured[0]), bench.plan.captures.sensor
+    found = moments(seen, sensor.black_level)
+    bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
+    begun = ordinary_model(found, bits, serial)
+    for name in exclude:
+        begun = begun.without(name)
+    full = told_gain(bench, converge(bench, start(bench, begun, knobs_of(begun))), begun)
+    names = [n for n in EVERYDAY if n not in exclude]
+    for count in range(1, len(names)):
+        ways = [
+            partly_named(found, paper, full.model, names[:count], pedestal)
+            for pedestal in (paper.pedestal, full.model.pedestal)
+        ]
+        state = min((start(bench, way, []) for way in ways), key=lambda s: s.loss)
+        note(names[count - 1], error_of(bench, state))
+    note(names[-1], error_of(bench, full))
+    return full
+
+
+def told_gain(bench: Bench, fitted: State, begun: NoiseModel) -> State:
+    """The fit with the conversion gain of its beginning, where next to no charge tells another.
+
+    Without charge a fit may wander to electrons of hundreds of DN, for a few spikes, and whatever
+    brings charge later would start with their noise.
+    """
+    found, first = (m.get("dark_shot_noise") for m in (fitted.model, begun))
+    if not isinstance(found, DarkShotNoise) or not isinstance(first, DarkShotNoise):
+        return fitted
+    point = fitted.model.reference
+    ratio = found.value("dn_per_e", point) / first.value("dn_per_e", point)
+    if 1 / FAR_GAIN < ratio < FAR_GAIN:
+        return fitted
+    plain = start(bench, fitted.model.with_effect(first), fitted.knobs, like=fitted)
+    return plain if plain.loss < fitted.loss * (1.0 + NO_WORSE) else fitted

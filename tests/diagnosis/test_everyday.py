@@ -1,0 +1,57 @@
+"""The conversion gain of a sensor without charge, and of one with it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.everyday import everyday, told_gain
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import start
+from dnanalyze.fitting.predictor import bench
+
+
+def of_dark(dark_e_s):
+    sensor = replace(
+        draw_sensor(np.random.default_rng(7)), gain_dn_e=1.5, read_noise_e=4.0, dark_e_s=dark_e_s,
+        exposure_s=1.0, dark_spread=0.3,
+    )  # fmt: skip
+    return bench(design(generate(sensor, {}, (128, 128), frames=4, seed=3)))
+
+
+def at_gain(model, k):
+    return model.with_effect(replace(model.get("dark_shot_noise"), dn_per_e=k))
+
+
+@pytest.mark.parametrize(("charge", "held"), [(False, True), (True, False)])
+def test_the_gain_goes_back_to_the_beginnings_only_where_no_charge_tells_it(charge, held):
+    on = of_dark(60.0)
+    model = everyday(on, paper_start(on), (), lambda *_: None).model
+    if not charge:
+        model = model.with_effect(replace(model.get("convolved_lognormal"), mu=-12.0))
+    k = model.get("dark_shot_noise").dn_per_e
+    state = start(on, model, knobs_of(model))
+    kept = told_gain(on, state, at_gain(model, 6.0 * k))
+    assert kept.model.get("dark_shot_noise").dn_per_e == pytest.approx(6.0 * k if held else k)
+    assert told_gain(on, state, at_gain(model, 2.0 * k)) is state
+
+
+def test_without_shot_noise_in_the_model_there_is_no_gain_to_tell():
+    on = of_dark(60.0)
+    model = everyday(on, paper_start(on), ("dark_shot_noise",), lambda *_: None).model
+    assert model.get("dark_shot_noise") is None
+    state = start(on, model, [])
+    assert told_gain(on, state, model) is state
+
+
+def test_each_of_the_four_is_told_with_its_error():
+    on, told = of_dark(60.0), []
+    full = everyday(on, paper_start(on), (), lambda *step: told.append(step))
+    assert [name for name, _ in told] == [
+        "read_noise", "pixel_fpn", "dark_shot_noise", "quantization",
+    ]  # fmt: skip
+    assert told[-1][1] < told[0][1]
+    assert {name for name, _ in told} <= set(full.model.names)
