@@ -53,7 +53,7 @@ def draw(captures: CaptureSet, found: Refinement) -> None:
         colours = [ACCENT if HIDDEN in n else QUIET for n in names]
         steps.barh(range(len(names)), errors, color=colours, height=0.62)
         for row, error in enumerate(errors):
-            steps.text(error * 1.06, row, f"{error:.3g}", va="center", fontsize=8)
+            steps.text(max(error, 1.0) * 1.06, row, f"{error:.3g}", va="center", fontsize=8)
         steps.axvline(1.0, color=INK, linewidth=0.9)
         steps.set(xscale="log", xlim=(0.5, max(errors) * 2), title="Error, step by step")
         steps.set_yticks(range(len(names)), names, fontsize=8)
