@@ -84,6 +84,9 @@ def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
 def test_while_much_is_wrong_chance_reaches_farther():
     assert significant(made("a", 70.0, 1.0), 3.0)
     assert not significant(made("a", 70.0, 1.0, spread=2.0), 3.0)
+    uneven = dataclasses.replace(made("a", 400.0, 1.0), fitted_gain=10.0)
+    assert significant(uneven, 3.0)
+    assert not significant(dataclasses.replace(uneven, spread=2.0), 3.0)
 
 
 @pytest.mark.parametrize("spread", [1.0, 8.0])
@@ -109,9 +112,11 @@ def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already():
     assert addition([chance], 1.0, lambda _: True) is None
 
 
-@pytest.mark.parametrize(("gain", "added"), [(100.0, False), (400.0, True)])
-def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, added):
-    found = made("a", gain, 0.9)
+@pytest.mark.parametrize(
+    ("gain", "spread", "added"), [(100.0, 1.0, False), (400.0, 1.0, True), (400.0, 2.0, False)]
+)
+def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, spread, added):
+    found = made("a", gain, 0.9, spread)
     luck = dataclasses.replace(found, gain=1.0, fitted_gain=1.0)
     monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
     monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))

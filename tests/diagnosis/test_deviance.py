@@ -27,6 +27,13 @@ def test_what_it_bends_without_putting_right_counts():
     )
 
 
+def test_what_it_makes_worse_counts_as_much_as_what_it_mends():
+    found = dispersion(NAMES, halves(9.0, 0.0), halves(2.0, 3.0))
+    lines, shading = deviance(np.array([2.0])), deviance(np.array([3.0]))
+    moved = np.array([3 * (deviance(np.array([9.0])) - lines), 7 * shading])
+    assert found == pytest.approx(moved @ [lines, shading] / moved.sum())
+
+
 def test_where_all_else_fits_it_is_that_of_all():
     assert dispersion(NAMES, halves(20.0, 0.0), halves(6.0, 0.0)) == pytest.approx(
         0.3 * DOUBT**2 * np.log(2)
