@@ -99,7 +99,7 @@ def trials(
             best[p.effect] = made
         most = max(most, made.fitted_gain)
     if best:
-        _tried_again(bench, state, best, others, iterations)
+        _tried_again(bench, state, best, others, CLOSE * seen[0].promise, iterations)
         _polish(bench, state, best)
     complete = (replace(t, others=others.get(t.effect, ())) for t in best.values())
     return sorted(complete, key=lambda t: -t.evidence)
@@ -110,14 +110,17 @@ def _tried_again(
     state: State,
     best: dict[str, Trial],
     others: dict[str, tuple[Prospect, ...]],
+    least: float,
     iterations: int,
 ) -> None:
-    """Rivals from their other guesses, where the leader leaves what it changes wrong."""
+    """Rivals from other guesses that promised much, where the leader leaves wrong what it moves."""
     leader = max(best.values(), key=lambda t: t.evidence)
     if leader.spread == 1.0:
         return
     for effect in [e for e in others if e != leader.effect]:
-        for p in others.pop(effect):
+        promising = [p for p in others[effect] if p.promise > least]
+        others[effect] = tuple(p for p in others[effect] if p.promise <= least)
+        for p in promising:
             made = judged(bench, state, effect, refitted(bench, p, state, state.loss, iterations))
             if made.evidence > best[effect].evidence:
                 best[effect] = made
