@@ -11,10 +11,11 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.evidence import bounded, shows, typical_positive
+from dnanalyze.model.evidence import bounded, shows, strongest, typical_positive
 from dnanalyze.model.laws import scaled
 from dnanalyze.model.line_profile import line_profile
 
+_ALIKE = 0.05  # of the largest: colours whose offsets cancel better in a line are a coincidence
 _MODES = (("u", "10"), ("v", "01"), ("uv", "11"))
 
 
@@ -78,14 +79,17 @@ class CfaMismatch(Effect):
         The signs of u and v from the levels of odd and even columns and rows; that of uv does not
         show before it is tried.
         """
-        seen = {name: shows(clues, [f"pattern_nyquist_{k}"]) for name, k in _MODES}
+        lines = {name: f"pattern_nyquist_{k}" for name, k in _MODES}
+        ratios = {n: np.asarray(clues.measured(line), float) for n, line in lines.items()}
+        clear = strongest(clues, list(lines.values())) or 0
+        least = _ALIKE**2 * np.nanmax([0.0, *(r[clear] for r in ratios.values())])
+        seen = {n: shows(clues, [lines[n]]) and r[clear] > least for n, r in ratios.items()}
         if not (seen["uv"] or (seen["u"] and seen["v"])):
             return []
         floor = np.asarray(clues.measured("pattern_psd_0.35_0.5"), float)
         pixels = clues.shape[0] * clues.shape[1]
         sizes = {}
-        for name, k in _MODES:
-            ratio = np.asarray(clues.measured(f"pattern_nyquist_{k}"), float)
+        for name, ratio in ratios.items():
             power = typical_positive(ratio * floor) if seen[name] else 0.0
             sizes[name] = bounded(cls, name, _sign(clues, name) * math.sqrt(power / pixels))
         return [cls(**sizes)]

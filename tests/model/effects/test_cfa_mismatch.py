@@ -38,6 +38,16 @@ def test_guess_needs_the_diagonal_or_both_axes():
     assert CfaMismatch.guess(Given(seen=seen, off={"pattern_nyquist_10": 9.0})) == []
 
 
+@pytest.mark.parametrize(("share", "mosaic"), [(0.02, False), (0.2, True)])
+def test_a_line_far_below_the_columns_is_no_mosaics(share, mosaic):
+    seen = {"pattern_nyquist_10": 900.0, "pattern_nyquist_01": 900.0 * share**2}
+    clues = Given(
+        seen={**seen, "pattern_psd_0.35_0.5": 1.0, "pattern_nyquist_11": 0.1},
+        off=dict.fromkeys(seen, 9.0),
+    )
+    assert bool(CfaMismatch.guess(clues)) == mosaic
+
+
 def test_guess_takes_the_signs_of_u_and_v_from_the_lines_and_leaves_that_of_uv_to_a_trial():
     line = 1.0 - 2.0 * (np.arange(256) % 2)
     seen = dict.fromkeys([f"pattern_nyquist_{k}" for k in ("10", "01", "11")], 100.0)
