@@ -50,15 +50,17 @@ class Progress:
     def bench(self, captures: CaptureSet) -> Bench:
         """The captures read once, frame by frame in sight."""
         from dnanalyze.fitting.design import design
+        from dnanalyze.fitting.helpers import worth
         from dnanalyze.fitting.predictor import bench
 
         plan = design(captures)
+        helpers = worth(plan.pixels)  # they start while the frames are read
         if self.bars:
             from dnanalyze_cli.watched import watched
 
             self.now("Reading")
             plan = replace(plan, captures=watched(plan.captures, self))
-        held = bench(plan)
+        held = bench(plan, helpers)
         self(0, None)
         self.now("Fitting")
         return held

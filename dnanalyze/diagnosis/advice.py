@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,20 +56,20 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
     """
     seen = Readings(held.measured[0])
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
-    views = [_View.of(held, state, int(i)) for i in {np.nanargmin(noise), np.nanargmax(level)}]
+    view = _View.of(held, state, sorted({int(np.nanargmin(noise)), int(np.nanargmax(level))}))
     limits = {}
     for name, effect in known.items():
         strength = _strength(effect, float(np.nanmin(noise)))
         if state.model.get(name) is None and strength is not None:
             parameter, first = strength
-            value = _least_shown(views, state.model, effect, parameter, first)
+            value = _least_shown(view, state.model, effect, parameter, first)
             unit = effect.parameters()[parameter].unit
             limits[name] = str(Limit(name, parameter, value, unit))
     return limits
 
 
 def _least_shown(
-    views: Sequence[_View], model: NoiseModel, effect: type[Effect], parameter: str, first: float
+    view: _View, model: NoiseModel, effect: type[Effect], parameter: str, first: float
 ) -> float:
     """Strength that would be called missing, from one that shows; NaN where 100 times does not."""
     info = effect.parameters()[parameter]
@@ -79,7 +78,7 @@ def _least_shown(
         if tried > info.upper:
             break
         made = model.with_effect(replace(effect(), **{parameter: tried}))
-        gain = max(view.gain(made) for view in views)
+        gain = view.gain(made)
         if gain > NOISE:
             return min(tried * (CERTAIN / gain) ** (1.0 / power), info.upper)
     return float("nan")
@@ -87,25 +86,26 @@ def _least_shown(
 
 @dataclass(frozen=True)
 class _View:
-    """One setting, with what the model's own parameters can absorb there."""
+    """A few settings, with what the model's own parameters can absorb at each."""
 
     bench: Bench
     base: np.ndarray
-    free: np.ndarray
+    free: list[np.ndarray]
 
     @classmethod
-    def of(cls, held: Bench, state: State, setting: int) -> _View:
-        bench = held.only([setting])
-        jacobian = state.jacobian[held.train.setting == setting]
-        jacobian = jacobian[:, np.linalg.norm(jacobian, axis=0) > 1e-6]
-        free = np.linalg.qr(jacobian)[0] if jacobian.size else np.zeros((len(jacobian), 0))
-        return cls(bench, bench.coordinates(state.model)[0], free)
+    def of(cls, held: Bench, state: State, settings: list[int]) -> _View:
+        bench = held.only(settings)
+        parts = [state.jacobian[held.train.setting == s] for s in settings]
+        usable = [part[:, np.linalg.norm(part, axis=0) > 1e-6] for part in parts]
+        free = [np.linalg.qr(part)[0] for part in usable]
+        return cls(bench, bench.fitted_coordinates(state.model), free)
 
     def gain(self, model: NoiseModel) -> float:
-        """Loss of the model without the effect, were this one the truth."""
-        moved = self.bench.coordinates(model)[0]
+        """Loss of the model without the effect, were this one the truth; where it is largest."""
+        moved = self.bench.fitted_coordinates(model)
         shift = np.nan_to_num((moved - self.base) / self.bench.train.floor)
-        return loss(shift - self.free @ (self.free.T @ shift))
+        parts = [shift[self.bench.train.setting == s] for s in range(len(self.free))]
+        return max(loss(z - f @ (f.T @ z)) for z, f in zip(parts, self.free, strict=True))
 
 
 def _strength(effect: type[Effect], noise: float) -> tuple[str, float] | None:

@@ -39,6 +39,11 @@ class Design:
         return self.train, self.test
 
     @property
+    def pixels(self) -> int:
+        """Over all frames and both halves."""
+        return sum(n for _, n in self.settings) * sum(w.shape[0] * w.shape[1] for w in self.windows)
+
+    @property
     def settings(self) -> list[tuple[OperatingPoint, int]]:
         """Operating points with their number of frames."""
         return [(s.point, len(s.frames)) for s in self.captures.settings]

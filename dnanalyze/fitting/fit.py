@@ -19,12 +19,12 @@ from dnanalyze.fitting.least_squares import (
     weights,
 )
 from dnanalyze.fitting.moments import moments
-from dnanalyze.fitting.predictor import MEMO_BYTES, Bench, bench
+from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import paper_models
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo
 
 REPLICATES = 24
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
@@ -103,7 +103,7 @@ def fit(
 def paper_start(held: Bench) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best."""
     m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
-    return min(paper_models(m), key=lambda model: loss(held.z(model)[0]))
+    return min(paper_models(m), key=lambda model: loss(held.fitted_z(model)))
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
@@ -127,7 +127,7 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
     count = np.sum(np.isfinite(drawn), axis=0)
     mean = np.where(count > 0, np.nansum(drawn, axis=0) / np.maximum(count, 1), np.nan)
     share = 1.0 / (replicates + 1)
-    luck = np.nan_to_num((1.0 - share) * (held.coordinates(state.model)[0] - mean))
+    luck = np.nan_to_num((1.0 - share) * (held.fitted_coordinates(state.model) - mean))
     scatter = np.nan_to_num(drawn - mean)
     # The measured errors grow with the measured tails: weights by them would pull the tails down.
     spread = np.sqrt(2.0 * np.sum(scatter**2, axis=0) / np.maximum(count - 1, 1))
@@ -158,9 +158,9 @@ def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np
     drawn = [held.replicate(state.model, r)[0] for r in range(several, replicates)]
     jacobian, blank = np.zeros_like(state.jacobian), np.full_like(state.jacobian, np.nan)
     for number in range(several):
-        other = replace(held, memo=Memo(MEMO_BYTES))
+        other = replace(held, memo=room())
         model = replace(state.model, seed=state.model.seed + 1 + number)
-        train, _ = other.coordinates(model)
+        train = other.fitted_coordinates(model)
         drawn.append(train)
         begun = replace(state, model=model, train=held.train.z(train), jacobian=blank)
         jacobian += derive(other, begun, smallest=CLEAR).jacobian / several

@@ -22,6 +22,7 @@ HOPE = 3.0  # times its promise, what the steps after a step may still bring
 # Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
 # and the statistics with them, by some floors however short the step: less would be lost in it.
 SMALLEST, LARGEST = 12.0, 400.0
+GROWTH = 8.0  # of a step that shows too little, each time; twice at most
 
 
 @dataclass(frozen=True)
@@ -72,15 +73,17 @@ def derive(
     state: State,
     only: Callable[[Knob], bool] = lambda _: True,
     smallest: float = SMALLEST,
+    anew: bool = False,
 ) -> State:
     """Take the derivatives that are not known yet, one simulation a group of knobs.
 
-    A first step that moves the numbers by less than ``smallest`` floors is taken anew, longer.
+    A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
+    ``anew``: also those that are known, which then tell how long a step must be.
     """
     jacobian = state.jacobian.copy()
     groups: dict[str, list[int]] = {}
     for i, knob in enumerate(state.knobs):
-        if np.isnan(jacobian[:, i]).any() and only(knob):
+        if (anew or np.isnan(jacobian[:, i]).any()) and only(knob):
             groups.setdefault(knob.group, []).append(i)
     for members in groups.values():
         jacobian[:, members] = _difference(bench, state, members, smallest)
@@ -90,30 +93,36 @@ def derive(
 def _difference(bench: Bench, state: State, members: list[int], smallest: float) -> np.ndarray:
     """Columns of one group, by a one-sided step that is sized to be seen but not large."""
     here = positions(state.model, state.knobs)
-    step = np.array([_first_step(state.knobs[i], here[i]) for i in members])
+    first = np.array([_first_step(state.knobs[i], here[i]) for i in members])
+    known = np.linalg.norm(state.jacobian[:, members], axis=0)  # NaN where not known
     masks = [
         settings_of(state.knobs[i], state.model, bench.plan.settings)[bench.train.setting]
         for i in members
     ]
     columns = np.zeros((len(state.train), len(members)))
+    step = first * np.where(np.isnan(known), 1.0, _rescaled(known * first, smallest))
     for least in (smallest, SMALLEST / 4, SMALLEST / 8):
         there = here.copy()
         for i, h in zip(members, step, strict=True):
             there[i] = state.knobs[i].inside(here[i] + h)
             if there[i] == here[i]:  # at its upper bound: step down
                 there[i] = state.knobs[i].inside(here[i] - h)
-        moved, _ = bench.z(turned(state.model, state.knobs, there))
-        change = moved - state.train
+        change = bench.fitted_z(turned(state.model, state.knobs, there)) - state.train
         size = np.array([np.linalg.norm(change[m]) for m in masks])
         taken = there[members] - here[members]
         for j, mask in enumerate(masks):
             columns[:, j] = np.where(mask, change, 0) / (taken[j] or 1.0)
-        longer = np.clip(1.5 * least / np.maximum(size, 1e-9), 2.0, 8.0)
-        factor = np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))
-        if np.all(factor == 1.0):
+        longer = np.minimum(step * _rescaled(size, least), GROWTH**2 * first)
+        if np.all(longer == step):
             break
-        step = step * factor
+        step = longer
     return columns
+
+
+def _rescaled(size: np.ndarray, least: float) -> np.ndarray:
+    """Factor for steps that moved the numbers by ``size`` floors; 1 where that is right."""
+    longer = np.clip(1.5 * least / np.maximum(size, 1e-9), 2.0, GROWTH)
+    return np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))
 
 
 def _first_step(knob: Knob, position: float) -> float:
@@ -192,8 +201,7 @@ def converge(
     state = minimise(bench, state, iterations, tell=tell)
     for _ in range(rounds - 1):
         before = state.loss
-        fresh = replace(state, jacobian=np.full_like(state.jacobian, np.nan))
-        state = minimise(bench, fresh, iterations, tell=tell)
+        state = minimise(bench, derive(bench, state, anew=True), iterations, tell=tell)
         if before - state.loss < 0.02 * before + 1.0:
             break
     return state

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,13 +10,11 @@ import numpy as np
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.fitting.design import Design
+from dnanalyze.fitting.helpers import Helpers
+from dnanalyze.fitting.simulated import Job, room
 from dnanalyze.fitting.vectors import Target, prediction, target
-from dnanalyze.loaders.captures import Setting
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo, simulate
-
-MEMO_BYTES = 1 << 30
-THREADS = 2  # settings simulated at a time
+from dnanalyze.model.simulate import Memo
 
 
 @dataclass(frozen=True)
@@ -30,34 +28,42 @@ class Bench:
     measured : list of Statistics
         Of the train and the test half.
     train, test : Target
+    memo : Memo
+        Fields kept between simulations.
+    helpers : Helpers
+        Processes that share them; none by default.
     """
 
     plan: Design
     measured: list[Statistics]
     train: Target
     test: Target
-    memo: Memo = field(default_factory=lambda: Memo(MEMO_BYTES))
+    memo: Memo = field(default_factory=room)
+    helpers: Helpers = field(default_factory=Helpers)
 
-    def statistics(self, model: NoiseModel, errors: bool = False) -> list[Statistics]:
-        """Statistics of both halves of a simulated capture set."""
-        sensor = self.plan.captures.sensor
-        made = simulate(model, self.plan.shape, self.plan.settings, "simulation", sensor, self.memo)
+    def statistics(
+        self, model: NoiseModel, errors: bool = False, lower: Sequence[str] = ()
+    ) -> list[Statistics]:
+        """Statistics of both halves of a simulated capture set.
 
-        def one(setting: Setting) -> list[Statistics]:
-            alone = replace(made, settings=(setting,))
-            return analyze_windows(alone, self.plan.windows, workers=1, errors=errors)
-
-        with ThreadPoolExecutor(THREADS) as pool:
-            parts = list(pool.map(one, made.settings))
-        return [
-            Statistics(made.name, sensor, tuple(s for p in parts for s in p[half].settings))
-            for half in range(len(self.plan.windows))
-        ]
+        ``lower``: families of the lower half that are wanted; all by default.
+        """
+        plan = self.plan
+        job = Job(model, plan.captures.sensor, plan.windows, plan.settings, errors, lower)
+        return job.together(self.helpers.statistics(job, self.memo))
 
     def coordinates(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
         """Predicted coordinates of (train, test)."""
         made = self.statistics(model)
         return prediction(made, 0, self.train), prediction(made, 1, self.test)
+
+    def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
+        """Predicted coordinates of train alone: of the other half only the shading is needed."""
+        return prediction(self.statistics(model, lower=("shading",)), 0, self.train)
+
+    def fitted_z(self, model: NoiseModel) -> np.ndarray:
+        """Differences in floors, of train alone; for derivatives, which cost most simulations."""
+        return self.train.z(self.fitted_coordinates(model))
 
     def z(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
         """Differences in floors, of (train, test)."""
@@ -80,7 +86,8 @@ class Bench:
         return bench.coordinates(other)
 
 
-def bench(plan: Design) -> Bench:
+def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
     """Read the captures once and take the statistics of both halves."""
     measured = analyze_windows(plan.captures, plan.windows)
-    return Bench(plan, measured, target(measured, 0), target(measured, 1))
+    sides = target(measured, 0), target(measured, 1)
+    return Bench(plan, measured, *sides, helpers=helpers or Helpers())

@@ -23,9 +23,14 @@ MAPS = 4  # fixed fields that an effect may keep
 
 @dataclass
 class Memo:
-    """Least recently used arrays, bounded in bytes: fields are pure, forgetting costs only time."""
+    """Least recently used arrays, bounded in bytes: fields are pure, forgetting costs only time.
+
+    ``charge``, if any, keeps frames as they are counted in electrons: models that differ only in
+    what is read out share them.
+    """
 
     limit_bytes: int = 256 << 20
+    charge: Memo | None = None
     _held: OrderedDict[object, Any] = field(default_factory=OrderedDict)
     _bytes: int = 0
     _lock: Any = field(default_factory=Lock)
@@ -67,6 +72,13 @@ def _size(value: Any) -> int:
     return int(getattr(value, "nbytes", 64))
 
 
+def _ends_charge(count: int, chain: Sequence[Effect]) -> bool:
+    """Whether what follows ``count`` effects is read out, from charge that others may share."""
+    if count == len(chain):
+        return False
+    return chain[count - 1].stage <= Stage.ARRIVAL < chain[count].stage <= Stage.PEDESTAL
+
+
 @dataclass(frozen=True)
 class Simulator:
     """Draws frames of one model.
@@ -103,6 +115,18 @@ class Simulator:
                 else 0
             )
             return self._level(window, float(level))
+        memo = self.memo.charge
+        if memo is None or not _ends_charge(count, chain):
+            return self._applied(count, chain, point, number, window)
+        at = self.shape, self.model.seed, self.model.reference_of(point.channel), point, number
+        key = (*at, window, *chain[:count])
+        made = memo.get(key, lambda: self._applied(count, chain, point, number, window))
+        return np.array(made)  # what follows may write into it
+
+    def _applied(
+        self, count: int, chain: list[Effect], point: OperatingPoint, number: int, window: Window
+    ) -> np.ndarray:
+        """The last of ``count`` effects, put on the signal of those before it."""
         effect = chain[count - 1]
         grown = window.grown(effect.reach, self.shape)
         if effect.memory:

@@ -1,0 +1,113 @@
+"""Processes that simulate beside this one.
+
+Many of the statistics are small sums, of which two threads of one process seldom take two at a
+time. A helper keeps the fields of its own parts from one simulation to the next, and only models
+and statistics travel.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import weakref
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from typing import Any
+
+from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.fitting.simulated import THREADS, Job, Part, room
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+from dnanalyze.model.simulate import Memo
+
+MOST = 7  # helpers
+PATIENCE_S = 5.0  # with a helper at the end
+WORTH = 3_000_000  # pixels of a simulation from which a helper is worth its start
+
+
+class Helpers:
+    """Processes that take their share of simulations; they end with this object.
+
+    Parameters
+    ----------
+    count : int
+        None by default: then threads of this process take the parts.
+    """
+
+    def __init__(self, count: int = 0) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipes: list[Connection] = []
+        self.workers: list[SpawnProcess] = []
+        for _ in range(count):
+            mine, theirs = context.Pipe()
+            worker = context.Process(target=_serve, args=(theirs, count + 1), daemon=True)
+            worker.start()
+            theirs.close()
+            self._pipes.append(mine)
+            self.workers.append(worker)
+        self.close = weakref.finalize(self, _close, self._pipes, self.workers)
+
+    def statistics(self, job: Job, memo: Memo) -> dict[Part, list[SettingStatistics]]:
+        """All parts of a job; those of a helper that is no more are taken here."""
+        if not self._pipes or not _travels(job.model):
+            parts = job.parts()
+            return dict(zip(parts, job.statistics(parts, memo, THREADS), strict=True))
+        *shares, own = (job.parts(n, len(self._pipes) + 1) for n in range(len(self._pipes) + 1))
+        for pipe, share in zip(self._pipes, shares, strict=True):
+            with suppress(OSError):
+                pipe.send((job, share, memo.limit_bytes > 0))
+        try:
+            found = dict(zip(own, job.statistics(own, memo), strict=True))
+        finally:  # what is not taken now would be taken for the next job's
+            answers = [self._answer(pipe) for pipe in list(self._pipes)]
+        for answer, share in zip(answers, shares, strict=True):
+            if isinstance(answer, Exception):
+                raise answer
+            taken = job.statistics(share, memo) if answer is None else answer
+            found |= zip(share, taken, strict=True)
+        return found
+
+    def _answer(self, pipe: Connection) -> Any:
+        """What a helper found, or its error; None, and no more of it, where it is no more."""
+        try:
+            return pipe.recv()
+        except (OSError, EOFError):
+            pipe.close()
+            self._pipes.remove(pipe)
+            return None
+
+
+def worth(pixels: int) -> Helpers:
+    """One for each further processor, where simulations of so many pixels are worth its start."""
+    return Helpers(min(len(os.sched_getaffinity(0)) - 1, MOST) if pixels >= WORTH else 0)
+
+
+def _travels(model: NoiseModel) -> bool:
+    """Whether another process knows all of its effects; one from a user's file it does not."""
+    known = built_in()
+    return all(known.get(effect.name) is type(effect) for effect in model.effects)
+
+
+def _serve(pipe: Connection, shares: int) -> None:
+    """What a helper does until the other end is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom it helps decides
+    memo = room(shares)
+    with suppress(EOFError, OSError):
+        while True:
+            job, parts, kept = pipe.recv()
+            try:
+                found: Any = job.statistics(parts, memo if kept else Memo(0))
+            except Exception as error:  # told by the process that asked
+                found = error
+            pipe.send(found)
+
+
+def _close(pipes: list[Connection], workers: list[SpawnProcess]) -> None:
+    """The other ends see it, and end once their share is done."""
+    for pipe in pipes:
+        pipe.close()
+    for worker in workers:
+        worker.join(PATIENCE_S)
+        worker.kill()
