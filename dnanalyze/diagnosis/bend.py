@@ -6,6 +6,7 @@ instead. Strength and noise must then move together, far and along a curve.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -86,4 +87,6 @@ def bending(effect: Effect, knob: Knob, model: NoiseModel) -> tuple[float, float
     bearer = model.get(knob.effect)
     if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
         return UNBENT
-    return effect.bent(knob.name, knob.unit)
+    noise = model.get("read_noise")
+    sigma = noise.value("sigma", model.reference) if noise is not None else math.inf
+    return effect.bent(knob.name, knob.unit, sigma)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
 FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
+HOPEFUL = 0.03  # share of the best promise of all from which the rest may come to something
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 
@@ -63,16 +64,29 @@ def prospects(
     small = bench.only(few)
     part = _restricted(bench, state, few)
     idle = _reachable(part, part.train)
-    found = []
+    guesses, found = {}, {}
     for name, effect in known.items():
         tell(name)
-        made: list[Prospect] = []
-        for number, guess in enumerate(effect.guess(clues)):
-            if number == FIRST and not any(p.promise > LEAST for p in made):
-                break
-            made += _at_guess(small, part, guess, idle)
-        found += sorted(made, key=lambda p: -p.promise)[:2]
-    return sorted(found, key=lambda p: -p.promise)
+        guesses[name] = effect.guess(clues)
+        found[name] = [
+            p for guess in guesses[name][:FIRST] for p in _at_guess(small, part, guess, idle)
+        ]
+    most = max((p.promise for made in found.values() for p in made), default=0.0)
+    for name, made in found.items():
+        if any(p.promise > max(LEAST, HOPEFUL * most) for p in made):
+            for guess in guesses[name][FIRST:]:
+                made += _at_guess(small, part, guess, idle)
+    best = [p for made in found.values() for p in _two(made)]
+    return sorted(best, key=lambda p: -p.promise)
+
+
+def _two(made: Sequence[Prospect]) -> list[Prospect]:
+    """The best two, of two guesses where there are several; the rest is another way to one."""
+    ranked = sorted(made, key=lambda p: -p.promise)
+    first = ranked[:1]
+    guess = [p.model.get(p.effect) for p in ranked]
+    others = [p for p, g in zip(ranked[1:], guess[1:], strict=True) if g != guess[0]]
+    return first + (others or ranked[1:])[:1]
 
 
 def _telling(bench: Bench, state: State) -> list[int]:
@@ -106,8 +120,7 @@ def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Pro
             larger = model.with_effect(guess)
         except InputError:
             continue
-        moved, _ = small.z(larger)
-        found.append(Prospect(guess.name, larger, idle - _reachable(part, moved)))
+        found.append(Prospect(guess.name, larger, idle - _reachable(part, small.fitted_z(larger))))
     return found
 
 

@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.deviance import deviance, dispersion
 from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -88,9 +88,9 @@ def trials(
     least = max(WORTH * seen[0].promise, LEAST)
     best: dict[str, Trial] = {}
     others: dict[str, tuple[Prospect, ...]] = {}
-    most = 0.0
+    most, error = 0.0, error_of(bench, state)
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
-        if p.effect in best and best[p.effect].fitted_gain > SURE:
+        if p.effect in best and best[p.effect].fitted_gain > SURE and best[p.effect].error < error:
             others[p.effect] = (*others.get(p.effect, ()), p)
             continue
         wanted = state.loss - WORTH * most
@@ -153,8 +153,9 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     if most < CLEAR or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
         return
     for t in close:
-        fresh = replace(t.state, jacobian=np.full_like(t.state.jacobian, np.nan))
-        best[t.effect] = judged(bench, state, t.effect, minimise(bench, fresh, 6))
+        best[t.effect] = judged(
+            bench, state, t.effect, minimise(bench, derive(bench, t.state, anew=True), 6)
+        )
 
 
 def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iterations: int) -> State:
@@ -171,8 +172,7 @@ def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iteration
     begun.jacobian[:, moved] = np.nan
     ended = minimise(bench, begun, iterations, below=wanted)
     if (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + SURE:
-        unknown = np.full_like(ended.jacobian, np.nan)
-        return minimise(bench, replace(ended, jacobian=unknown), 3 * iterations, below=wanted)
+        return minimise(bench, derive(bench, ended, anew=True), 3 * iterations, below=wanted)
     return ended
 
 

@@ -239,11 +239,11 @@ class Effect:
         """
         return [cls()]
 
-    def bent(self, name: str, unit: str) -> tuple[float, float]:
+    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Factor and shift by which a number comes right again when this effect is put in.
 
         A fit without the effect bends it to make up for it. ``name`` as "effect.parameter" or
-        "pedestal"; (1, 0) for what is not bent.
+        "pedestal"; (1, 0) for what is not bent. ``noise``: read noise of that fit, DN.
         """
         return 1.0, 0.0
 

@@ -62,8 +62,27 @@ def test_a_rival_is_tried_from_its_other_guess_where_the_leader_leaves_much(
         "refitted",
         lambda _bench, p, *_: state(0.1, 0.1) if p.model is second else after[p.effect],
     )
+    monkeypatch.setattr(trial, "derive", lambda _bench, ended, **_: ended)
     monkeypatch.setattr(trial, "minimise", lambda _bench, ended, *_: ended)
     found = trials(bench, begun, {})
     assert [t.effect for t in found] == (["b", "a"] if again else ["a", "b"])
     kept = {t.effect: len(t.others) for t in found}
     assert kept == {"a": 0, "b": 0 if again else 1}  # what is left for `best_guess`
+
+
+@pytest.mark.parametrize(("judged", "again"), [(5.1, True), (4.9, False)])
+def test_another_guess_is_refitted_where_the_first_gains_and_yet_raises_the_error(
+    monkeypatch, judged, again
+):
+    names = np.array(["spectrum"] * 100)
+    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    first, second = NoiseModel(()), NoiseModel(())
+    guesses = [Prospect("a", first, 900.0), Prospect("a", second, 800.0)]
+    ended = {id(first): state(1.0, judged), id(second): state(0.5, 0.5)}
+    monkeypatch.setattr(trial, "prospects", lambda *_: guesses)
+    monkeypatch.setattr(trial, "refitted", lambda _bench, p, *_: ended[id(p.model)])
+    monkeypatch.setattr(trial, "derive", lambda _bench, found, **_: found)
+    monkeypatch.setattr(trial, "minimise", lambda _bench, found, *_: found)
+    (found,) = trials(bench, state(5.0, 5.0), {})
+    assert found.state is ended[id(second) if again else id(first)]
+    assert len(found.others) == (0 if again else 1)

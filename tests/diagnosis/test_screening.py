@@ -1,9 +1,11 @@
 """What is simulated of an effect before any refit."""
 
+from dataclasses import replace
+
 import pytest
 
 from dnanalyze.diagnosis import screening
-from dnanalyze.diagnosis.screening import FIRST, LEAST, Prospect, prospects
+from dnanalyze.diagnosis.screening import FIRST, HOPEFUL, LEAST, Prospect, _two, prospects
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import converge, minimise, start
@@ -95,3 +97,43 @@ def test_later_guesses_are_simulated_only_where_an_early_one_promises(
     monkeypatch.setattr(screening, "_at_guess", at_guess)
     prospects(held, state, {"row_noise": Many})
     assert len(tried) == seen
+
+
+def test_later_guesses_wait_for_what_all_effects_promise(held, state, monkeypatch):
+    promised = {"row_noise": 1e4, "row_fpn": HOPEFUL * 1.1e4, "column_fpn": HOPEFUL * 0.9e4}
+
+    def many(name):
+        class Many(KNOWN[name]):
+            @classmethod
+            def guess(cls, clues):
+                return [cls(0.1 * (n + 1)) for n in range(FIRST + 2)]
+
+        return Many
+
+    tried = []
+
+    def at_guess(small, part, guess, idle):
+        tried.append(guess.name)
+        return [Prospect(guess.name, state.model, promised[guess.name])]
+
+    monkeypatch.setattr(screening, "_at_guess", at_guess)
+    seen = prospects(held, state, {name: many(name) for name in promised})
+    assert {name: tried.count(name) for name in promised} == {
+        "row_noise": FIRST + 2, "row_fpn": FIRST + 2, "column_fpn": FIRST,
+    }  # fmt: skip
+    assert [p.effect for p in seen[::2]] == list(promised)
+
+
+def test_two_guesses_of_an_effect_are_kept_before_two_ways_to_one(state):
+    def seen(sigma, promise, seed=0):
+        return Prospect(
+            "row_noise",
+            replace(state.model, seed=seed).with_effect(KNOWN["row_noise"](sigma)),
+            promise,
+        )
+
+    straight, bent, other = seen(1.0, 9.0), seen(1.0, 8.0, seed=1), seen(2.0, 7.0)
+    assert _two([other, bent, straight]) == [straight, other]
+    assert _two([bent, straight]) == [straight, bent]
+    assert _two([other]) == [other]
+    assert _two([]) == []

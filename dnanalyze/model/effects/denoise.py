@@ -13,6 +13,7 @@ from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, shows, typical
 
 _GAUSSIAN_RADIUS = 6
+WIDE = 2.0
 _BILATERAL_RADIUS = 2
 _NLM_PATCH, _NLM_DISTANCE = 2, 5
 _MEDIAN_VARIANCE = 0.166  # of the median of 9 Gaussian values of variance 1, by simulation
@@ -90,11 +91,11 @@ class Denoise(Effect):
         nearest = min(_PLAIN, key=lambda q: abs(q - self.strength))
         return [replace(self, strength=nearest)] if abs(nearest - self.strength) < 0.1 else []
 
-    def bent(self, name: str, unit: str) -> tuple[float, float]:
+    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Noise of independent pixels is that much smaller, and the seed seems smooth by itself."""
         if name == "convolved_lognormal.phi":
             return 0.0, 0.0
-        kept = self._kept()
+        kept = self._kept(noise)
         factors = {
             "read_noise.sigma": kept**-0.5,
             "pixel_fpn.sigma": kept**-0.5,
@@ -102,15 +103,16 @@ class Denoise(Effect):
         }
         return factors.get(name, 1.0), 0.0
 
-    def _kept(self) -> float:
-        """Share of the variance of white noise; 1 for filters that go by its size."""
+    def _kept(self, noise: float) -> float:
+        """Share of the variance of white noise; 1 for filters that go by its size.
+
+        Over differences beyond `WIDE` times the noise that it found, a bilateral is a Gaussian.
+        """
         if not isinstance(self.strength, (int, float)) or not isinstance(self.space, (int, float)):
             return 1.0
-        if self.kind == "gaussian":
-            line = np.exp(
-                -0.5 * (np.arange(-_GAUSSIAN_RADIUS, _GAUSSIAN_RADIUS + 1) / self.space) ** 2
-            )
-            line /= line.sum()
+        line = _line(self.space)
+        wide = self.kind == "bilateral" and self.range * np.sum(line**2) > WIDE * noise
+        if self.kind == "gaussian" or wide:
             own, all_of_it = float(line.max() ** 2), float(np.sum(line**2) ** 2)
         elif self.kind == "median":
             own, all_of_it = 1.0 / 9.0, _MEDIAN_VARIANCE
@@ -153,23 +155,48 @@ class Denoise(Effect):
         if not signs:
             return []
         noise = _noise(clues)
-        near, far = (typical(clues.measured(f"temporal_corr_{k}")) for k in ("10", "20"))
+        corr = {k: clues.measured(f"temporal_corr_{k}") for k in ("10", "20")}
+        near, far = (typical(corr[k]) for k in ("10", "20"))
         spacing = 2 if far > max(near, 0.0) + 0.02 else 1
-        lag1 = max(near, far, 0.01)
-        # a narrow kernel of weight w on the next pixel gives a correlation of 2 w
-        space = 1.0 / math.sqrt(2.0 * math.log(2.0 / min(lag1, 0.9)))
+        space = _space(max(near, far, 0.01))
+        # a bilateral may be wide for the noise where that is least, and narrow elsewhere
+        wide = _space(max(-_least(-np.asarray(corr["20" if spacing == 2 else "10"])), 0.01))
+        quiet = _least(clues.measured("temporal_noise_core")) or noise
+        before = quiet / float(np.sum(_line(wide) ** 2))
         made = {
             "bilateral": cls(1.0, 1.5 * noise, 0.8, "bilateral", spacing),
-            "median": cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
-            "gaussian": cls(space=bounded(cls, "space", space), kind="gaussian", spacing=spacing),
+            "wide": cls(
+                1.0, bounded(cls, "range", 1.5 * WIDE * before), wide, "bilateral", spacing
+            ),
+            "median": cls(min(1.0, 2.0 * max(near, far, 0.01)), kind="median", spacing=spacing),
+            "gaussian": cls(space=space, kind="gaussian", spacing=spacing),
             "wavelet": cls(1.0, noise, kind="wavelet", spacing=spacing),
             "nlm": cls(1.0, 1.2 * noise, kind="nlm", spacing=spacing),
         }
         return list(made.values())
 
 
+def _least(values: np.ndarray) -> float:
+    """Of what is known; 0 where nothing is."""
+    known = np.asarray(values, float)
+    known = known[np.isfinite(known)]
+    return float(known.min()) if known.size else 0.0
+
+
+def _line(space: float) -> np.ndarray:
+    """Weights of a Gaussian kernel along a line; their sum is 1."""
+    line = np.exp(-0.5 * (np.arange(-_GAUSSIAN_RADIUS, _GAUSSIAN_RADIUS + 1) / space) ** 2)
+    return np.asarray(line / line.sum())
+
+
+def _space(lag1: float) -> float:
+    """Sigma of the kernel after which neighbours of white noise have this correlation."""
+    tried = np.linspace(0.2, 2.0, 181)
+    lines = [_line(float(s)) for s in tried]
+    found = [float(np.sum(x[1:] * x[:-1]) / np.sum(x * x)) for x in lines]
+    return float(np.interp(lag1, found, tried))
+
+
 def _noise(clues: Clues) -> float:
     """Temporal noise where it is least, DN, within the bounds of ``range``."""
-    noise = np.asarray(clues.simulated("temporal_noise_core"), float)
-    noise = noise[np.isfinite(noise)]
-    return min(max(float(noise.min()) if noise.size else 1.0, 0.02), 5e3)
+    return min(max(_least(clues.simulated("temporal_noise_core")) or 1.0, 0.02), 5e3)

@@ -58,7 +58,7 @@ class DigitalGain(Effect):
         codes = np.rint(signal * np.float32(s) + np.float32(b * (1.0 - s)))
         return np.minimum(codes, np.float32(self.value("top", site.point)))
 
-    def bent(self, name: str, unit: str) -> tuple[float, float]:
+    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Whatever comes before is that much smaller than the codes say."""
         if not (isinstance(self.gain, (int, float)) and isinstance(self.offset, (int, float))):
             return 1.0, 0.0

@@ -70,7 +70,7 @@ class HeavyTailedReadNoise(Effect):
         signal += np.float32(scale) * bent(site.normal(), tail)
         return signal
 
-    def bent(self, name: str, unit: str) -> tuple[float, float]:
+    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none."""
         return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
 

@@ -93,7 +93,7 @@ class Rts(Effect):
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
-    def bent(self, name: str, unit: str) -> tuple[float, float]:
+    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
         return (0.0 if name == "read_noise.spread" else 1.0), 0.0
 

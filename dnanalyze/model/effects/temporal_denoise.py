@@ -66,7 +66,7 @@ class TemporalDenoise(Effect):
         """The threshold where there is none."""
         return ("threshold",) if self.motion == "off" else ()
 
-    def bent(self, name: str, unit: str) -> tuple[float, float]:
+    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """The recursion leaves (1 - a)/(1 + a) of the variance between frames."""
         if not isinstance(self.share, (int, float)):
             return 1.0, 0.0

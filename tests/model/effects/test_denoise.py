@@ -4,7 +4,7 @@ from readout_bench import Given, frames
 from scipy import ndimage
 
 from dnanalyze.model import filters
-from dnanalyze.model.effects.denoise import Denoise
+from dnanalyze.model.effects.denoise import WIDE, Denoise
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.read_noise import ReadNoise
 
@@ -89,13 +89,34 @@ def test_guess_offers_every_kind_scaled_to_the_noise():
         seen={"temporal_corr_10": 0.2, "temporal_corr_20": 0.01},
         model={"temporal_noise_core": 3.0}, off={"temporal_psd_0.5_0.71": -8.0},
     )  # fmt: skip
-    found = {e.kind: e for e in Denoise.guess(clues)}
+    every = Denoise.guess(clues)
+    found = {e.kind: e for e in reversed(every)}
     assert set(found) == set(KINDS)
-    assert {e.spacing for e in found.values()} == {1}
+    assert {e.spacing for e in every} == {1}
     assert 2.0 < found["bilateral"].range < 7.0
     clues.seen.update({"temporal_corr_10": 0.0, "temporal_corr_20": 0.2})
     assert {e.spacing for e in Denoise.guess(clues)} == {2}
     assert Denoise.guess(Given()) == []
+
+
+@pytest.mark.parametrize("space", [0.5, 0.85])
+def test_a_bilateral_that_is_wide_for_the_noise_is_guessed_from_what_it_leaves(space):
+    """Of noise of 5 DN over 30 DN it leaves a Gaussian's share, and neighbours that alike."""
+    wide = Denoise(1.0, 30.0, space, "bilateral")
+    y = frames(*SENSOR, wide, count=2, shape=(200, 200)).astype(float)
+    y -= y.mean()
+    left, alike = y.std(), np.mean(y[..., 1:] * y[..., :-1]) / y.var()
+    clues = Given(
+        seen={"temporal_corr_10": alike, "temporal_corr_20": 0.1, "temporal_noise_core": left},
+        model={"temporal_noise_core": left}, off={"temporal_psd_0.5_0.71": -8.0},
+    )  # fmt: skip
+    guess = max((e for e in Denoise.guess(clues) if e.kind == "bilateral"), key=lambda e: e.range)
+    assert guess.space == pytest.approx(space, rel=0.1)
+    # kernel cut at two pixels, likeness of 30 DN, codes: a tenth of the noise
+    assert guess.range == pytest.approx(1.5 * WIDE * 5.0, rel=0.15)
+    factor, shift = guess.bent("read_noise.sigma", "DN", left)
+    assert left * factor + shift == pytest.approx(5.0, rel=0.15)
+    assert guess.bent("read_noise.sigma", "DN", 10.0 * left) == (1.0, 0.0)
 
 
 def test_idle_parameters():
