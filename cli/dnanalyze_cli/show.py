@@ -195,9 +195,7 @@ def _families(console: Console, families: Mapping[str, float]) -> None:
 
 def diagnosis(console: Console, captures: Any, result: Any) -> None:
     """The verdict, the candidates with their evidence, the limits, the next capture."""
-    error = getattr(result, "error", None)
-    headline = words.diagnose_headline(result.verdict, result.candidates, error)
-    _verdict(console, capture.one_line(captures), headline)
+    _verdict(console, capture.one_line(captures), words.diagnose_headline(result))
     _table(
         console,
         ("candidate", "error after", "explains", "confidence", "confused with"),

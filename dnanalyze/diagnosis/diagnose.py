@@ -18,6 +18,7 @@ from dnanalyze.diagnosis.confidence import (
     rivals,
     significant,
 )
+from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, judged, trials
 from dnanalyze.fitting.design import design
@@ -46,7 +47,8 @@ class Diagnosis:
     verdict : str
         "adequate", "missing" or "unexplained".
     candidates : list of Candidate
-        Best first.
+        Best first; what every sensor has, if the model had nothing of it, after an effect that is
+        missing beside it.
     unexplained : list of str
         Statistics that no candidate explains.
     detection_limits : dict
@@ -54,8 +56,10 @@ class Diagnosis:
     next_capture : list of str
         What to capture next to settle what is open.
     model : NoiseModel
-        The model as refitted.
+        The model that the candidates were tried in, as refitted.
     trials : list of Trial
+    ordinary : list of str
+        What every sensor has and the model had not: put in before others were tried.
     """
 
     captures: str
@@ -67,6 +71,7 @@ class Diagnosis:
     next_capture: list[str] = field(default_factory=list)
     model: NoiseModel | None = None
     trials: list[Trial] = field(default_factory=list)
+    ordinary: list[str] = field(default_factory=list)
 
 
 def diagnose(
@@ -85,7 +90,8 @@ def diagnose(
     captures : CaptureSet
     model : NoiseModel, optional
         The paper's model by default. It is refitted first, so that only what no parameter can
-        reach counts as missing.
+        reach counts as missing. Of a model that has nothing of what every sensor has, that is
+        missing in any case: it is put in, and what else is missing is asked of the rest.
     exclude : sequence of str
         Effects not to consider.
     known : dict, optional
@@ -97,10 +103,53 @@ def diagnose(
     """
     held = held or bench(design(captures))
     model = model or paper_start(held)
-    state = minimise(held, start(held, model, knobs_of(model)))
     known = catalogue() if known is None else known
+    asked = minimise(held, start(held, model, knobs_of(model)))
+    stages: list[tuple[str, State]] = []
+    if lacks_everyday(model):
+        tell("what every sensor has")
+        everyday(held, asked.model, exclude, lambda name, stage: stages.append((name, stage)))
+    state = stages[-1][1] if stages else asked
     tried = trials(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
-    return judge(captures.name, held, state, tried, known)
+    found = judge(captures.name, held, state, tried, known)
+    return beside_everyday(held, asked, stages, found) if stages else found
+
+
+def beside_everyday(
+    held: Bench, asked: State, stages: Sequence[tuple[str, State]], found: Diagnosis
+) -> Diagnosis:
+    """A diagnosis of the model with what every sensor has, as one of the model without.
+
+    Parameters
+    ----------
+    held : Bench
+    asked : State
+        The model without.
+    stages : sequence of (str, State)
+        The effects that were put in, with the state then.
+    found : Diagnosis
+        Of the last of these states.
+    """
+    error, before = error_of(held, asked), asked
+    together = judged(held, asked, stages[-1][0], stages[-1][1])  # only all of them are refitted
+    chance = float(confidences([together], error)[0])
+    ordinary = []
+    for name, stage in stages:
+        was, now = error_of(held, before), error_of(held, stage)
+        effect = stage.model.get(name)
+        assert effect is not None
+        words = evidence_for(held, before, stage, type(effect))
+        share = min(1.0, max(0.0, was - now) / max(error - 1.0, 1e-6))
+        ordinary.append(Candidate(name, now, share, chance, [], words))
+        before = stage
+    first = int(found.verdict == "missing")
+    return replace(
+        found,
+        error=error,
+        verdict="missing" if found.verdict == "adequate" else found.verdict,
+        candidates=[*found.candidates[:first], *ordinary, *found.candidates[first:]],
+        ordinary=[c.effect for c in ordinary],
+    )
 
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, start
 from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
@@ -20,7 +19,7 @@ NO_WORSE = 0.03  # share of the loss by which a fit may lie higher and be as goo
 
 
 def everyday(
-    bench: Bench, paper: NoiseModel, exclude: Sequence[str], note: Callable[[str, float], None]
+    bench: Bench, paper: NoiseModel, exclude: Sequence[str], note: Callable[[str, State], None]
 ) -> State:
     """Put in what every sensor has, and let what the paper's tables absorbed get its name.
 
@@ -35,7 +34,7 @@ def everyday(
     exclude : sequence of str
         Effects to leave out.
     note : callable
-        Called with the name of each effect and the error with it.
+        Called with the name of each effect and the state with it.
     """
     seen, sensor = Readings(bench.measured[0]), bench.plan.captures.sensor
     found = moments(seen, sensor.black_level)
@@ -45,15 +44,20 @@ def everyday(
         begun = begun.without(name)
     full = told_gain(bench, converge(bench, start(bench, begun, knobs_of(begun))), begun)
     names = [n for n in EVERYDAY if n not in exclude]
+    pedestals = [paper.pedestal, full.model.pedestal]
     for count in range(1, len(names)):
-        ways = [
-            partly_named(found, paper, full.model, names[:count], pedestal)
-            for pedestal in (paper.pedestal, full.model.pedestal)
-        ]
+        ways = [partly_named(found, paper, full.model, names[:count], p) for p in pedestals]
         state = min((start(bench, way, []) for way in ways), key=lambda s: s.loss)
-        note(names[count - 1], error_of(bench, state))
-    note(names[-1], error_of(bench, full))
+        if state.model.pedestal == full.model.pedestal:
+            pedestals = [full.model.pedestal]  # what is named later is nearer to it still
+        note(names[count - 1], state)
+    note(names[-1], full)
     return full
+
+
+def lacks_everyday(model: NoiseModel) -> bool:
+    """Whether a model has none of what every sensor has; what else it lacks cannot be told yet."""
+    return all(model.get(name) is None for name in EVERYDAY)
 
 
 def told_gain(bench: Bench, fitted: State, begun: NoiseModel) -> State:

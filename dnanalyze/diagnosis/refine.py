@@ -9,7 +9,7 @@ from dnanalyze.diagnosis.adequacy import averaged
 from dnanalyze.diagnosis.bend import along_bend
 from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing, retold
-from dnanalyze.diagnosis.everyday import everyday
+from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import (
@@ -25,7 +25,7 @@ from dnanalyze.diagnosis.trial import (
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, minimise, start
+from dnanalyze.fitting.least_squares import State, converge, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -121,10 +121,13 @@ def refine(
     begun = model or paper_start(held)
     state = minimise(held, start(held, begun, knobs_of(begun)))
     note(Step(None, error_of(held, state)))
-    if all(begun.get(name) is None for name in EVERYDAY):
-        state = everyday(held, state.model, exclude, lambda name, error: note(Step(name, error)))
+    if lacks_everyday(begun):
+        state = everyday(
+            held, state.model, exclude, lambda name, s: note(Step(name, error_of(held, s)))
+        )
         keep(state.model)
     dropped: set[str] = set()
+    fresh = False
     while True:
         if until_error is not None and steps[-1].error <= until_error:
             tried = []
@@ -134,6 +137,10 @@ def refine(
         error = error_of(held, state)
         added = [n for n in state.model.names if n not in (*begun.names, *EVERYDAY)]
         best, before = missing(held, state, tried), state
+        if best is None and error > POOR and not fresh:
+            # derivatives that many steps kept up may hide from the refits what true ones show
+            state, fresh = minimise(held, derive(held, state, anew=True)), True
+            continue
         among = retold(tried, best)
         other = exchange(held, state, added, open_to, trying) if not best and error > POOR else None
         if other is not None:
@@ -144,7 +151,7 @@ def refine(
         if other is not None:
             dropped.add(other.gone)
             note(Step(f"-{other.gone}", error_of(held, before)))
-        state = _completed(held, best_guess(held, before, best), best.effect)
+        state, fresh = _completed(held, best_guess(held, before, best), best.effect), False
         sure = float(confidences(among, error)[0])
         note(Step(best.effect, error_of(held, state), sure))
         state, gone = _needless(held, state)

@@ -54,5 +54,6 @@ def test_each_of_the_four_is_told_with_its_error():
     assert [name for name, _ in told] == [
         "read_noise", "pixel_fpn", "dark_shot_noise", "quantization",
     ]  # fmt: skip
-    assert told[-1][1] < told[0][1]
+    assert told[-1][1] is full
+    assert full.loss < told[0][1].loss
     assert {name for name, _ in told} <= set(full.model.names)

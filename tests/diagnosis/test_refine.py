@@ -100,3 +100,26 @@ def test_what_only_the_average_sensor_shows_to_be_needed_stays(
         ),
     )
     assert module._idle(None, "without", "with", "a") is idle
+
+
+@pytest.mark.parametrize("poor", [True, False])
+def test_before_it_gives_up_on_a_poor_model_it_asks_once_more_with_true_derivatives(
+    captures, known, monkeypatch, poor
+):
+    module = importlib.import_module("dnanalyze.diagnosis.refine")
+    begun = refine(captures, known=known, most_effects=0)
+    asked, real = [], module.trials
+
+    def blind(held, state, *more):
+        """Sees nothing at first."""
+        asked.append(state)
+        return real(held, state, *more) if len(asked) > 1 else []
+
+    monkeypatch.setattr(module, "trials", blind)
+    monkeypatch.setattr(module, "POOR", 1.0 if poor else 1e3)
+    found = refine(captures, begun.model, known=known)
+    assert ("row_fpn" in found.effects) == poor
+    if poor:
+        assert not np.array_equal(asked[0].jacobian, asked[1].jacobian)
+    else:
+        assert len(asked) == 1

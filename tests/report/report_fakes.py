@@ -146,6 +146,7 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
         error=6.5,
         verdict=verdict,
         candidates=candidates,
+        ordinary=[],
         unexplained=["pattern_q0.001"],
         detection_limits={"row_fpn": "row_fpn below 0.02 DN would not be seen"},
         next_capture=["eight more frames at 45 C"],

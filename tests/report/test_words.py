@@ -1,5 +1,6 @@
 import math
 import re
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -58,12 +59,32 @@ def test_labels_say_only_what_differs():
 
 def test_verdicts_name_the_effect_the_confidence_and_the_rival():
     found = diagnosis()
-    text = words.diagnose_headline("missing", found.candidates, found.error)
+    text = words.diagnose_headline(found)
     assert "column_fpn" in text
     assert "97 %" in text
     assert "column_gain" in text
-    assert words.diagnose_headline("adequate", [], 1.0).startswith("Adequate")
-    assert words.diagnose_headline("unexplained", [], 4.0).startswith("Unexplained")
+    assert words.diagnose_headline(diagnosis("adequate")).startswith("Adequate")
+    assert words.diagnose_headline(diagnosis("unexplained")).startswith("Unexplained")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "beside", "told"),
+    [
+        ("missing", 1, ("Missing: column_fpn", "97 %", "beside what every", "6.5 to 1.1")),
+        ("missing", 0, ("Missing: what every", "6.5 to 2.1", "nothing else")),
+        ("unexplained", 0, ("Unexplained: with what every", "6.5 to 2.1", "something else")),
+    ],
+)
+def test_what_every_sensor_has_is_told_beside_what_else_is_missing(verdict, beside, told):
+    found = diagnosis(verdict)
+    best, lesser = found.candidates
+    found.ordinary = ["read_noise", "quantization"]
+    steps = zip(found.ordinary, (4.0, 2.1), strict=True)
+    every = [SimpleNamespace(**vars(lesser) | {"effect": n, "error_after": e}) for n, e in steps]
+    found.candidates = [best][:beside] + every
+    text = words.diagnose_headline(found)
+    for part in (*told, "(read_noise and quantization)"):
+        assert part in text
 
 
 def test_what_was_taken_out_again_is_not_said_to_be_added():

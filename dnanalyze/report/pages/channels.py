@@ -69,9 +69,7 @@ def _steps(channel: str, part: Any) -> Section:
 
 def diagnosis_page(captures: Any, found: Mapping[str, Any], verdict: str) -> str:
     """HTML of the page: every channel's diagnosis, one after another."""
-    said = {
-        name: diagnose_headline(d.verdict, list(d.candidates), d.error) for name, d in found.items()
-    }
+    said = {name: diagnose_headline(d) for name, d in found.items()}
     page = Page(
         "Diagnosis over channels",
         capture.title(captures),

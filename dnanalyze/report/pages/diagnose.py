@@ -47,7 +47,7 @@ def sections(result: Any) -> list[Section]:
         Section(
             "candidates",
             "Candidates",
-            pictures=[candidates(found, getattr(result, "error", None))],
+            pictures=[candidates(found, result.error)],
             tables=[Table(columns, rows, words=2)] if rows else [],
         ),
         *evidence,
@@ -76,11 +76,10 @@ def _limits(limits: Any) -> list[Table]:
 
 def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
     """HTML of the page; with a comparison its panels follow the diagnosis."""
-    error = getattr(result, "error", None)
     page = Page(
         "Diagnosis",
         capture.title(captures),
-        diagnose_headline(result.verdict, list(result.candidates), error),
+        diagnose_headline(result),
         [*sections(result), *(compare.sections(comparison) if comparison is not None else [])],
         tone=TONES.get(result.verdict, "fair"),
         points=[sentence(e) for e in (result.candidates[0].evidence if result.candidates else [])]

@@ -1,0 +1,79 @@
+"""What is missing in a model, and in one that has nothing of what every sensor has."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.diagnose import diagnose
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+
+FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
+KNOWN = {name: effect for name, effect in built_in().items() if name in FEW}
+SENSOR = draw_sensor(np.random.default_rng(11))
+
+
+def of(hidden):
+    captures = generate(SENSOR, hidden, (128, 128), frames=4, seed=3)
+    return captures, bench(design(captures))
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return of({"row_fpn": {"level": "strong"}})
+
+
+@pytest.fixture(scope="module")
+def found(rows):
+    captures, held = rows
+    return diagnose(captures, known=KNOWN, held=held)
+
+
+def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
+    captures, held = rows
+    assert found.verdict == "missing"
+    assert found.ordinary == list(EVERYDAY)
+    assert [c.effect for c in found.candidates[:5]] == ["row_fpn", *EVERYDAY]
+    first, *every = found.candidates[:5]
+    assert first.confidence > 0.99
+    assert first.error_after < every[-1].error_after < found.error
+    assert all(c.confidence > 0.99 for c in every)
+    assert min(c.explained for c in every) >= 0
+    assert max(c.explained for c in every) <= 1.0
+    assert set(EVERYDAY) < set(found.model.names)
+    # the model with what every sensor has is asked the same question, and nothing of that is new
+    again = diagnose(captures, found.model, known=KNOWN, held=held)
+    assert again.ordinary == []
+    assert again.candidates[0].effect == "row_fpn"
+    assert not {c.effect for c in again.candidates} & set(EVERYDAY)
+    assert again.error == pytest.approx(every[-1].error_after, rel=0.1)
+
+
+def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
+    captures, held = of({})
+    told = []
+    found = diagnose(captures, known=KNOWN, held=held, tell=told.append)
+    assert found.verdict == "missing"
+    assert [c.effect for c in found.candidates] == list(EVERYDAY)
+    assert "what every sensor has" in told
+    full = diagnose(captures, found.model, known=KNOWN, held=held)
+    assert full.verdict == "adequate"
+    assert full.error == pytest.approx(found.candidates[-1].error_after, rel=0.1)
+
+
+def test_what_is_excluded_is_not_put_in(rows):
+    captures, held = rows
+    found = diagnose(captures, known=KNOWN, held=held, exclude=["quantization", "row_fpn"])
+    named = {c.effect for c in found.candidates}
+    assert not named & {"quantization", "row_fpn"}
+    assert found.ordinary == [n for n in EVERYDAY if n != "quantization"]
+    assert "quantization" not in found.model.names
+
+
+def test_a_model_with_some_of_it_is_asked_as_it_is(rows, found):
+    captures, held = rows
+    some = found.model.without("quantization")
+    partly = diagnose(captures, some, known=KNOWN, held=held)
+    assert partly.ordinary == []
+    assert partly.candidates[0].effect in ("row_fpn", "quantization")
