@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from dnanalyze.diagnosis.adequacy import averaged
 from dnanalyze.diagnosis.bend import along_bend
-from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN, confidences
+from dnanalyze.diagnosis.confidence import CERTAIN, LUCK, NOTHING, STANDS_IN, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing, retold
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.exchange import exchange
@@ -199,10 +199,12 @@ def _needless(held: Bench, state: State) -> tuple[State, list[str]]:
 
 
 def _idle(held: Bench, without: State, state: State, name: str) -> bool:
-    """Whether an effect gains nothing on the unseen half; where the fitted half gains much, on
-    average over simulated sensors.
+    """Whether an effect gains nothing on the unseen half, and the error stays without it; where
+    the fitted half gains much, on average over simulated sensors.
     """
     found = judged(held, without, name, state)
+    if error_of(held, without) > (1.0 + LUCK) * found.error:
+        return False
     if found.gain < NOTHING / 2 and found.fitted_gain > CERTAIN:
         found = judged(held, averaged(held, without), name, averaged(held, state))
     return found.gain < NOTHING / 2

@@ -3,6 +3,7 @@
 import json
 import math
 from importlib import import_module
+from types import SimpleNamespace
 
 import pytest
 import report_fakes as fakes
@@ -42,8 +43,9 @@ def calls(monkeypatch):
     for command, (path, result) in SLOW.items():
         module, name = path.rsplit(".", 1)
         monkeypatch.setattr(import_module(module), name, stand_in(command, result))
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan: None)
-    monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: None)
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
+    plan = SimpleNamespace(pixels=0)
+    monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: plan)
     return seen
 
 

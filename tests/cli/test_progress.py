@@ -38,7 +38,7 @@ def test_the_cache_does_not_see_the_watching(tmp_path):
 def test_reading_and_fitting_are_told_apart(monkeypatch):
     monkeypatch.setattr(
         "dnanalyze.fitting.predictor.bench",
-        lambda plan: [f.read() for f in plan.captures.frames()],
+        lambda plan, _: [f.read() for f in plan.captures.frames()],
     )
     bars = Bars()
     Progress(bars, 0).bench(fakes.captures())
@@ -47,7 +47,7 @@ def test_reading_and_fitting_are_told_apart(monkeypatch):
 
 
 def test_without_a_terminal_nothing_is_told(monkeypatch, capsys):
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan: plan)
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan, _: plan)
     with Session("fit").progress("Fitting") as progress:
         plan = progress.bench(fakes.captures())
         progress.now("still")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.confidence import CERTAIN, NOTHING, STANDS_IN
+from dnanalyze.diagnosis.confidence import CERTAIN, LUCK, NOTHING, STANDS_IN
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
@@ -79,16 +79,18 @@ def test_an_addition_that_only_led_the_others_to_their_place_goes_again(
 
 
 @pytest.mark.parametrize(
-    ("gain", "fitted", "average", "idle"),
+    ("gain", "fitted", "average", "without", "idle"),
     [
-        (NOTHING, 0.0, 0.0, False),
-        (0.0, 2 * CERTAIN, NOTHING, False),
-        (0.0, 2 * CERTAIN, 0.0, True),
-        (0.0, CERTAIN / 2, NOTHING, True),
+        (NOTHING, 0.0, 0.0, 2.0, False),
+        (0.0, 2 * CERTAIN, NOTHING, 2.0, False),
+        (0.0, 2 * CERTAIN, 0.0, 2.0, True),
+        (0.0, CERTAIN / 2, NOTHING, 2.0, True),
+        (0.0, 0.0, 0.0, 2.0 * (1.0 + 0.9 * LUCK), True),
+        (0.0, 0.0, 0.0, 2.0 * (1.0 + 1.1 * LUCK), False),
     ],
 )
-def test_what_only_the_average_sensor_shows_to_be_needed_stays(
-    monkeypatch, gain, fitted, average, idle
+def test_what_the_average_sensor_or_the_error_shows_to_be_needed_stays(
+    monkeypatch, gain, fitted, average, without, idle
 ):
     module = importlib.import_module("dnanalyze.diagnosis.refine")
     monkeypatch.setattr(module, "averaged", lambda _, state: f"average {state}")
@@ -96,9 +98,12 @@ def test_what_only_the_average_sensor_shows_to_be_needed_stays(
         module,
         "judged",
         lambda _held, before, _name, _after: SimpleNamespace(
-            gain=average if before.startswith("average") else gain, fitted_gain=fitted
+            gain=average if before.startswith("average") else gain,
+            fitted_gain=fitted,
+            error=2.0,
         ),
     )
+    monkeypatch.setattr(module, "error_of", lambda *_: without)
     assert module._idle(None, "without", "with", "a") is idle
 
 

@@ -47,7 +47,7 @@ def sections(result: Any) -> list[Section]:
         Section(
             "candidates",
             "Candidates",
-            pictures=[candidates(found, result.error)],
+            pictures=[candidates(found, result.error, result.ordinary)],
             tables=[Table(columns, rows, words=2)] if rows else [],
         ),
         *evidence,
