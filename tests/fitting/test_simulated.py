@@ -15,7 +15,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.simulated import Job, room
-from dnanalyze.loaders.captures import OperatingPoint, Sensor
+from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
@@ -186,3 +186,15 @@ def test_what_is_read_out_differently_shares_its_charge():
         with_room = drawn(sigma, mu, memo)
         assert len(made) == counted
         np.testing.assert_array_equal(with_room, drawn(sigma, mu, Memo()))
+
+
+def test_charge_is_shared_by_like_sensors_settings_frames_and_windows_alone():
+    memo = room()
+    for seed in (1, 2):
+        other = replace(model(), seed=seed)
+        made = [
+            simulate(other, SHAPE, [(p, 2) for p in POINTS], memo=kept) for kept in (memo, Memo())
+        ]
+        for one, plain in zip(*(m.frames() for m in made), strict=True):
+            for window in (None, Window(8, 40, 0, 80), Window(8, 40, 8, 72)):
+                np.testing.assert_array_equal(one.read(window), plain.read(window))
