@@ -50,11 +50,11 @@ class Progress:
     def bench(self, captures: CaptureSet) -> Bench:
         """The captures read once, frame by frame in sight."""
         from dnanalyze.fitting.design import design
-        from dnanalyze.fitting.helpers import worth
         from dnanalyze.fitting.predictor import bench
+        from dnanalyze.fitting.processes import helpers_for
 
         plan = design(captures)
-        helpers = worth(plan.pixels)  # they start while the frames are read
+        helpers = helpers_for(plan.pixels)  # they start while the frames are read
         if self.bars:
             from dnanalyze_cli.watched import watched
 

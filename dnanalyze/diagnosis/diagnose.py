@@ -106,7 +106,7 @@ def diagnose(
     known = catalogue() if known is None else known
     asked = minimise(held, start(held, model, knobs_of(model)))
     stages: list[tuple[str, State]] = []
-    if lacks_everyday(model):
+    if lacks_everyday(model, exclude):
         tell("what every sensor has")
         everyday(held, asked.model, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked

@@ -55,9 +55,13 @@ def everyday(
     return full
 
 
-def lacks_everyday(model: NoiseModel) -> bool:
-    """Whether a model has none of what every sensor has; what else it lacks cannot be told yet."""
-    return all(model.get(name) is None for name in EVERYDAY)
+def lacks_everyday(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
+    """Whether a model has none of what every sensor has; what else it lacks cannot be told yet.
+
+    ``exclude``: not where all of it is excluded.
+    """
+    wanted = any(name not in exclude for name in EVERYDAY)
+    return wanted and all(model.get(name) is None for name in EVERYDAY)
 
 
 def told_gain(bench: Bench, fitted: State, begun: NoiseModel) -> State:

@@ -121,7 +121,7 @@ def refine(
     begun = model or paper_start(held)
     state = minimise(held, start(held, begun, knobs_of(begun)))
     note(Step(None, error_of(held, state)))
-    if lacks_everyday(begun):
+    if lacks_everyday(begun, exclude):
         state = everyday(
             held, state.model, exclude, lambda name, s: note(Step(name, error_of(held, s)))
         )

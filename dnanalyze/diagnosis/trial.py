@@ -90,7 +90,8 @@ def trials(
     others: dict[str, tuple[Prospect, ...]] = {}
     most, error = 0.0, error_of(bench, state)
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
-        if p.effect in best and best[p.effect].fitted_gain > SURE and best[p.effect].error < error:
+        first = best.get(p.effect)
+        if first is not None and first.fitted_gain > SURE and first.error < error:
             others[p.effect] = (*others.get(p.effect, ()), p)
             continue
         wanted = state.loss - WORTH * most

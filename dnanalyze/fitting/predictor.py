@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.fitting.design import Design
-from dnanalyze.fitting.helpers import Helpers
+from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, room
 from dnanalyze.fitting.vectors import Target, prediction, target
 from dnanalyze.model.noise_model import NoiseModel

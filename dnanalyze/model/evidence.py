@@ -72,11 +72,16 @@ def mean_power(power: np.ndarray, bands: Sequence[str] = LINE_BANDS) -> np.ndarr
         return np.nansum(power * width, axis=0) / held.sum(axis=0)
 
 
+def known(values: np.ndarray) -> np.ndarray:
+    """The finite ones."""
+    held = np.asarray(values, float)
+    return held[np.isfinite(held)]
+
+
 def typical(values: np.ndarray) -> float:
     """Median of what is known; 0 where nothing is."""
-    known = np.asarray(values, float)
-    known = known[np.isfinite(known)]
-    return float(np.median(known)) if known.size else 0.0
+    found = known(values)
+    return float(np.median(found)) if found.size else 0.0
 
 
 def typical_positive(values: np.ndarray) -> float:
@@ -84,9 +89,7 @@ def typical_positive(values: np.ndarray) -> float:
     middle = typical(values)
     if middle > 0:
         return middle
-    known = np.asarray(values, float)
-    known = known[np.isfinite(known)]
-    return max(0.0, float(known.max())) if known.size else 0.0
+    return float(known(values).max(initial=0.0))
 
 
 def line_sigma(clues: Clues, prefix: str, length: int) -> float:

@@ -247,13 +247,17 @@ def bilateral(image: np.ndarray, range_dn: float, space: float, radius: int) -> 
     return result
 
 
+def gaussian_kernel(sigma: float, radius: int) -> np.ndarray:
+    """Weights along a line, (2 radius + 1,); their sum is 1."""
+    weights = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
+    return np.asarray(weights / weights.sum())
+
+
 def gaussian(image: np.ndarray, sigma: float, radius: int) -> np.ndarray:
     """Gaussian smoothing, sigma in pixels, cut off at ``radius``."""
     from scipy.ndimage import correlate1d
 
-    x = np.arange(-radius, radius + 1)
-    kernel = np.exp(-0.5 * (x / sigma) ** 2)
-    kernel /= kernel.sum()
+    kernel = gaussian_kernel(sigma, radius)
     once = correlate1d(image, kernel, axis=0, mode="mirror", output=np.float32)
     return correlate1d(once, kernel, axis=1, mode="mirror", output=np.float32)
 

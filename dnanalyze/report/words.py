@@ -169,36 +169,38 @@ def compare_headline(error: Any, baselines: Mapping[str, Any]) -> str:
 
 def diagnose_headline(found: Any) -> str:
     """The verdict of a diagnosis in one sentence."""
-    verdict, candidates, error = found.verdict, list(found.candidates), found.error
-    ordinary = found.ordinary  # what every sensor has and the model had not
+    candidates, ordinary = list(found.candidates), found.ordinary
     every = f"what every sensor has ({listing(ordinary)})"
-    with_every = [c.error_after for c in candidates if c.effect in ordinary][-1:]
-    if verdict == "adequate":
-        return f"Adequate: nothing is missing that these frames could show (error {number(error)})."
-    if verdict == "missing" and candidates and candidates[0].effect in ordinary:
-        return sentence(
-            f"Missing: {every}; with it the error falls from {number(error)} to "
-            f"{number(with_every[0])}, and nothing else is missing that these frames could show"
+    falls = f"the error falls from {number(found.error)} to "
+    put_in = [number(c.error_after) for c in candidates if c.effect in ordinary]
+    if found.verdict == "adequate":
+        return (
+            "Adequate: nothing is missing that these frames could show "
+            f"(error {number(found.error)})."
         )
-    if verdict == "missing" and candidates:
+    if found.verdict == "missing" and candidates and candidates[0].effect in ordinary:
+        return (
+            f"Missing: {every}; with it {falls}{put_in[-1]}, and nothing else is missing that "
+            "these frames could show."
+        )
+    if found.verdict == "missing" and candidates:
         best = candidates[0]
-        others = list(best.confused_with)
         beside, it = (f", beside {every}", "all of it") if ordinary else ("", "it")
         text = (
             f"Missing: {best.effect}, with {percent(best.confidence)} confidence{beside}; "
-            f"with {it} the error falls from {number(error)} to {number(best.error_after)}"
+            f"with {it} {falls}{number(best.error_after)}"
         )
-        if others:
-            text += f". These frames cannot always tell it from {listing(others)}"
+        if best.confused_with:
+            rivals = listing(best.confused_with)
+            text += f". These frames cannot always tell it from {rivals}"
         return sentence(text)
-    if ordinary and with_every:
+    if ordinary:
         return (
-            f"Unexplained: with {every} the error falls from {number(error)} to "
-            f"{number(with_every[0])}; something else is missing, and no effect of the catalogue "
-            "accounts for it."
+            f"Unexplained: with {every} {falls}{put_in[-1]}; something else is missing, and no "
+            "effect of the catalogue accounts for it."
         )
     return (
-        f"Unexplained: something is missing (error {number(error)}), "
+        f"Unexplained: something is missing (error {number(found.error)}), "
         "and no effect of the catalogue accounts for it."
     )
 

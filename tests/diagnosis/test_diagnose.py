@@ -5,6 +5,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.diagnose import diagnose
+from dnanalyze.diagnosis.refine import refine
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
@@ -69,6 +70,16 @@ def test_what_is_excluded_is_not_put_in(rows):
     assert not named & {"quantization", "row_fpn"}
     assert found.ordinary == [n for n in EVERYDAY if n != "quantization"]
     assert "quantization" not in found.model.names
+
+
+def test_where_all_of_it_is_excluded_the_model_is_asked_as_it_is(rows):
+    captures, held = rows
+    found = diagnose(captures, known=KNOWN, held=held, exclude=EVERYDAY)
+    assert found.ordinary == []
+    assert found.model.names == [BASE]
+    assert not {c.effect for c in found.candidates} & set(EVERYDAY)
+    kept = refine(captures, known=KNOWN, held=held, exclude=EVERYDAY, most_effects=0)
+    assert kept.effects == [BASE]
 
 
 def test_a_model_with_some_of_it_is_asked_as_it_is(rows, found):

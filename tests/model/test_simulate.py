@@ -1,5 +1,7 @@
 """A simulation is a capture set whose frames are pure functions."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
 
@@ -57,3 +59,40 @@ def test_pedestal_is_added_once_whatever_the_chain():
         bare = NoiseModel(tuple(known[n]() for n in names), 100.0)
         (frame,) = frames(simulate(bare, SHAPE, [(COLD, 1)]))
         assert abs(frame.mean() - 100.0) < 5 * 1.1 / np.sqrt(frame.size)
+
+
+def with_charge():
+    return Memo(charge=Memo())
+
+
+def test_what_is_read_out_differently_shares_its_charge():
+    memo, made = with_charge(), []
+    shot_noise = built_in()["dark_shot_noise"]
+
+    @dataclass(frozen=True)
+    class Counted(shot_noise):
+        def apply(self, signal, site):
+            made.append(site.frame)
+            return shot_noise.apply(self, signal, site)
+
+    def drawn(sigma, mu, memo):
+        changes = {"read_noise": {"sigma": sigma}, "convolved_lognormal": {"mu": mu}}
+        other = model(**changes).with_effect(Counted())
+        frames = simulate(other, SHAPE, [(COLD, 2)], memo=memo).frames()
+        return np.array([f.read() for f in frames])
+
+    for sigma, mu, counted in ((1.0, 2.0, 2), (2.0, 2.0, 0), (1.0, 2.0, 0), (1.0, 2.1, 2)):
+        made.clear()
+        with_room = drawn(sigma, mu, memo)
+        assert len(made) == counted
+        np.testing.assert_array_equal(with_room, drawn(sigma, mu, Memo()))
+
+
+def test_charge_is_shared_by_like_sensors_settings_frames_and_windows_alone():
+    memo = with_charge()
+    for seed in (1, 2):
+        other = replace(model(), seed=seed)
+        made = [simulate(other, SHAPE, [(COLD, 2), (HOT, 2)], memo=kept) for kept in (memo, Memo())]
+        for one, plain in zip(*(m.frames() for m in made), strict=True):
+            for window in (None, Window(8, 40, 0, 64), Window(8, 40, 8, 56)):
+                np.testing.assert_array_equal(one.read(window), plain.read(window))

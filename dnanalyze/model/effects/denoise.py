@@ -10,11 +10,11 @@ import numpy as np
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, shows, typical
+from dnanalyze.model.evidence import bounded, known, shows, typical
 
 _GAUSSIAN_RADIUS = 6
-WIDE = 2.0
 _BILATERAL_RADIUS = 2
+WIDE = 2.0  # range over the noise from which a bilateral averages all that it meets
 _NLM_PATCH, _NLM_DISTANCE = 2, 5
 _MEDIAN_VARIANCE = 0.166  # of the median of 9 Gaussian values of variance 1, by simulation
 _PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
@@ -106,9 +106,9 @@ class Denoise(Effect):
     def _kept(self, noise: float) -> float:
         """Share of the variance of white noise; 1 for filters that go by its size.
 
-        Over differences beyond `WIDE` times the noise that it found, a bilateral is a Gaussian.
+        ``noise`` is what was left of it. A bilateral with a wide range is a Gaussian.
         """
-        if not isinstance(self.strength, (int, float)) or not isinstance(self.space, (int, float)):
+        if not all(isinstance(x, (int, float)) for x in (self.strength, self.range, self.space)):
             return 1.0
         line = _line(self.space)
         wide = self.kind == "bilateral" and self.range * np.sum(line**2) > WIDE * noise
@@ -158,17 +158,18 @@ class Denoise(Effect):
         corr = {k: clues.measured(f"temporal_corr_{k}") for k in ("10", "20")}
         near, far = (typical(corr[k]) for k in ("10", "20"))
         spacing = 2 if far > max(near, 0.0) + 0.02 else 1
-        space = _space(max(near, far, 0.01))
+        lag1 = max(near, far, 0.01)
+        space = _space(lag1)
         # a bilateral may be wide for the noise where that is least, and narrow elsewhere
-        wide = _space(max(-_least(-np.asarray(corr["20" if spacing == 2 else "10"])), 0.01))
-        quiet = _least(clues.measured("temporal_noise_core")) or noise
-        before = quiet / float(np.sum(_line(wide) ** 2))
+        wide = _space(known(corr["20" if spacing == 2 else "10"]).max(initial=0.01))
+        quiet = min(known(clues.measured("temporal_noise_core")), default=0.0) or noise
+        before = quiet / np.sum(_line(wide) ** 2)
         made = {
             "bilateral": cls(1.0, 1.5 * noise, 0.8, "bilateral", spacing),
             "wide": cls(
                 1.0, bounded(cls, "range", 1.5 * WIDE * before), wide, "bilateral", spacing
             ),
-            "median": cls(min(1.0, 2.0 * max(near, far, 0.01)), kind="median", spacing=spacing),
+            "median": cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
             "gaussian": cls(space=space, kind="gaussian", spacing=spacing),
             "wavelet": cls(1.0, noise, kind="wavelet", spacing=spacing),
             "nlm": cls(1.0, 1.2 * noise, kind="nlm", spacing=spacing),
@@ -176,17 +177,10 @@ class Denoise(Effect):
         return list(made.values())
 
 
-def _least(values: np.ndarray) -> float:
-    """Of what is known; 0 where nothing is."""
-    known = np.asarray(values, float)
-    known = known[np.isfinite(known)]
-    return float(known.min()) if known.size else 0.0
-
-
 def _line(space: float) -> np.ndarray:
-    """Weights of a Gaussian kernel along a line; their sum is 1."""
-    line = np.exp(-0.5 * (np.arange(-_GAUSSIAN_RADIUS, _GAUSSIAN_RADIUS + 1) / space) ** 2)
-    return np.asarray(line / line.sum())
+    from dnanalyze.model import filters
+
+    return filters.gaussian_kernel(space, _GAUSSIAN_RADIUS)
 
 
 def _space(lag1: float) -> float:
@@ -199,4 +193,5 @@ def _space(lag1: float) -> float:
 
 def _noise(clues: Clues) -> float:
     """Temporal noise where it is least, DN, within the bounds of ``range``."""
-    return min(max(_least(clues.simulated("temporal_noise_core")) or 1.0, 0.02), 5e3)
+    noise = float(min(known(clues.simulated("temporal_noise_core")), default=1.0))
+    return min(max(noise, 0.02), 5e3)

@@ -7,6 +7,7 @@ from dnanalyze.model import filters
 from dnanalyze.model.effects.denoise import WIDE, Denoise
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.laws import ArrheniusLaw
 
 SENSOR = (ReadNoise(5.0),)
 KINDS = ("gaussian", "median", "bilateral", "nlm", "wavelet")
@@ -117,6 +118,11 @@ def test_a_bilateral_that_is_wide_for_the_noise_is_guessed_from_what_it_leaves(s
     factor, shift = guess.bent("read_noise.sigma", "DN", left)
     assert left * factor + shift == pytest.approx(5.0, rel=0.15)
     assert guess.bent("read_noise.sigma", "DN", 10.0 * left) == (1.0, 0.0)
+
+
+def test_a_filter_whose_range_varies_bends_nothing_that_is_known():
+    varying = Denoise(1.0, ArrheniusLaw(30.0, 25.0, 0.5), 0.85, "bilateral")
+    assert varying.bent("read_noise.sigma", "DN", 1.0) == (1.0, 0.0)
 
 
 def test_idle_parameters():

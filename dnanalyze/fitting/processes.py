@@ -79,7 +79,7 @@ class Helpers:
             return None
 
 
-def worth(pixels: int) -> Helpers:
+def helpers_for(pixels: int) -> Helpers:
     """One for each further processor, where simulations of so many pixels are worth its start."""
     return Helpers(min(len(os.sched_getaffinity(0)) - 1, MOST) if pixels >= WORTH else 0)
 

@@ -1,0 +1,122 @@
+"""Helper processes find what this one would, and may end at any time."""
+
+import os
+import signal
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+import small_series as small
+
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.processes import MOST, WORTH, Helpers, helpers_for
+from dnanalyze.fitting.simulated import Job, room
+from dnanalyze.loaders.captures import Window
+from dnanalyze.model.effect import Effect, Stage
+
+
+@pytest.fixture(scope="module")
+def held():
+    return small.bench_of()
+
+
+@contextmanager
+def helped(held):
+    """The bench with one helper."""
+    made = replace(held, helpers=Helpers(1))
+    try:
+        yield made
+    finally:
+        made.helpers.close()
+
+
+@pytest.fixture
+def taken(monkeypatch):
+    """Parts that this process takes."""
+    parts, whole = [], Job.statistics
+
+    def counted(self, share, *more):
+        parts.extend(share)
+        return whole(self, share, *more)
+
+    monkeypatch.setattr(Job, "statistics", counted)
+    return parts
+
+
+def values(made):
+    return [
+        (s.point, s.plane, {n: v.value for n, v in s.values.items()})
+        for half in made
+        for s in half.settings
+    ]
+
+
+def test_a_helper_takes_its_share_until_it_is_no_more(held, taken):
+    first, second = small.model(), small.model(read_noise={"sigma": 2.5})
+    expected = [values(held.statistics(m)) for m in (first, second)]
+    with helped(held) as made:
+        for model, known in zip((first, second), expected, strict=True):
+            taken.clear()
+            assert values(made.statistics(model)) == known
+            assert len(taken) == len(small.POINTS)  # half of the parts
+        (worker,) = made.helpers.workers
+        os.kill(worker.pid, signal.SIGKILL)
+        worker.join(20)
+        for _ in range(2):
+            taken.clear()
+            assert values(made.statistics(first)) == expected[0]
+            assert len(taken) == 2 * len(small.POINTS)
+
+
+def test_helpers_end_with_what_they_were_made_for(held):
+    with helped(held) as made:
+        made.statistics(small.model())
+        (worker,) = made.helpers.workers
+        assert worker.is_alive()
+    worker.join(20)
+    assert not worker.is_alive()
+
+
+@dataclass(frozen=True)
+class Tilt(Effect):
+    """An effect of a file that no other process has read."""
+
+    name = "tilt"
+    stage = Stage.PIXEL_READ
+
+    def apply(self, signal, site):
+        return signal + np.float32(3.0)
+
+
+def test_a_users_effect_is_simulated_here(held, taken):
+    plain = values(held.statistics(small.model()))
+    with helped(held) as made:
+        taken.clear()
+        tilted = values(made.statistics(small.model().with_effect(Tilt())))
+        assert len(taken) == 2 * len(small.POINTS)
+    # the same draws, three DN higher, but for the rounding
+    for (*_, before), (*_, after) in zip(plain, tilted, strict=True):
+        assert after["mean"] - before["mean"] == pytest.approx(3.0, abs=0.02)
+
+
+@pytest.mark.parametrize("wrong", [0, 1])
+def test_the_error_of_either_process_is_told_and_the_next_job_is_its_own(held, wrong):
+    """Of one setting the helper takes the upper half, this process the lower."""
+    windows = list(held.plan.windows)
+    windows[wrong] = Window(0, 4, 0, 4)  # too few to analyse
+    plan = held.plan
+    job = Job(small.model(), plan.captures.sensor, tuple(windows), plan.settings[:1])
+    with helped(held) as made:
+        with pytest.raises(InputError):
+            made.helpers.statistics(job, room())
+        assert values(made.statistics(small.model())) == values(held.statistics(small.model()))
+
+
+def test_helpers_are_started_only_where_there_is_much_to_do():
+    assert not helpers_for(WORTH - 1).workers
+    many = helpers_for(WORTH)
+    try:
+        assert len(many.workers) == min(MOST, len(os.sched_getaffinity(0)) - 1)
+    finally:
+        many.close()
