@@ -1,4 +1,4 @@
-"""Another effect in the place of one that was added: an early choice may be its relative's."""
+"""Another effect, or another guess, in the place of one that was added while much was missing."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def exchange(
     """The exchange that gains most; None where none is worth more than chance.
 
     While much is missing, two effects that are confused with each other may explain nearly as
-    much, and which of them it was shows only once the rest is in the model.
+    much, and which of them it was shows only once the rest is in the model. So does where an
+    effect is best begun: it may come in its own place, guessed anew.
 
     Parameters
     ----------
@@ -55,19 +56,16 @@ def exchange(
     """
     error = error_of(bench, state)
     found: list[Exchange] = []
-    for name in added:
-        rivals = {n: e for n, e in open_to.items() if _alike(state, name, n, e)}
-        if not rivals:
-            continue
-        without = removal(bench, state, name)
-        for trial in trials(bench, without, rivals, tell):
+    for mine in [e for e in state.model.effects if e.name in added]:
+        alike = {n: e for n, e in open_to.items() if _alike(mine, e)}
+        without = removal(bench, state, mine.name)
+        for trial in trials(bench, without, {mine.name: type(mine), **alike}, tell):
             made = judged(bench, state, trial.effect, trial.state)
             if significant(made, error):
-                found.append(Exchange(name, without, replace(made, others=trial.others)))
+                found.append(Exchange(mine.name, without, replace(made, others=trial.others)))
     return max(found, key=lambda f: f.found.evidence, default=None)
 
 
-def _alike(state: State, name: str, other: str, effect: type[Effect]) -> bool:
+def _alike(mine: Effect, other: type[Effect]) -> bool:
     """Whether one of them names the other among what it is confused with."""
-    mine = state.model.get(name)
-    return name in effect.confused_with or (mine is not None and other in mine.confused_with)
+    return mine.name in other.confused_with or other.name in mine.confused_with

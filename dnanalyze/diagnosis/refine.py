@@ -149,7 +149,7 @@ def refine(
         if best is None or (most_effects is not None and len(added) >= most_effects):
             break
         if other is not None:
-            dropped.add(other.gone)
+            dropped.update({other.gone} - {best.effect})
             note(Step(f"-{other.gone}", error_of(held, before)))
         state, fresh = _completed(held, best_guess(held, before, best), best.effect), False
         sure = float(confidences(among, error)[0])

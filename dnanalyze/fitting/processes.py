@@ -50,7 +50,7 @@ class Helpers:
         self.close = weakref.finalize(self, _close, self._pipes, self.workers)
 
     def statistics(self, job: Job, memo: Memo) -> dict[Part, list[SettingStatistics]]:
-        """All parts of a job; those of a helper that is no more are taken here."""
+        """All parts of a job; those of a helper that failed, or is no more, are taken here."""
         if not self._pipes or not _travels(job.model):
             parts = job.parts()
             return dict(zip(parts, job.statistics(parts, memo, THREADS), strict=True))
@@ -63,14 +63,12 @@ class Helpers:
         finally:  # what is not taken now would be taken for the next job's
             answers = [self._answer(pipe) for pipe in list(self._pipes)]
         for answer, share in zip(answers, shares, strict=True):
-            if isinstance(answer, Exception):
-                raise answer
             taken = job.statistics(share, memo) if answer is None else answer
             found |= zip(share, taken, strict=True)
         return found
 
     def _answer(self, pipe: Connection) -> Any:
-        """What a helper found, or its error; None, and no more of it, where it is no more."""
+        """What a helper found; None where it failed, and no more of it where it is no more."""
         try:
             return pipe.recv()
         except (OSError, EOFError):
@@ -98,9 +96,9 @@ def _serve(pipe: Connection, shares: int) -> None:
         while True:
             job, parts, kept = pipe.recv()
             try:
-                found: Any = job.statistics(parts, memo if kept else Memo(0))
-            except Exception as error:  # told by the process that asked
-                found = error
+                found = job.statistics(parts, memo if kept else Memo(0))
+            except Exception:  # met again, and told, by the process that asked
+                found = None
             pipe.send(found)
 
 

@@ -12,6 +12,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.digital_gain import DigitalGain
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
@@ -71,3 +72,12 @@ def test_numbers_that_were_bent_come_right_by_factor_and_shift():
     assert changed.get("read_noise").sigma == pytest.approx(2.0 * 1.25 / 1.6)
     assert changed.pedestal == pytest.approx(20.0 + 80.0 * 1.25 / 1.6)
     assert unbent(model, gain, gain) is None
+
+
+@pytest.mark.parametrize(("sigma", "like"), [(0.01, "gaussian"), (100.0, "nlm")])
+def test_whether_a_bilateral_bends_the_noise_goes_by_the_noise(sigma, like):
+    """It averages all that differs by much less than its range, and nothing beyond it."""
+    noise = NoiseModel((ReadNoise(sigma),), 64.0, POINT)
+    filtered, other = (unbent(noise, Denoise(kind=k, space=1.0)) for k in ("bilateral", like))
+    assert filtered == other
+    assert (filtered is None) == (like == "nlm")
