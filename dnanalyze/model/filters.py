@@ -5,11 +5,12 @@ Every filter mirrors the frame at its edges, without repeating the edge pixel, a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 from numba import njit
+
+from dnanalyze.model.kernels import exp
 
 WAVELET_LEVELS = 3
 
@@ -195,17 +196,60 @@ def neighbour_centre(image: np.ndarray, replacement: int) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def median3(image: np.ndarray) -> np.ndarray:
-    """Median of the 3x3 window, the pixel included."""
+def _with_margin(image: np.ndarray, margin: int) -> np.ndarray:
+    """The frame with as many pixels mirrored around it."""
     rows, columns = image.shape
-    result = np.empty_like(image)
-    for r in range(rows):
-        values = np.empty(9, np.float32)
+    padded = np.empty((rows + 2 * margin, columns + 2 * margin), np.float32)
+    for r in range(rows + 2 * margin):
+        a = _mirror(r - margin, rows)
+        for c in range(margin):
+            padded[r, c] = image[a, _mirror(c - margin, columns)]
+            padded[r, margin + columns + c] = image[a, _mirror(columns + c, columns)]
         for c in range(columns):
-            _gather(image, r, c, 1, values)
-            values[8] = image[r, c]
-            _sort(values, 9)
-            result[r, c] = values[4]
+            padded[r, margin + c] = image[a, c]
+    return padded
+
+
+# Loops without branches, to fill whole vectors
+@njit(cache=True, nogil=True, inline="always")
+def _smaller(a: float, b: float) -> float:
+    return a if a < b else b
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _larger(a: float, b: float) -> float:
+    return a if a > b else b
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _middle(a: float, b: float, c: float) -> float:
+    return _larger(_smaller(a, b), _smaller(_larger(a, b), c))
+
+
+@njit(cache=True, nogil=True)
+def median3(image: np.ndarray) -> np.ndarray:
+    """Median of the 3x3 window, the pixel included.
+
+    With every column of the window sorted it is the middle one of the largest of the smallest, the
+    middle one of the middle ones, and the smallest of the largest.
+    """
+    rows, columns = image.shape
+    y = _with_margin(image, 1)
+    result = np.empty_like(image)
+    low, mid = np.empty(columns + 2, np.float32), np.empty(columns + 2, np.float32)
+    high = np.empty(columns + 2, np.float32)
+    for r in range(rows):
+        up, here, down = y[r], y[r + 1], y[r + 2]
+        for c in range(columns + 2):
+            low[c] = _smaller(_smaller(up[c], here[c]), down[c])
+            mid[c] = _middle(up[c], here[c], down[c])
+            high[c] = _larger(_larger(up[c], here[c]), down[c])
+        for c in range(columns):
+            result[r, c] = _middle(
+                _larger(_larger(low[c], low[c + 1]), low[c + 2]),
+                _middle(mid[c], mid[c + 1], mid[c + 2]),
+                _smaller(_smaller(high[c], high[c + 1]), high[c + 2]),
+            )
     return result
 
 
@@ -226,24 +270,24 @@ def bilateral(image: np.ndarray, range_dn: float, space: float, radius: int) -> 
         Half width of the window, pixels.
     """
     rows, columns = image.shape
+    y = _with_margin(image, radius)
     result = np.empty_like(image)
-    near = np.empty((2 * radius + 1, 2 * radius + 1), np.float32)
-    for dy in range(-radius, radius + 1):
-        for dx in range(-radius, radius + 1):
-            near[dy + radius, dx + radius] = math.exp(-(dy * dy + dx * dx) / (2 * space * space))
     like = np.float32(-0.5 / (range_dn * range_dn))
+    total, weight = np.empty(columns, np.float32), np.empty(columns, np.float32)
     for r in range(rows):
+        here = y[r + radius, radius : radius + columns]
+        total[:], weight[:] = np.float32(0.0), np.float32(0.0)
+        for dy in range(-radius, radius + 1):
+            for dx in range(-radius, radius + 1):
+                there = y[r + radius + dy, radius + dx : radius + dx + columns]
+                near = np.float32(-(dy * dy + dx * dx) / (2 * space * space))
+                for c in range(columns):
+                    off = there[c] - here[c]
+                    w = exp(near + like * off * off)
+                    total[c] += w * off
+                    weight[c] += w
         for c in range(columns):
-            y = image[r, c]
-            total, weight = np.float32(0.0), np.float32(0.0)
-            for dy in range(-radius, radius + 1):
-                a = _mirror(r + dy, rows)
-                for dx in range(-radius, radius + 1):
-                    off = image[a, _mirror(c + dx, columns)] - y
-                    w = near[dy + radius, dx + radius] * np.float32(math.exp(like * off * off))
-                    total += w * off
-                    weight += w
-            result[r, c] = y + total / weight
+            result[r, c] = here[c] + total[c] / weight[c]
     return result
 
 
@@ -307,6 +351,15 @@ def _join(low: np.ndarray, high: np.ndarray, step: int, axis: int) -> np.ndarray
 
 
 @njit(cache=True, nogil=True)
+def _add(w: np.ndarray, values: np.ndarray, total: np.ndarray, weight: np.ndarray, n: int) -> None:
+    """The first ``n`` values with their weights."""
+    for c in range(n):
+        total[c] += w[c] * values[c]
+    for c in range(n):
+        weight[c] += w[c]
+
+
+@njit(cache=True, nogil=True)
 def nonlocal_means(
     image: np.ndarray, h: float, sigma: float, patch: int, distance: int
 ) -> np.ndarray:
@@ -326,39 +379,42 @@ def nonlocal_means(
     """
     rows, columns = image.shape
     margin = patch + distance
-    padded = np.empty((rows + 2 * margin, columns + 2 * margin), np.float32)
-    for r in range(rows + 2 * margin):
-        a = _mirror(r - margin, rows)
-        for c in range(columns + 2 * margin):
-            padded[r, c] = image[a, _mirror(c - margin, columns)]
+    padded = _with_margin(image, margin)
     size = (2 * patch + 1) ** 2
     scale = np.float32(-1.0 / (size * h * h))
     free = np.float32(2.0 * sigma * sigma * size)
     total = padded.copy()  # each place is like itself
     weight = np.ones_like(padded)
-    below = np.empty(columns + 2 * margin, np.float32)
+    below, w = np.empty(columns + 2 * margin, np.float32), np.empty_like(padded[0])
     # Two places are as alike as the other way round: each pair is met once, at its upper place.
     for r in range(patch, rows + margin):
         for dy in range(distance + 1):
             for dx in range(-distance if dy else 1, distance + 1):
-                first, last = max(0, -dx), columns + 2 * margin - max(0, dx)
-                for c in range(first, last):
-                    below[c] = np.float32(0.0)
+                first, many = max(0, -dx), columns + 2 * margin - abs(dx)
+                below[:many] = np.float32(0.0)
                 for k in range(-patch, patch + 1):
-                    for c in range(first, last):
-                        d = padded[r + k, c] - padded[r + k + dy, c + dx]
+                    here = padded[r + k, first : first + many]
+                    there = padded[r + k + dy, first + dx : first + dx + many]
+                    for c in range(many):
+                        d = here[c] - there[c]
                         below[c] += d * d
-                for c in range(first + patch, last - patch):
-                    s = np.float32(0.0)
-                    for k in range(-patch, patch + 1):
-                        s += below[c + k]
-                    s = scale * max(s - free, np.float32(0.0))
-                    if s < -5.0:  # weights below e^-5 count as none, as in scikit-image
-                        continue
-                    w = np.float32(math.exp(s))
-                    total[r, c] += w * padded[r + dy, c + dx]
-                    weight[r, c] += w
-                    total[r + dy, c + dx] += w * padded[r, c]
-                    weight[r + dy, c + dx] += w
+                many, first = many - 2 * patch, first + patch
+                w[:many] = np.float32(0.0)
+                for k in range(2 * patch + 1):
+                    part = below[k : k + many]
+                    for c in range(many):
+                        w[c] += part[c]
+                for c in range(many):
+                    s = scale * (w[c] - free if w[c] > free else np.float32(0.0))
+                    # weights below e^-5 count as none, as in scikit-image
+                    w[c] = exp(s) if s >= np.float32(-5.0) else np.float32(0.0)
+                _add(w, padded[r + dy, first + dx :], total[r, first:], weight[r, first:], many)
+                _add(
+                    w,
+                    padded[r, first:],
+                    total[r + dy, first + dx :],
+                    weight[r + dy, first + dx :],
+                    many,
+                )
     inside = total[margin : margin + rows, margin : margin + columns]
     return inside / weight[margin : margin + rows, margin : margin + columns]

@@ -305,7 +305,7 @@ _BIAS = np.int32(127)
 
 
 @_inlined
-def _exp(x):
+def exp(x):
     """Exponential of a float32, relative error below 2e-7, held inside the normal range."""
     x = x if x > F(-87) else F(-87)
     x = x if x < F(88) else F(88)
@@ -326,7 +326,7 @@ def _seed_row(key, row, left, width, mu, delta, words, light):
     """One row of exp(mu + delta z)."""
     _row_of_words(key, row, left, width, words)
     for c in range(words.size):
-        light[c] = _exp(mu + delta * _normal(words[c]))
+        light[c] = exp(mu + delta * _normal(words[c]))
 
 
 @_inlined

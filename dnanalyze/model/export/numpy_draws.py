@@ -5,7 +5,10 @@ This file is the source of what an exported simulator draws from.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numba import njit
 
 from dnanalyze.loaders.captures import Window
 
@@ -72,6 +75,12 @@ def normal(key: int, window: Window, width: int) -> np.ndarray:
 def uniform_at(key: int, index: np.ndarray) -> np.ndarray:
     """Uniform deviates of a few pixels."""
     return uniform_of(bits_at(key, index))
+
+
+@njit(cache=True)
+def exp(x: float) -> float:
+    """e^x, for loops."""
+    return math.exp(x)
 
 
 def add_normal(
