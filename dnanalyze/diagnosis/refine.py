@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from dnanalyze.diagnosis.adequacy import averaged
+from dnanalyze.diagnosis.background import along_background
 from dnanalyze.diagnosis.bend import along_bend
 from dnanalyze.diagnosis.confidence import CERTAIN, LUCK, NOTHING, STANDS_IN, confidences
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing, retold
@@ -178,6 +179,8 @@ def _completed(held: Bench, state: State, name: str) -> State:
     """The effect in its best kind and everything at its best place; each may change the other."""
     state = converge(held, settled(held, state, name, relatives=False))
     state = preferred(state, along_bend(held, state, name) or state)
+    if error_of(held, state) > POOR:
+        state = along_background(held, state)
     again = settled(held, state, name)
     return state if again is state else converge(held, again)
 
