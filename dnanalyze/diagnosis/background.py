@@ -17,18 +17,21 @@ import numpy as np
 from dnanalyze.diagnosis.deviance import deviance
 from dnanalyze.diagnosis.trial import preferred
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import State, converge, start
+from dnanalyze.fitting.least_squares import State, converge, minimise, start
 from dnanalyze.fitting.photon_transfer import gain_over_field
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.noise_model import NoiseModel
 
 SHARES = (0.2, 0.5, 0.8)  # of the temporal variance, that the charge may have
 TINY = 1e-6  # DN, least level of charge
+ALIKE = 1.25  # ratio of gains up to which they agree
 LIGHT, SHOT, READ = "convolved_lognormal", "dark_shot_noise", "read_noise"
 
 
 def along_background(bench: Bench, state: State) -> State:
     """The model with another background of charge, refitted, if that is clearly better.
+
+    Only where the shading of the noise tells another gain than the model has.
 
     Parameters
     ----------
@@ -36,13 +39,23 @@ def along_background(bench: Bench, state: State) -> State:
     state : State
         Fitted model.
     """
-    gain = gain_over_field(bench.measured, state.model.reference)
-    others = other_backgrounds(state.model, gain)
-    begun = [start(bench, other, knobs_of(other)) for other in others]
-    best = min(begun, key=_deviance, default=None)
-    if best is None or _deviance(best) >= _deviance(state):
+    model = state.model
+    gain, shot = gain_over_field(bench.measured, model.reference), model.get(SHOT)
+    if gain is None or shot is None:
         return state
-    return preferred(state, converge(bench, best))
+    if 1.0 / ALIKE < gain / shot.value("dn_per_e", model.reference) < ALIKE:
+        return state
+    begun = [_level_and_noise(bench, other) for other in other_backgrounds(model, gain)]
+    best = min(begun, key=_deviance, default=None)
+    if best is None or _deviance(best) > _deviance(state):
+        return state
+    return preferred(state, converge(bench, start(bench, best.model, knobs_of(best.model))))
+
+
+def _level_and_noise(bench: Bench, model: NoiseModel) -> State:
+    """The model with its level and its noise set right, and nothing else."""
+    free = [k for k in knobs_of(model) if k.effect == PEDESTAL or k.name == f"{READ}.sigma"]
+    return minimise(bench, start(bench, model, free), 3)
 
 
 def _deviance(state: State) -> float:
@@ -50,11 +63,10 @@ def _deviance(state: State) -> float:
     return deviance(state.train) + deviance(state.test)
 
 
-def other_backgrounds(model: NoiseModel, gain: float | None = None) -> list[NoiseModel]:
+def other_backgrounds(model: NoiseModel, gain: float) -> list[NoiseModel]:
     """Models of the same level, noise and pattern where there is least charge.
 
-    None where the model counts no charge or has no read noise. ``gain``, DN/e-: the model's own by
-    default.
+    With this conversion gain, DN/e-. None where the model counts no charge or has no read noise.
     """
     light, shot, read = map(model.get, (LIGHT, SHOT, READ))
     if light is None or shot is None or read is None:
@@ -63,7 +75,7 @@ def other_backgrounds(model: NoiseModel, gain: float | None = None) -> list[Nois
     plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
     k, own = (e.value(n, model.reference) for e, n in ((shot, "dn_per_e"), (read, "sigma")))
     least = min(math.exp(x) for x, knob in zip(plain, knobs, strict=True) if _is_level(knob))
-    noise, gain = k * least + own**2, gain or k
+    noise = k * least + own**2
     others = [
         _Background(least, share * noise / gain, gain / k, (1.0 - share) * noise / own**2)
         for share in SHARES
