@@ -103,6 +103,8 @@ class _Background:
 
     def of(self, knob: Knob, x: float) -> float:
         """A number of the model, with the other background."""
+        if knob.part == "ea_ev":
+            return x
         if knob.effect == PEDESTAL:
             return x - (self.after - self.before)
         if _is_level(knob):
