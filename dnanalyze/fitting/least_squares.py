@@ -190,11 +190,11 @@ def minimise(
 def converge(
     bench: Bench,
     state: State,
-    rounds: int = 3,
+    rounds: int = 6,
     iterations: int = 6,
     tell: Callable[[State], None] = lambda _: None,
 ) -> State:
-    """Minimise, take all derivatives anew and go on, until that no longer helps.
+    """Minimise, take all derivatives anew and go on, until that no longer helps much.
 
     Broyden's derivatives are good enough to get near; the last steps want true ones.
     """
