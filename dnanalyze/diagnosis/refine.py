@@ -150,7 +150,7 @@ def refine(
         if best is None or (most_effects is not None and len(added) >= most_effects):
             break
         if other is not None:
-            dropped.update({other.gone} - {best.effect})
+            dropped.add(other.gone)
             note(Step(f"-{other.gone}", error_of(held, before)))
         state, fresh = _completed(held, best_guess(held, before, best), best.effect), False
         sure = float(confidences(among, error)[0])
