@@ -185,7 +185,7 @@ def _supported(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | Non
     plain evidence must put some of it right: else it but bends around what is really missing.
     """
     error = error_of(held, state)
-    left = cache(lambda: adequacy(held, state, FEW).left)
+    left = cache(lambda: adequacy(held, state).left)  # by what the verdict goes
     best = addition(tried, error, lambda t: mends(held, left()[:WORST], state, t.state))
     if best is None or best.evidence > PLAIN * best.spread:
         return best
