@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import diagnose
+from dnanalyze.diagnosis.adequacy import REPLICATES
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
@@ -170,6 +171,20 @@ def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
     monkeypatch.setattr(diagnose, "mends", lambda *_: mended)
     monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
+
+
+def test_what_the_verdict_calls_unexplained_is_what_little_evidence_may_put_right(monkeypatch):
+    """Fewer simulated sensors would leave both the name and "adequate" out."""
+    found = made("a", 0.6 * CERTAIN, 0.9)
+
+    def asked(_held, _state, replicates=REPLICATES):
+        return SimpleNamespace(left=["drift"] if replicates == REPLICATES else [])
+
+    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
+    monkeypatch.setattr(diagnose, "adequacy", asked)
+    monkeypatch.setattr(diagnose, "mends", lambda _held, left, *_: bool(left))
+    monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
+    assert diagnose.missing(None, found.state, [found]) is found
 
 
 def test_only_a_candidate_alone_before_what_it_leaves_over_is_doubted():
