@@ -1,10 +1,11 @@
 """Charge under all of the field, told from the pedestal."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from dnanalyze.diagnosis import refine
+from dnanalyze.diagnosis import background, refine
 from dnanalyze.diagnosis.background import SHARES, along_background, other_backgrounds
 from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.fitting.design import design
@@ -108,3 +109,19 @@ def test_a_completed_effect_is_given_another_background_where_the_model_is_poor(
     monkeypatch.setattr(refine, "along_background", lambda *_: other)
     ended = refine._completed(held, state, "dark_gradient")
     assert (ended is other) == tried
+
+
+@pytest.mark.parametrize(("worse", "taken"), [(0.4, True), (2.0, False)])
+def test_both_halves_choose_the_background(held, worse, taken, monkeypatch):
+    state = start(held, model(0.7, 20.0, 2), [])
+    even = replace(
+        state, model=model(0.7, 8.0, 2), train=worse * state.train, test=worse * state.test
+    )
+    one_sided = replace(state, train=0.0 * state.train, test=9.0 * state.test)
+    begun = iter((one_sided, even))
+    monkeypatch.setattr(background, "other_backgrounds", lambda *_: [state.model] * 2)
+    monkeypatch.setattr(background, "_level_and_noise", lambda *_: next(begun))
+    monkeypatch.setattr(background, "start", lambda _, chosen, knobs: chosen)
+    monkeypatch.setattr(background, "converge", lambda _, chosen: chosen)
+    monkeypatch.setattr(background, "preferred", lambda _, chosen: chosen)
+    assert along_background(held, state) is (even.model if taken else state)
