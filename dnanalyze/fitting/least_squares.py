@@ -19,6 +19,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 HUBER = 6.0
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
+STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
 # Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
 # and the statistics with them, by some floors however short the step: less would be lost in it.
 SMALLEST, LARGEST = 12.0, 400.0
@@ -190,19 +191,21 @@ def minimise(
 def converge(
     bench: Bench,
     state: State,
-    rounds: int = 6,
+    rounds: int = 3,
     iterations: int = 6,
     tell: Callable[[State], None] = lambda _: None,
 ) -> State:
-    """Minimise, take all derivatives anew and go on, until that no longer helps much.
+    """Minimise, take all derivatives anew and go on, until that no longer helps.
 
-    Broyden's derivatives are good enough to get near; the last steps want true ones.
+    Broyden's derivatives are good enough to get near; the last steps want true ones. A fit that
+    still falls steeply after these rounds is given as many again.
     """
     state = minimise(bench, state, iterations, tell=tell)
-    for _ in range(rounds - 1):
+    for n in range(2 * rounds - 1):
         before = state.loss
         state = minimise(bench, derive(bench, state, anew=True), iterations, tell=tell)
-        if before - state.loss < 0.02 * before + 1.0:
+        least = 0.02 * before + 1.0 if n < rounds - 2 else STEEP * before
+        if before - state.loss < least:
             break
     return state
 
