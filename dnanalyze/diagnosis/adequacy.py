@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.deviance import TOLERABLE, deviance
-from dnanalyze.diagnosis.trial import Trial
+from dnanalyze.diagnosis.trial import Trial, witnessed
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 
@@ -72,7 +72,8 @@ def sobered(bench: Bench, before: State, found: Trial) -> Trial:
             scatter = np.sqrt(np.mean(np.concatenate(both, axis=1) ** 2))
             scale[names == name] = max(1.0, float(scatter))
         gains.append(deviance(old / scale) - deviance(new / scale))
-    return replace(found, gain=gains[0], fitted_gain=gains[1])
+    gain, fitted_gain = witnessed(bench, found.state.model.get(found.effect), *gains)
+    return replace(found, gain=gain, fitted_gain=fitted_gain)
 
 
 def averaged(bench: Bench, state: State, replicates: int = FEW) -> State:

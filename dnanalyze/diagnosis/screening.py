@@ -120,7 +120,11 @@ def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Pro
             larger = model.with_effect(guess)
         except InputError:
             continue
-        found.append(Prospect(guess.name, larger, idle - _reachable(part, small.fitted_z(larger))))
+        if guess.lies_in(small.plan.windows[0]):
+            promise = idle - _reachable(part, small.fitted_z(larger))
+        else:  # the fitted half has none of it
+            promise = loss(part.test) - loss(small.z(larger)[1])
+        found.append(Prospect(guess.name, larger, promise))
     return found
 
 

@@ -179,8 +179,24 @@ def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iteration
 
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
     """A refit, with what it gained on either half."""
-    gains, left = _gains(before, after), dispersion(bench.test.names, before.test, after.test)
+    gains = witnessed(bench, after.model.get(effect), *_gains(before, after))
+    left = dispersion(bench.test.names, before.test, after.test)
     return Trial(effect, after, *gains, error_of(bench, after), left)
+
+
+def witnessed(
+    bench: Bench, effect: Effect | None, gain: float, fitted_gain: float
+) -> tuple[float, float]:
+    """Gains on the judged and on the fitted half, of an effect that lies in both.
+
+    A half in which none of the effect lies is no witness for it, only against it: for it speaks
+    the other, which has all of its places, each far out over all of a line and at many settings.
+    """
+    upper, lower = (effect is None or effect.lies_in(w) for w in bench.plan.windows)
+    if upper == lower:
+        return gain, fitted_gain
+    there, elsewhere = (gain, fitted_gain) if lower else (fitted_gain, gain)
+    return (there + min(0.0, elsewhere),) * 2
 
 
 def _gains(before: State, after: State) -> tuple[float, float]:

@@ -247,6 +247,10 @@ class Effect:
         """
         return 1.0, 0.0
 
+    def lies_in(self, window: Window) -> bool:
+        """Whether any of it lies in this part of the field; named places may say that none does."""
+        return True
+
     def relatives(self) -> list[Effect]:
         """Other forms that show nearly alike, with numbers to match; tried once this one fits."""
         return []

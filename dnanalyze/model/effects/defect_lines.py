@@ -74,6 +74,17 @@ class DefectLines(Effect):
         """The share, where the lines are named."""
         return ("fraction",) if self.lines else ()
 
+    def lies_in(self, window: Window) -> bool:
+        """Whether a named line crosses the window."""
+        down, right = (window.top, window.bottom), (window.left, window.right)
+        (first, last), (near, far) = (right, down) if self.axis == "columns" else (down, right)
+        begins = self.begins or (0.0,) * len(self.lines)
+        ends = self.ends or (math.inf,) * len(self.lines)
+        return not self.lines or any(
+            first <= line < last and begin < far and end > near
+            for line, begin, end in zip(self.lines, begins, ends, strict=True)
+        )
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the lines in the window."""
         size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
