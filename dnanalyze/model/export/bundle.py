@@ -31,6 +31,7 @@ REPLACED = {
 DROPPED = {
     "guess", "variance", "idle", "parameters", "from_plain", "to_plain", "__post_init__",
     "summary", "physics", "formula", "references", "fingerprint", "confused_with", "varies",
+    "bent", "relatives", "lies_in",
 }  # fmt: skip
 DROPPED_DECORATORS = {"recordable"}  # frames of one file are always drawn
 DROPPED_OF = {"NoiseModel": {"with_effect", "without", "get", "names"}}
