@@ -192,7 +192,9 @@ def witnessed(
     A half in which none of the effect lies is no witness for it, only against it: for it speaks
     the other, which has all of its places, each far out over all of a line and at many settings.
     """
-    upper, lower = (effect is None or effect.lies_in(w) for w in bench.plan.windows)
+    if effect is None:
+        return gain, fitted_gain
+    upper, lower = map(effect.lies_in, bench.plan.windows)
     if upper == lower:
         return gain, fitted_gain
     there, elsewhere = (gain, fitted_gain) if lower else (fitted_gain, gain)
