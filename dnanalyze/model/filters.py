@@ -321,8 +321,9 @@ def wavelet(image: np.ndarray, threshold: float, levels: int = WAVELET_LEVELS) -
         Scales, each twice the one before.
     """
     margin = 2**levels - 1
-    padded = np.pad(image, margin, mode="reflect").astype(np.float32)
-    return _shrink(padded, threshold, 0, levels)[margin:-margin, margin:-margin]
+    return _shrink(_with_margin(image, margin), threshold, 0, levels)[
+        margin:-margin, margin:-margin
+    ]
 
 
 def _shrink(smooth: np.ndarray, threshold: float, level: int, levels: int) -> np.ndarray:

@@ -1,8 +1,12 @@
 """Derivatives and the steps they are taken with."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 import small_series as small
 
+from dnanalyze.fitting import least_squares
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import Bench
@@ -31,3 +35,18 @@ def test_known_derivatives_size_the_steps_of_new_ones(monkeypatch):
     tried.clear()
     assert derive(held, first) is not None
     assert not tried
+
+
+@pytest.mark.parametrize(("kept", "rounds"), [(0.995, 2), (0.9, 3), (0.5, 6)])
+def test_a_fit_that_falls_steeply_is_given_more_rounds(kept, rounds, monkeypatch):
+    made = []
+
+    def lower(_bench, state, *_, **__):
+        made.append(state)
+        return replace(state, train=kept**0.5 * state.train)
+
+    monkeypatch.setattr(least_squares, "minimise", lower)
+    monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
+    begun = least_squares.State(None, [], np.full(1000, 2.0), np.zeros(1), np.zeros((1000, 0)))
+    least_squares.converge(None, begun)
+    assert len(made) == rounds
