@@ -3,47 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from dnanalyze.diagnosis.adequacy import averaged
-from dnanalyze.diagnosis.background import along_background
-from dnanalyze.diagnosis.bend import along_bend
-from dnanalyze.diagnosis.confidence import CERTAIN, LUCK, NOTHING, STANDS_IN, confidences
-from dnanalyze.diagnosis.diagnose import Diagnosis, judge, missing, retold
+from dnanalyze.diagnosis.confidence import STANDS_IN
+from dnanalyze.diagnosis.diagnose import Diagnosis, judge
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
-from dnanalyze.diagnosis.exchange import exchange
+from dnanalyze.diagnosis.other_way import by_another_way
+from dnanalyze.diagnosis.path import Path, Step
 from dnanalyze.diagnosis.screening import prospects
-from dnanalyze.diagnosis.trial import (
-    best_guess,
-    candidates_of,
-    error_of,
-    judged,
-    preferred,
-    removal,
-    settled,
-    trials,
-)
+from dnanalyze.diagnosis.trial import error_of, judged
+from dnanalyze.diagnosis.walk import Walk
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, derive, minimise, start
+from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, find
-
-POOR = 1.3  # error above which an early choice is reconsidered where nothing more can be added
-
-
-@dataclass(frozen=True)
-class Step:
-    """What was added (None: the starting model; "-name": taken out again), and the error then."""
-
-    added: str | None
-    error: float
-    confidence: float | None = None
-    evidence: list[str] = field(default_factory=list)
+from dnanalyze.model.registry import catalogue, find
 
 
 @dataclass(frozen=True)
@@ -113,56 +91,23 @@ def refine(
     """
     held = held or bench(design(captures))
     known = catalogue() if known is None else known
-    steps: list[Step] = []
-
-    def note(step: Step) -> None:
-        steps.append(step)
-        tell(step)
-
     begun = model or paper_start(held)
     state = minimise(held, start(held, begun, knobs_of(begun)))
-    note(Step(None, error_of(held, state)))
+    open_to = {n: e for n, e in known.items() if n not in exclude}
+    walk = Walk(held, open_to, tuple(begun.names), most_effects, until_error, tell, trying, keep)
+    path = walk.note(Path(state, ()), state, None)
     if lacks_everyday(begun, exclude):
-        state = everyday(
-            held, state.model, exclude, lambda name, s: note(Step(name, error_of(held, s)))
-        )
-        keep(state.model)
-    dropped: set[str] = set()
-    fresh = False
-    while True:
-        if until_error is not None and steps[-1].error <= until_error:
-            tried = []
-            break
-        open_to = candidates_of(state, known, [BASE, *exclude, *dropped])
-        tried = trials(held, state, open_to, trying)
-        error = error_of(held, state)
-        added = [n for n in state.model.names if n not in (*begun.names, *EVERYDAY)]
-        best, before = missing(held, state, tried), state
-        if best is None and error > POOR and not fresh:
-            # derivatives that many steps kept up may hide from the refits what true ones show
-            state, fresh = minimise(held, derive(held, state, anew=True)), True
-            continue
-        among = retold(tried, best)
-        other = exchange(held, state, added, open_to, trying) if not best and error > POOR else None
-        if other is not None:
-            best, before, among = other.found, other.without, [other.found]
-            added.remove(other.gone)
-        if best is None or (most_effects is not None and len(added) >= most_effects):
-            break
-        if other is not None:
-            dropped.add(other.gone)
-            note(Step(f"-{other.gone}", error_of(held, before)))
-        state, fresh = _completed(held, best_guess(held, before, best), best.effect), False
-        sure = float(confidences(among, error)[0])
-        note(Step(best.effect, error_of(held, state), sure))
-        state, gone = _needless(held, state)
-        for name in gone:
-            dropped.add(name)
-            note(Step(f"-{name}", error_of(held, state)))
-        keep(state.model)
-    found = judge(captures.name, held, state, tried, known, limits=False)
+        stages: list[tuple[str, State]] = []
+        everyday(held, state.model, exclude, lambda name, s: stages.append((name, s)))
+        for name, stage in stages:
+            path = walk.note(path, stage, name)
+        keep(path.state.model)
+    path = by_another_way(walk, walk.to_end(path))
+    found = judge(captures.name, held, path.state, list(path.tried), known, limits=False)
+    steps = list(path.steps)
     if found.verdict == "unexplained":
         steps = [_doubted(s) for s in steps]
+    state = path.state
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
     )
@@ -173,44 +118,6 @@ def _doubted(step: Step) -> Step:
     if step.confidence is None:
         return step
     return replace(step, confidence=step.confidence * STANDS_IN)
-
-
-def _completed(held: Bench, state: State, name: str) -> State:
-    """The effect in its best kind and everything at its best place; each may change the other."""
-    state = converge(held, settled(held, state, name, relatives=False))
-    state = preferred(state, along_bend(held, state, name) or state)
-    if error_of(held, state) > POOR:
-        state = along_background(held, state)
-    again = settled(held, state, name)
-    return state if again is state else converge(held, again)
-
-
-def _needless(held: Bench, state: State) -> tuple[State, list[str]]:
-    """Drop effects whose removal, after a refit, costs nothing on the unseen half.
-
-    The latest too: it may have led others to a place from which they do without it.
-    """
-    gone = []
-    for name in list(state.model.names):
-        if name in (*EVERYDAY, BASE):
-            continue
-        without = removal(held, state, name)
-        if _idle(held, without, state, name):
-            state = without
-            gone.append(name)
-    return state, gone
-
-
-def _idle(held: Bench, without: State, state: State, name: str) -> bool:
-    """Whether an effect gains nothing on the unseen half, and the error stays without it; where
-    the fitted half gains much, on average over simulated sensors.
-    """
-    found = judged(held, without, name, state)
-    if error_of(held, without) > (1.0 + LUCK) * found.error:
-        return False
-    if found.gain < NOTHING / 2 and found.fitted_gain > CERTAIN:
-        found = judged(held, averaged(held, without), name, averaged(held, state))
-    return found.gain < NOTHING / 2
 
 
 def add(

@@ -1,0 +1,44 @@
+"""Effects that a model does without."""
+
+from __future__ import annotations
+
+from dnanalyze.diagnosis.adequacy import averaged
+from dnanalyze.diagnosis.confidence import CERTAIN, LUCK, NOTHING
+from dnanalyze.diagnosis.trial import error_of, judged, removal
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.registry import BASE, EVERYDAY
+
+
+def needless(held: Bench, state: State) -> tuple[State, list[str]]:
+    """Drop effects whose removal, after a refit, costs nothing on the unseen half.
+
+    The latest too: it may have led others to a place from which they do without it.
+
+    Returns
+    -------
+    state : State
+        The model without them, refitted.
+    gone : list of str
+    """
+    gone = []
+    for name in list(state.model.names):
+        if name in (*EVERYDAY, BASE):
+            continue
+        without = removal(held, state, name)
+        if _idle(held, without, state, name):
+            state = without
+            gone.append(name)
+    return state, gone
+
+
+def _idle(held: Bench, without: State, state: State, name: str) -> bool:
+    """Whether an effect gains nothing on the unseen half, and the error stays without it; where
+    the fitted half gains much, on average over simulated sensors.
+    """
+    found = judged(held, without, name, state)
+    if error_of(held, without) > (1.0 + LUCK) * found.error:
+        return False
+    if found.gain < NOTHING / 2 and found.fitted_gain > CERTAIN:
+        found = judged(held, averaged(held, without), name, averaged(held, state))
+    return found.gain < NOTHING / 2

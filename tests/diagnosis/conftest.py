@@ -1,0 +1,29 @@
+"""A sensor of the independent generator with stripes, and what it is asked for."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.refine import refine
+from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+
+FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
+
+
+@pytest.fixture(scope="session")
+def striped():
+    """Captures of a sensor with strong row FPN."""
+    sensor = draw_sensor(np.random.default_rng(11))
+    return generate(sensor, {"row_fpn": {"level": "strong"}}, (128, 128), frames=4, seed=3)
+
+
+@pytest.fixture(scope="session")
+def known():
+    """Few effects, by name."""
+    return {name: effect for name, effect in built_in().items() if name in FEW}
+
+
+@pytest.fixture(scope="session")
+def ordinary(striped, known):
+    """The refinement of ``striped`` that stopped before it added anything."""
+    return refine(striped, known=known, most_effects=0)
