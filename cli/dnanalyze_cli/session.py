@@ -66,11 +66,12 @@ class Progress:
         return held
 
     def fitting(self, held: Bench) -> Callable[[State], None]:
-        """What a fit calls with every better state: its error, beside the bar."""
+        """What a fit calls with every better state: its error on what it fits, beside
+        the bar."""
         from dnanalyze.comparator.error import pooled
 
         def tell(state: State) -> None:
-            error = pooled(state.test, held.test.families)
+            error = pooled(state.train, held.train.families)
             self.now(f"Fitting, error {error:.3g}")
 
         return tell

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.deviance import TOLERABLE, deviance
 from dnanalyze.diagnosis.trial import Trial, witnessed
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
@@ -86,7 +86,7 @@ def averaged(bench: Bench, state: State, replicates: int = FEW) -> State:
     for side, (half, z) in enumerate(((bench.train, state.train), (bench.test, state.test))):
         own = half.coordinates - z * half.floor
         sides.append(half.z(np.nanmean([own, *(d[side] for d in drawn)], axis=0)))
-    return replace(state, train=sides[0], test=sides[1])
+    return replace(state, train=sides[0], unseen=given(sides[1]))
 
 
 def mends(bench: Bench, left: Sequence[str], before: State, after: State) -> bool:

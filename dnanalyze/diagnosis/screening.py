@@ -103,7 +103,7 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
     here = np.isin(bench.train.setting, settings)
     there = np.isin(bench.test.setting, settings)
     return State(
-        state.model, state.knobs, state.train[here], state.test[there], state.jacobian[here]
+        state.model, state.knobs, state.train[here], lambda: state.test[there], state.jacobian[here]
     )
 
 
@@ -123,7 +123,7 @@ def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Pro
         if guess.lies_in(small.plan.windows[0]):
             promise = idle - _reachable(part, small.fitted_z(larger))
         else:  # the fitted half has none of it
-            promise = loss(part.test) - loss(small.z(larger)[1])
+            promise = loss(part.test) - loss(small.judged_z(larger))
         found.append(Prospect(guess.name, larger, promise))
     return found
 

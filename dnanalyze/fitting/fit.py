@@ -16,6 +16,7 @@ from dnanalyze.fitting.least_squares import (
     longest,
     loss,
     start,
+    unseen,
     weights,
 )
 from dnanalyze.fitting.moments import moments
@@ -181,10 +182,10 @@ def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) ->
             break
         there = [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
         model = turned(state.model, state.knobs, np.array(there))
-        train, test = fair.z(model)
+        train = fair.fitted_z(model)
         if loss(train) > most:
             break
-        state = replace(state, model=model, train=train, test=test)
+        state = replace(state, model=model, train=train, unseen=unseen(fair, model))
     return state
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -34,8 +35,10 @@ class State:
     ----------
     model : NoiseModel
     knobs : list of Knob
-    train, test : ndarray
-        Differences in floors.
+    train : ndarray
+        Differences in floors on the fitted half.
+    unseen : callable
+        Those on the judged half: simulated when first asked for, which no step of a fit does.
     jacobian : ndarray
         d train / d knob, (numbers, knobs); NaN columns are not known yet.
     """
@@ -43,13 +46,28 @@ class State:
     model: NoiseModel
     knobs: list[Knob]
     train: np.ndarray
-    test: np.ndarray
+    unseen: Callable[[], np.ndarray]
     jacobian: np.ndarray
+
+    @property
+    def test(self) -> np.ndarray:
+        """Differences in floors on the judged half."""
+        return self.unseen()
 
     @property
     def loss(self) -> float:
         """Pseudo-Huber loss over the train numbers (a sum of squares for small ones)."""
         return loss(self.train)
+
+
+def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
+    """What a state needs to tell of the judged half."""
+    return cache(partial(bench.judged_z, model))
+
+
+def given(z: np.ndarray) -> Callable[[], np.ndarray]:
+    """The same, of known differences."""
+    return lambda: z
 
 
 def loss(z: np.ndarray) -> float:
@@ -59,14 +77,14 @@ def loss(z: np.ndarray) -> float:
 
 def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
     """Simulate a model; take over derivatives from a like model where knobs agree."""
-    train, test = bench.z(model)
+    train = bench.fitted_z(model)
     jacobian = np.full((len(train), len(knobs)), np.nan)
     if like is not None:
         known = {k.name: i for i, k in enumerate(like.knobs)}
         for i, knob in enumerate(knobs):
             if knob.name in known:
                 jacobian[:, i] = like.jacobian[:, known[knob.name]]
-    return State(model, knobs, train, test, jacobian)
+    return State(model, knobs, train, unseen(bench, model), jacobian)
 
 
 def derive(
@@ -171,11 +189,11 @@ def minimise(
         here = positions(state.model, state.knobs)
         there = np.array([k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)])
         model = turned(state.model, state.knobs, there)
-        train, test = bench.z(model)
+        train = bench.fitted_z(model)
         jacobian = _broyden(state.jacobian, train - state.train, there - here)
         if loss(train) < state.loss:
             gained = state.loss - loss(train)
-            state = State(model, state.knobs, train, test, jacobian)
+            state = State(model, state.knobs, train, unseen(bench, model), jacobian)
             tell(state)
             damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
             stale = False

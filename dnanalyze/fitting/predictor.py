@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -42,14 +41,14 @@ class Bench:
     helpers: Helpers = field(default_factory=Helpers)
 
     def statistics(
-        self, model: NoiseModel, errors: bool = False, lower: Sequence[str] = ()
+        self, model: NoiseModel, errors: bool = False, half: int | None = None
     ) -> list[Statistics]:
         """Statistics of both halves of a simulated capture set.
 
-        ``lower``: families of the lower half that are wanted; all by default.
+        ``half``: the one that is wanted, with the shading of the other; both by default.
         """
         plan = self.plan
-        job = Job(model, plan.captures.sensor, plan.windows, plan.settings, errors, lower)
+        job = Job(model, plan.captures.sensor, plan.windows, plan.settings, errors, half)
         return job.together(self.helpers.statistics(job, self.memo))
 
     def coordinates(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
@@ -58,17 +57,16 @@ class Bench:
         return prediction(made, 0, self.train), prediction(made, 1, self.test)
 
     def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
-        """Predicted coordinates of train alone: of the other half only the shading is needed."""
-        return prediction(self.statistics(model, lower=("shading",)), 0, self.train)
+        """Predicted coordinates of train alone: what a fit goes by, at a third of the price."""
+        return prediction(self.statistics(model, half=0), 0, self.train)
 
     def fitted_z(self, model: NoiseModel) -> np.ndarray:
-        """Differences in floors, of train alone; for derivatives, which cost most simulations."""
+        """Differences in floors, of train alone."""
         return self.train.z(self.fitted_coordinates(model))
 
-    def z(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
-        """Differences in floors, of (train, test)."""
-        train, test = self.coordinates(model)
-        return self.train.z(train), self.test.z(test)
+    def judged_z(self, model: NoiseModel) -> np.ndarray:
+        """Differences in floors, of test alone."""
+        return self.test.z(prediction(self.statistics(model, half=1), 1, self.test))
 
     def only(self, settings: list[int]) -> Bench:
         """The same bench with some of its settings."""

@@ -38,8 +38,9 @@ class Job:
         Operating points with their number of frames.
     errors : bool
         Whether standard errors are wanted.
-    lower : sequence of str
-        Families of the lower half that are wanted; all if there are none.
+    half : int, optional
+        The half that is wanted, with the shading of the other, over the whole field; both by
+        default.
     """
 
     model: NoiseModel
@@ -47,7 +48,7 @@ class Job:
     windows: tuple[Window, Window]
     settings: Sequence[tuple[OperatingPoint, int]]
     errors: bool = False
-    lower: Sequence[str] = ()
+    half: int | None = None
 
     def parts(self, share: int = 0, shares: int = 1) -> list[Part]:
         """The parts of one of several shares: halves in turn, so that all have as much to do."""
@@ -65,10 +66,10 @@ class Job:
         def one(part: Part) -> list[SettingStatistics]:
             setting, half = part
             alone = replace(made, settings=(made.settings[setting],))
+            families = () if self.half in (None, half) else ("shading",)
             (seen,) = analyze_windows(
-                alone, [self.windows[half]], workers=1, errors=self.errors,
-                families=self.lower if half else (),
-            )  # fmt: skip
+                alone, [self.windows[half]], workers=1, errors=self.errors, families=families
+            )
             return list(seen.settings)
 
         if threads == 1:

@@ -11,7 +11,7 @@ from dnanalyze.diagnosis.adequacy import adequacy, averaged, mends, sobered
 from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, start
+from dnanalyze.fitting.least_squares import State, given, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
@@ -83,9 +83,9 @@ def test_one_thing_is_mended_where_it_is_put_right_on_both_halves(held):
         for half, z in ((held.train, before.train), (held.test, before.test))
     )
     left = ["drift", "temporal_noise"]
-    assert mends(held, left, before, replace(before, train=train, test=test))
-    assert not mends(held, left, before, replace(before, test=test))
-    assert not mends(held, left[1:], before, replace(before, train=train, test=test))
+    assert mends(held, left, before, replace(before, train=train, unseen=given(test)))
+    assert not mends(held, left, before, replace(before, unseen=given(test)))
+    assert not mends(held, left[1:], before, replace(before, train=train, unseen=given(test)))
 
 
 def test_what_is_put_right_of_one_sensors_clouds_is_luck():
@@ -99,7 +99,7 @@ def test_what_is_put_right_of_one_sensors_clouds_is_luck():
     train, test = (
         np.where(s, 0.0, z) for s, z in zip(shaded, (before.train, before.test), strict=True)
     )
-    found = judged(seen, before, "glow", replace(before, train=train, test=test))
+    found = judged(seen, before, "glow", replace(before, train=train, unseen=given(test)))
     sober = sobered(seen, before, found)
     assert found.evidence > 60
     assert sober.evidence < 0.7 * found.evidence

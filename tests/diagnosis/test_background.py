@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from dnanalyze.diagnosis import background, refine
+from dnanalyze.diagnosis import background, walk
 from dnanalyze.diagnosis.background import SHARES, along_background, other_backgrounds
 from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import converge, start
+from dnanalyze.fitting.least_squares import converge, given, start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
@@ -98,16 +98,16 @@ def test_a_background_that_agrees_with_the_shading_of_the_noise_stays(held):
     assert along_background(held, plain) is plain
 
 
-@pytest.mark.parametrize(("error", "tried"), [(refine.POOR + 0.1, True), (refine.POOR, False)])
+@pytest.mark.parametrize(("error", "tried"), [(walk.POOR + 0.1, True), (walk.POOR, False)])
 def test_a_completed_effect_is_given_another_background_where_the_model_is_poor(
     held, error, tried, monkeypatch
 ):
     state, other = (start(held, model(0.7, k, 2), []) for k in (8.0, 6.0))
-    monkeypatch.setattr(refine, "converge", lambda _, there: there)
-    monkeypatch.setattr(refine, "settled", lambda _, there, name, **more: there)
-    monkeypatch.setattr(refine, "error_of", lambda *_: error)
-    monkeypatch.setattr(refine, "along_background", lambda *_: other)
-    ended = refine._completed(held, state, "dark_gradient")
+    monkeypatch.setattr(walk, "converge", lambda _, there: there)
+    monkeypatch.setattr(walk, "settled", lambda _, there, name, **more: there)
+    monkeypatch.setattr(walk, "error_of", lambda *_: error)
+    monkeypatch.setattr(walk, "along_background", lambda *_: other)
+    ended = walk.completed(held, state, "dark_gradient")
     assert (ended is other) == tried
 
 
@@ -115,9 +115,9 @@ def test_a_completed_effect_is_given_another_background_where_the_model_is_poor(
 def test_both_halves_choose_the_background(held, worse, taken, monkeypatch):
     state = start(held, model(0.7, 20.0, 2), [])
     even = replace(
-        state, model=model(0.7, 8.0, 2), train=worse * state.train, test=worse * state.test
+        state, model=model(0.7, 8.0, 2), train=worse * state.train, unseen=given(worse * state.test)
     )
-    one_sided = replace(state, train=0.0 * state.train, test=9.0 * state.test)
+    one_sided = replace(state, train=0.0 * state.train, unseen=given(9.0 * state.test))
     begun = iter((one_sided, even))
     monkeypatch.setattr(background, "other_backgrounds", lambda *_: [state.model] * 2)
     monkeypatch.setattr(background, "_level_and_noise", lambda *_: next(begun))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis import refine
+from dnanalyze.diagnosis import walk
 from dnanalyze.diagnosis.bend import along_bend, unbent
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -56,9 +56,9 @@ def test_an_effect_that_bends_nothing_stays(held):
 def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
     begun = _model(SIGMA * 0.8, 0.25, 2)
     state = start(held, begun, knobs_of(begun))
-    monkeypatch.setattr(refine, "converge", lambda _, there: there)
-    monkeypatch.setattr(refine, "settled", lambda _, there, name, **more: there)
-    ended = refine._completed(held, state, "temporal_denoise")
+    monkeypatch.setattr(walk, "converge", lambda _, there: there)
+    monkeypatch.setattr(walk, "settled", lambda _, there, name, **more: there)
+    ended = walk.completed(held, state, "temporal_denoise")
     assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
 
 

@@ -8,15 +8,15 @@ import pytest
 from dnanalyze.diagnosis import trial
 from dnanalyze.diagnosis.screening import Prospect
 from dnanalyze.diagnosis.trial import Trial, best_guess, trials
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.model.noise_model import NoiseModel
 
 MODEL = NoiseModel(())
 
 
 def state(train, test):
-    z = [np.full(100, level) for level in (train, test)]
-    return State(MODEL, [], *z, np.zeros((100, 0)))
+    fitted, unseen = (np.full(100, level) for level in (train, test))
+    return State(MODEL, [], fitted, given(unseen), np.zeros((100, 0)))
 
 
 @pytest.mark.parametrize(

@@ -19,12 +19,12 @@ from dnanalyze.diagnosis.confidence import (
     significant,
 )
 from dnanalyze.diagnosis.trial import Trial
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.model.noise_model import NoiseModel
 
 
 def made(effect: str, gain: float, error: float, spread: float = 1.0) -> Trial:
-    state = State(NoiseModel(()), [], np.ones(4), np.ones(4), np.zeros((4, 0)))
+    state = State(NoiseModel(()), [], np.ones(4), given(np.ones(4)), np.zeros((4, 0)))
     return Trial(effect, state, gain, gain, error, spread)
 
 

@@ -12,7 +12,7 @@ from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis import adequacy
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.diagnosis.trial import Trial, witnessed
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
 from dnanalyze.model.effects.row_fpn import RowFpn
@@ -69,7 +69,7 @@ def test_so_it_is_where_gains_are_told_in_units_of_the_scatter_of_sensors(monkey
     monkeypatch.setattr(adequacy, "_others", lambda *_: (np.zeros((2, 10)), np.zeros((2, 10))))
     named = NoiseModel((DefectLines(axis="rows", lines=(60,), offsets=(1.0,)),))
     before, after = (
-        State(named, [], np.zeros(10), np.full(10, level), np.zeros((10, 0)))
+        State(named, [], np.zeros(10), given(np.full(10, level)), np.zeros((10, 0)))
         for level in (10.0, 0.0)
     )
     found = adequacy.sobered(bench, before, Trial("defect_lines", after, 0.0, 0.0, 1.0))

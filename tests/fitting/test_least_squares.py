@@ -8,7 +8,7 @@ import small_series as small
 
 from dnanalyze.fitting import least_squares
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import derive, start
+from dnanalyze.fitting.least_squares import derive, given, minimise, start
 from dnanalyze.fitting.predictor import Bench
 
 
@@ -47,6 +47,22 @@ def test_a_fit_that_falls_steeply_is_given_more_rounds(kept, rounds, monkeypatch
 
     monkeypatch.setattr(least_squares, "minimise", lower)
     monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
-    begun = least_squares.State(None, [], np.full(1000, 2.0), np.zeros(1), np.zeros((1000, 0)))
+    begun = least_squares.State(
+        None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0))
+    )
     least_squares.converge(None, begun)
     assert len(made) == rounds
+
+
+def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkeypatch):
+    asked, whole = [], Bench.judged_z
+    monkeypatch.setattr(
+        Bench, "judged_z", lambda self, model: asked.append(model) or whole(self, model)
+    )
+    held, knobs = small.bench_of(), knobs_of(small.model())
+    ended = minimise(held, start(held, small.model(), knobs))
+    assert not asked
+    assert np.isfinite(ended.test).all()
+    assert len(ended.test) == len(held.test.keys)
+    assert ended.test is ended.test
+    assert asked == [ended.model]
