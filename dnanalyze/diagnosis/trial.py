@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.deviance import deviance, dispersion
 from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.least_squares import State, derive, minimise, start, with_derivatives_of
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -140,23 +140,24 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
 
     A refit of few steps may mend what is far off at the cost of much that was right, and which of
     two is the better shows once both stand at their best. A rival that lowers the error more than
-    the leader, or fits better, with less evidence so far, is one of them.
+    the leader, or fits better, with less evidence so far, is one of them. They stand so close that
+    the derivatives of what they share are one's as much as the other's.
     """
     leader = max(best.values(), key=lambda t: t.evidence)
     most = leader.evidence
     close = [
         t
-        for t in best.values()
+        for t in sorted(best.values(), key=lambda t: t is not leader)
         if (t.evidence > CLOSE * most and t.fitted_gain > 0)
         or (t.error < leader.error and t.state.loss < state.loss)
         or t.fitted_gain > leader.fitted_gain
     ]
     if most < CLEAR or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
         return
+    like = derive(bench, close[0].state, anew=True)
     for t in close:
-        best[t.effect] = judged(
-            bench, state, t.effect, minimise(bench, derive(bench, t.state, anew=True), 6)
-        )
+        begun = like if t is close[0] else with_derivatives_of(t.state, like)
+        best[t.effect] = judged(bench, state, t.effect, minimise(bench, begun, 6))
 
 
 def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iterations: int) -> State:

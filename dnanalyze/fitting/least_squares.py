@@ -20,6 +20,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 HUBER = 6.0
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
+KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
 STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
 # Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
 # and the statistics with them, by some floors however short the step: less would be lost in it.
@@ -78,13 +79,19 @@ def loss(z: np.ndarray) -> float:
 def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
     """Simulate a model; take over derivatives from a like model where knobs agree."""
     train = bench.fitted_z(model)
-    jacobian = np.full((len(train), len(knobs)), np.nan)
-    if like is not None:
-        known = {k.name: i for i, k in enumerate(like.knobs)}
-        for i, knob in enumerate(knobs):
-            if knob.name in known:
-                jacobian[:, i] = like.jacobian[:, known[knob.name]]
-    return State(model, knobs, train, unseen(bench, model), jacobian)
+    blank = np.full((len(train), len(knobs)), np.nan)
+    begun = State(model, knobs, train, unseen(bench, model), blank)
+    return begun if like is None else with_derivatives_of(begun, like)
+
+
+def with_derivatives_of(state: State, like: State) -> State:
+    """The state with a like model's derivatives where knobs agree, and no others."""
+    known = {k.name: i for i, k in enumerate(like.knobs)}
+    jacobian = np.full_like(state.jacobian, np.nan)
+    for i, knob in enumerate(state.knobs):
+        if knob.name in known:
+            jacobian[:, i] = like.jacobian[:, known[knob.name]]
+    return replace(state, jacobian=jacobian)
 
 
 def derive(
@@ -178,13 +185,29 @@ def minimise(
     below : float
         Loss that must be reached: give up once even steps of `HOPE` times their promise would not.
     """
+    return _descended(bench, state, iterations, tolerance, tell, below)[0]
+
+
+def _descended(
+    bench: Bench,
+    state: State,
+    iterations: int,
+    tolerance: float = 0.01,
+    tell: Callable[[State], None] = lambda _: None,
+    below: float = math.inf,
+) -> tuple[State, bool]:
+    """The state after `minimise`; and whether it ended because its derivatives promise no more,
+    which the last step had shown to be true.
+    """
     if not state.knobs:
-        return state
+        return state, True
     state = derive(bench, state)
-    damping, stale = 1e-2, False
+    damping, stale, true = 1e-2, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)
-        if expected < tolerance * state.loss + 0.5 or state.loss - HOPE * expected > below:
+        if expected < tolerance * state.loss + 0.5:
+            return state, true
+        if state.loss - HOPE * expected > below:
             break
         here = positions(state.model, state.knobs)
         there = np.array([k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)])
@@ -196,14 +219,15 @@ def minimise(
             state = State(model, state.knobs, train, unseen(bench, model), jacobian)
             tell(state)
             damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
-            stale = False
+            stale, true = False, 1.0 / KEPT < gained / expected < KEPT
         else:
             damping *= 8.0
+            true = False
             state = replace(state, jacobian=jacobian)
             if stale and damping > 50:
                 break
             stale = True
-    return state
+    return state, False
 
 
 def converge(
@@ -215,15 +239,17 @@ def converge(
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
-    Broyden's derivatives are good enough to get near; the last steps want true ones. A fit that
-    still falls steeply after these rounds is given as many again.
+    Broyden's derivatives are good enough to get near; the last steps want true ones. Those of the
+    round are true still where its last step took off what they promised. A fit that still falls
+    steeply after these rounds is given as many again.
     """
-    state = minimise(bench, state, iterations, tell=tell)
-    for n in range(2 * rounds - 1):
+    own = bool(np.isnan(state.jacobian).all())
+    for n in range(2 * rounds):
         before = state.loss
-        state = minimise(bench, derive(bench, state, anew=True), iterations, tell=tell)
-        least = 0.02 * before + 1.0 if n < rounds - 2 else STEEP * before
-        if before - state.loss < least:
+        begun = derive(bench, state, anew=True) if n else state
+        state, true = _descended(bench, begun, iterations, tell=tell)
+        least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
+        if (true and (n or own)) or (n and before - state.loss < least):
             break
     return state
 

@@ -1,14 +1,15 @@
 """Derivatives and the steps they are taken with."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import small_series as small
 
 from dnanalyze.fitting import least_squares
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import derive, given, minimise, start
+from dnanalyze.fitting.knobs import knobs_of, positions
+from dnanalyze.fitting.least_squares import derive, given, minimise, start, with_derivatives_of
 from dnanalyze.fitting.predictor import Bench
 
 
@@ -43,9 +44,9 @@ def test_a_fit_that_falls_steeply_is_given_more_rounds(kept, rounds, monkeypatch
 
     def lower(_bench, state, *_, **__):
         made.append(state)
-        return replace(state, train=kept**0.5 * state.train)
+        return replace(state, train=kept**0.5 * state.train), False
 
-    monkeypatch.setattr(least_squares, "minimise", lower)
+    monkeypatch.setattr(least_squares, "_descended", lower)
     monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
     begun = least_squares.State(
         None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0))
@@ -66,3 +67,56 @@ def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkey
     assert len(ended.test) == len(held.test.keys)
     assert ended.test is ended.test
     assert asked == [ended.model]
+
+
+@pytest.mark.parametrize(
+    ("own", "true", "rounds"),
+    [(True, [True], 1), (True, [False, True], 2), (False, [True, True], 2)],
+)
+def test_derivatives_whose_steps_kept_their_promise_are_not_taken_anew(
+    own, true, rounds, monkeypatch
+):
+    """Those of another model are taken anew in any case."""
+    made = []
+
+    def lower(_bench, state, *_, **__):
+        made.append(state)
+        return replace(state, train=0.5 * state.train), true[len(made) - 1]
+
+    monkeypatch.setattr(least_squares, "_descended", lower)
+    monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
+    begun = least_squares.State(
+        None, [], np.full(100, 4.0), given(np.zeros(1)), np.full((100, 1), np.nan if own else 1.0)
+    )
+    least_squares.converge(None, begun)
+    assert len(made) == rounds
+
+
+@pytest.mark.parametrize(("factor", "true"), [(1.0, True), (3.0, False)])
+def test_a_step_tells_whether_its_derivatives_are_true(factor, true):
+    """Three times too large they promise all, of a line, and bring five ninths."""
+    model = small.model()
+    knobs = knobs_of(model)[:1]
+    here = positions(model, knobs)
+    slope = np.ones((500, 1))
+
+    def z(moved):
+        return 0.5 * slope[:, 0] - slope @ (positions(moved, knobs) - here)
+
+    straight = SimpleNamespace(fitted_z=z, judged_z=z)
+    begun = least_squares.State(model, knobs, z(model), given(z(model)), -factor * slope)
+    ended, found = least_squares._descended(straight, begun, 5, tolerance=0.992)
+    assert ended.loss < 0.5 * begun.loss
+    assert found == true
+
+
+def test_derivatives_of_another_model_are_taken_over_by_name():
+    held, model = small.bench_of(), small.model()
+    knobs = knobs_of(model)
+    first = derive(held, start(held, model, knobs))
+    other = with_derivatives_of(
+        start(held, model, knobs[::-1]),
+        replace(first, knobs=knobs[:-1], jacobian=first.jacobian[:, :-1]),
+    )
+    np.testing.assert_array_equal(other.jacobian[:, 1:], first.jacobian[:, :-1][:, ::-1])
+    assert np.isnan(other.jacobian[:, 0]).all()
