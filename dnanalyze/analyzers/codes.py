@@ -12,6 +12,7 @@ from dnanalyze.analyzers.quantiles import Counted
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 CENTRAL = 0.98  # share of a histogram that counts as its body
+GAUSSIAN = 3.45  # codes of the body over those between the quartiles, of a normal distribution
 FEW = 30  # counts
 OVERUSED = 5.0  # standard errors above its neighbours
 
@@ -126,9 +127,9 @@ def _spike(last: np.ndarray, repeats: float) -> Value:
 
 
 def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:
-    low, high = np.searchsorted(
-        counts.cumulative[1:], counts.total * np.array([(1 - CENTRAL) / 2, (1 + CENTRAL) / 2])
-    )
+    """Codes beside what is smooth over them, each with the weight of its counts."""
+    ends = np.array([(1 - CENTRAL) / 2, 0.25, 0.75, (1 + CENTRAL) / 2])
+    low, first, last, high = np.searchsorted(counts.cumulative[1:], counts.total * ends)
     body = counts.counts[low : high + 1].astype(float)
     names = ("unused_codes", "code_roughness", "code_comb", "code_comb_period", "overused_codes")
     if body.size < 5:
@@ -138,37 +139,40 @@ def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:
     unused = float(np.sum(body == 0))
     se = math.sqrt(max(unused, 1.0) * max(1 - unused / body.size, 1 / body.size)) / body.size
     out.values["unused_codes"] = Value(unused / body.size, se)
-    width = int(min(max(5, 2 * (body.size // 8) + 1), 129))
+    core = min(body.size, GAUSSIAN * (last - first + 1))  # a long tail makes it no smoother
+    width = int(min(max(5, 2 * (core // 8) + 1), 129))
     smooth = smoothed(counts.counts.astype(float), width)[low : high + 1]
     rough = body / smooth - 1
-    noise = repeats / smooth
-    power = float(np.mean(rough**2))
-    spread = math.sqrt(float(np.mean(4 * rough**2 * noise) + 2 * np.mean(noise**2)) / body.size)
-    relative = spread / max(power, float(noise.mean())) / 2
+    noise, weight = repeats / smooth, smooth / smooth.sum()
+    power = float(weight @ rough**2)
+    spread = math.sqrt(float(weight**2 @ (4 * rough**2 * noise + 2 * noise**2)))
+    relative = spread / max(power, float(weight @ noise)) / 2
     if power <= 0:
         out.missing["code_roughness"] = "the histogram of codes is perfectly smooth"
     else:
         out.values["code_roughness"] = Value(math.sqrt(power), max(relative, 0.05))
-    _comb(rough, noise, out)
+    _comb(rough, noise, weight, out)
     over = float(np.sum(rough > OVERUSED * np.sqrt(noise)))
     out.values["overused_codes"] = Value(over, 1.0)
 
 
-def _comb(rough: np.ndarray, noise: np.ndarray, out: FamilyResult) -> None:
+def _comb(rough: np.ndarray, noise: np.ndarray, weight: np.ndarray, out: FamilyResult) -> None:
     """Largest amplitude of a period of 2 codes or more in the ratio to the smooth histogram."""
-    n = rough.size
-    amplitude = 2 * np.abs(np.fft.rfft(rough)) / n
-    amplitude[-1] /= 2  # at half a period a code, or next to it, both signs are one
-    best = 2 + int(np.argmax(amplitude[2:])) if amplitude.size > 3 else amplitude.size - 1
+    n, codes = rough.size, 1.0 / float(weight @ weight)
+    amplitude = 2 * np.abs(np.fft.rfft(weight * rough))
+    # near half a period a code both signs are one
+    amplitude /= 1 + np.abs(np.fft.fft(weight))[-2 * np.arange(amplitude.size) % n]
+    first = min(math.ceil(2 * n / codes), amplitude.size - 1)
+    best = first + int(np.argmax(amplitude[first:]))
     value = float(amplitude[best])
     if value <= 0:
         out.missing["code_comb"] = out.missing["code_comb_period"] = "the histogram has no period"
         return
-    trials = max((amplitude.size - 2) / 2, 1.3)  # half, for counts differ in their noise
+    trials = max((codes / 2 - 1) / 2, 1.3)  # half, for neighbouring periods are alike
     extreme = 0.64 / (math.log(trials) + 0.577)  # Gumbel's law, half for an amplitude
-    direct = math.sqrt(2 * float(noise.mean()) / n) / value
+    direct = math.sqrt(2 * float(weight**2 @ noise)) / value
     out.values["code_comb"] = Value(value, min(extreme, max(direct, 0.1)))
-    out.values["code_comb_period"] = Value(n / best, (n / best) ** 2 / n / 2)
+    out.values["code_comb_period"] = Value(n / best, (n / best) ** 2 / codes / 2)
 
 
 def smoothed(counts: np.ndarray, width: int) -> np.ndarray:

@@ -188,6 +188,21 @@ def test_missing_codes_make_gaps_roughness_and_a_comb():
     assert smooth["code_comb"].value < 0.05 < 0.5 < rough["code_comb"].value
 
 
+def test_a_long_tail_makes_no_histogram_rough_and_hides_no_missing_codes():
+    """Counts alone make it rough by the square root of codes over counts."""
+    rng = np.random.default_rng(18)
+    far = [np.where(rng.random(SHAPE) < 0.1, rng.lognormal(4.5, 1.2, SHAPE), 0) for _ in range(4)]
+    frames = [f + t.astype(int) for f, t in zip(gaussian(19, 4, noise=14.0), far, strict=True)]
+    gaps = [np.where(f % 4 == 3, f - 1, f) for f in frames]
+    smooth, rough = (values_of(codes, [f.astype(np.uint16) for f in s]) for s in (frames, gaps))
+    body = np.quantile(frames, [0.01, 0.99])
+    chance = math.sqrt(np.ptp(body) / np.size(frames))
+    value = smooth["code_roughness"]
+    assert abs(math.log(value.value / chance)) < 4 * value.se
+    assert rough["code_roughness"].value == pytest.approx(1 / math.sqrt(2), rel=0.15)
+    assert rough["code_comb_period"].value == pytest.approx(4.0, rel=0.1)
+
+
 def test_clipping_shows_as_spikes():
     plain = gaussian(15, 3, noise=6.0)
     clipped = [np.clip(f, 95, 108) for f in plain]
