@@ -1,5 +1,6 @@
 """The better of an effect's guesses, by both halves."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -86,3 +87,23 @@ def test_another_guess_is_refitted_where_the_first_gains_and_yet_raises_the_erro
     (found,) = trials(bench, state(5.0, 5.0), {})
     assert found.state is ended[id(second) if again else id(first)]
     assert len(found.others) == (0 if again else 1)
+
+
+def test_close_rivals_share_the_derivatives_of_what_both_have(monkeypatch):
+    def stands(own):
+        knobs = [SimpleNamespace(name=name) for name in ("shared", own)]
+        return State(MODEL, knobs, np.ones(9), given(np.ones(9)), np.zeros((9, 2)))
+
+    begun = []
+    monkeypatch.setattr(
+        trial, "derive", lambda _, s, anew: replace(s, jacobian=np.full_like(s.jacobian, 7.0))
+    )
+    monkeypatch.setattr(trial, "minimise", lambda _, s, __: begun.append(s) or s)
+    monkeypatch.setattr(trial, "judged", lambda _bench, _before, name, _after: best[name])
+    monkeypatch.setattr(trial, "error_of", lambda *_: 2.0)
+    best = {n: Trial(n, stands(n), g, g, 1.0) for n, g in (("b", 90.0), ("a", 100.0))}
+    trial._polish(None, state(2.0, 2.0), best)
+    leader, rival = (s.jacobian[0] for s in begun)
+    np.testing.assert_array_equal(leader, [7.0, 7.0])
+    np.testing.assert_array_equal(rival, [7.0, np.nan])
+    assert begun[0].knobs[1].name == "a"

@@ -74,3 +74,26 @@ def test_otherwise_no_other_way_is_gone(ordinary, tried, monkeypatch, why):
     if why == "told to stop":
         walk = replace(walk, most_effects=1)
     assert by_another_way(walk, path) is path
+
+
+def test_the_nearest_fork_is_taken(ordinary, tried):
+    walk, path, *_ = gone(ordinary, tried, WRONG, RIGHT)
+    near = replace(path.forks[0], taken=replace(tried[WRONG], gain=1e3, fitted_gain=1e3))
+    far = replace(near, other=replace(tried[WRONG], gain=0.1, fitted_gain=0.1))
+    assert far.nearness < near.nearness
+    for forks in ((far, near), (near, far)):
+        found = by_another_way(walk, replace(path, forks=forks))
+        assert [s.added for s in found.steps] == [None, RIGHT]
+
+
+@pytest.mark.parametrize("fits", [True, False])
+@pytest.mark.parametrize("lower", [True, False])
+def test_the_other_end_must_fit_better_and_have_the_lower_error(
+    ordinary, tried, monkeypatch, fits, lower
+):
+    monkeypatch.setattr(module, "preferred", lambda mine, other: other if fits else mine)
+    walk, path, *_ = gone(ordinary, tried, WRONG, RIGHT)
+    if not lower:
+        path = replace(path, steps=(path.steps[0], replace(path.steps[1], error=0.1)))
+    found = by_another_way(walk, path)
+    assert (found.state is not path.state) == (fits and lower)
