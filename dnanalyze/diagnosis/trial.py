@@ -22,7 +22,7 @@ from dnanalyze.model.noise_model import NoiseModel
 MOST_REFITS = 4
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
-FAR = 3.0  # times the present loss: another kind that begins farther off is not refitted
+FAR = 3.0  # times the present loss: another kind that a first step leaves farther off is given up
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
 CLEAR = 50.0  # evidence from which the choice between rivals matters
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
@@ -241,8 +241,12 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
     """
     model = state.model.with_effect(kind)
     begun = start(bench, model, knobs_of(model), like=state)
-    if begun.loss > FAR * state.loss or np.array_equal(begun.train, state.train):
+    if np.array_equal(begun.train, state.train):
         return state
+    if begun.loss > FAR * state.loss:  # the numbers may have made up for the wrong kind
+        begun = minimise(bench, begun, 1)
+        if begun.loss > FAR * state.loss:
+            return state
     if anew:
         begun.jacobian[:, [k.effect == kind.name for k in begun.knobs]] = np.nan
     ended = minimise(bench, begun, iterations)

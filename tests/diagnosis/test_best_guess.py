@@ -107,3 +107,28 @@ def test_close_rivals_share_the_derivatives_of_what_both_have(monkeypatch):
     np.testing.assert_array_equal(leader, [7.0, 7.0])
     np.testing.assert_array_equal(rival, [7.0, np.nan])
     assert begun[0].knobs[1].name == "a"
+
+
+@pytest.mark.parametrize(
+    ("begins", "after_one", "taken"),
+    [(2.0, 2.0, True), (4.0, 1.5, True), (4.0, 3.5, False)],
+)
+def test_another_kind_may_begin_far_off_if_one_step_brings_it_near(
+    monkeypatch, begins, after_one, taken
+):
+    """The numbers of the wrong kind made up for what was wrong with it; all halves alike."""
+    steps, before = [], state(1.0, 1.0)
+    kind = SimpleNamespace(name="a")
+
+    def stepped(_bench, begun, iterations):
+        steps.append(iterations)
+        first = iterations == 1
+        return state(*(2 * [after_one**0.5 if first else 0.1]))
+
+    monkeypatch.setattr(trial, "start", lambda *_, like: state(*(2 * [begins**0.5])))
+    monkeypatch.setattr(trial, "minimise", stepped)
+    monkeypatch.setattr(trial, "knobs_of", lambda _: [])
+    like = replace(before, model=SimpleNamespace(with_effect=lambda _: MODEL))
+    ended = trial._better(None, like, kind, 3)
+    assert (ended is not like) == taken
+    assert steps == [1] * (begins > 3.0) + [3] * taken
