@@ -104,7 +104,8 @@ def derive(
     """Take the derivatives that are not known yet, one simulation a group of knobs.
 
     A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
-    ``anew``: also those that are known, which then tell how long a step must be.
+    ``anew``: also those that are known, which then tell how long a step must be. Of what lies in
+    the judged half alone, the fitted one tells nothing: there they are 0.
     """
     jacobian = state.jacobian.copy()
     groups: dict[str, list[int]] = {}
@@ -112,7 +113,9 @@ def derive(
         if (anew or np.isnan(jacobian[:, i]).any()) and only(knob):
             groups.setdefault(knob.group, []).append(i)
     for members in groups.values():
-        jacobian[:, members] = _difference(bench, state, members, smallest)
+        effect = state.model.get(state.knobs[members[0]].effect)
+        seen = effect is None or effect.lies_in(bench.plan.windows[0])
+        jacobian[:, members] = _difference(bench, state, members, smallest) if seen else 0.0
     return replace(state, jacobian=jacobian)
 
 
