@@ -66,8 +66,7 @@ class Progress:
         return held
 
     def fitting(self, held: Bench) -> Callable[[State], None]:
-        """What a fit calls with every better state: its error on what it fits, beside
-        the bar."""
+        """What a fit calls with every better state: its fitted half's error, beside the bar."""
         from dnanalyze.comparator.error import pooled
 
         def tell(state: State) -> None:

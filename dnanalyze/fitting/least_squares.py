@@ -67,7 +67,7 @@ def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
 
 
 def given(z: np.ndarray) -> Callable[[], np.ndarray]:
-    """The same, of known differences."""
+    """The same of differences that are known."""
     return lambda: z
 
 

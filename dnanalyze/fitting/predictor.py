@@ -57,7 +57,7 @@ class Bench:
         return prediction(made, 0, self.train), prediction(made, 1, self.test)
 
     def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
-        """Predicted coordinates of train alone: what a fit goes by, at a third of the price."""
+        """Predicted coordinates of train alone: all that a step of a fit goes by."""
         return prediction(self.statistics(model, half=0), 0, self.train)
 
     def fitted_z(self, model: NoiseModel) -> np.ndarray:

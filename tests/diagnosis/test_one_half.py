@@ -95,7 +95,7 @@ def with_a_bad_row(captures: CaptureSet, row: int, offset: float) -> CaptureSet:
 def test_one_bad_row_is_named_whichever_half_it_lies_in(row):
     sensor = draw_sensor(np.random.default_rng(11))
     plain = generate(sensor, {}, (192, 192), frames=4, seed=3)
-    offset = float(np.rint(5.0 * sensor.noise_dn))  # of half as much luck decides
+    offset = float(np.rint(2.0 * sensor.noise_dn))
     found = refine(with_a_bad_row(plain, row, offset), known=KNOWN)
     assert found.verdict == "adequate"
     assert [n for n in found.effects if n not in (BASE, *EVERYDAY)] == ["defect_lines"]
