@@ -9,12 +9,15 @@ import numpy as np
 
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.deviance import TOLERABLE, deviance
-from dnanalyze.diagnosis.trial import Trial, witnessed
+from dnanalyze.diagnosis.trial import Trial, error_of, witnessed
 from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
 SIGMAS = 4.0
+EXCUSED = 1.0  # error beyond the replicates' mean that their scatter excuses at the most
+BEYOND = 6.0  # times their scatter that a misfit must exceed the replicates' to be called left
+SCATTER = 0.25  # of the replicates' misfits, in floors, at the least
 MENDED = 0.5  # share of the squares that may stay
 
 
@@ -25,30 +28,39 @@ class Adequacy:
     Parameters
     ----------
     adequate : bool
-    error : float
-        On the judged half.
-    expected, spread : float
-        Mean and standard deviation of the error of simulated sensors of this make.
     left : list of str
         Statistics that are off on both halves beyond chance, worst first.
     """
 
     adequate: bool
-    error: float
-    expected: float
-    spread: float
     left: list[str]
 
 
 def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequacy:
-    """Hold the misfit against that of replicates of the model itself."""
-    trains, tests = _others(bench, state, replicates)
-    errors = [pooled(z, bench.test.families) for z in tests]
-    error = pooled(state.test, bench.test.families)
+    """Hold the misfit against that of replicates of the model itself.
+
+    They are drawn one by one, and only for as long as they may tell something.
+    """
+    calm = error_of(bench, state) < TOLERABLE
+    own = _misfits(bench, state.train, state.test)
+    errors: list[float] = []
+    others: list[dict[str, np.ndarray]] = []
+    for r in range(replicates):
+        if calm and not _left(own, others, replicates):
+            return Adequacy(True, [])
+        train, test = _other(bench, state, r)
+        others.append(_misfits(bench, train, test))
+        errors.append(pooled(test, bench.test.families))
     expected, spread = float(np.mean(errors)), float(np.std(errors, ddof=1))
-    left = _left(bench, state, trains, tests)
-    calm = error < max(TOLERABLE, expected + SIGMAS * spread)
-    return Adequacy(calm and not left, error, expected, spread, left)
+    left = _left(own, others, replicates)
+    calm = calm or error_of(bench, state) < expected + min(SIGMAS * spread, EXCUSED)
+    return Adequacy(calm and not left, left)
+
+
+def farthest(bench: Bench, state: State, count: int = 3) -> list[str]:
+    """Statistics that are farthest off on both halves, worst first."""
+    own = _misfits(bench, state.train, state.test)
+    return sorted(own, key=lambda name: -float(own[name].min()))[:count]
 
 
 def sobered(bench: Bench, before: State, found: Trial) -> Trial:
@@ -104,40 +116,46 @@ def mends(bench: Bench, left: Sequence[str], before: State, after: State) -> boo
 
 
 def _others(bench: Bench, state: State, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Sensors of the model's make against its own, in floors, of the fitted and the judged half.
-
-    (count, statistics) each.
-    """
-    found = []
-    for r in range(count):
-        drawn = bench.replicate(state.model, r)
-        found.append(
-            [
-                np.nan_to_num((values - (half.coordinates - z * half.floor)) / half.floor)
-                for values, half, z in zip(
-                    drawn, (bench.train, bench.test), (state.train, state.test), strict=True
-                )
-            ]
-        )
+    """Several of `_other`, (count, statistics) each."""
+    found = [_other(bench, state, r) for r in range(count)]
     return np.array([f[0] for f in found]), np.array([f[1] for f in found])
 
 
-def _left(bench: Bench, state: State, trains: np.ndarray, tests: np.ndarray) -> list[str]:
-    """Statistics whose pooled misfit lies beyond that of the replicates on both halves."""
+def _other(bench: Bench, state: State, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """A sensor of the model's make against its own, in floors, on the fitted and judged half."""
+    drawn = bench.replicate(state.model, number)
+    train, test = (
+        np.nan_to_num((values - (half.coordinates - z * half.floor)) / half.floor)
+        for values, half, z in zip(
+            drawn, (bench.train, bench.test), (state.train, state.test), strict=True
+        )
+    )
+    return train, test
+
+
+def _misfits(bench: Bench, train: np.ndarray, test: np.ndarray) -> dict[str, np.ndarray]:
+    """Pooled misfit of every statistic that both halves tell, on either of them."""
+    both = np.intersect1d(bench.train.names, bench.test.names)
+    sides = (bench.train, train), (bench.test, test)
+    return {
+        str(name): np.array([np.sqrt(np.mean(z[half.names == name] ** 2)) for half, z in sides])
+        for name in both
+    }
+
+
+def _left(
+    own: dict[str, np.ndarray], others: Sequence[dict[str, np.ndarray]], replicates: int
+) -> list[str]:
+    """Statistics whose misfit lies beyond that of the replicates on both halves, worst first.
+
+    Replicates still to be drawn are supposed to lie right, and all of them to scatter little.
+    """
     found = []
-    for name in np.unique(bench.test.names):
-        worst = np.inf
-        for held, z, drawn in (
-            (bench.train, state.train, trains),
-            (bench.test, state.test, tests),
-        ):
-            here = held.names == name
-            if not here.any():
-                worst = 0.0
-                continue
-            size = np.sqrt(np.mean(z[here] ** 2))
-            null = np.sqrt(np.mean(drawn[:, here] ** 2, axis=1))
-            worst = min(worst, (size - null.mean()) / max(null.std(ddof=1), 0.25))
-        if worst > 6.0:
-            found.append((worst, str(name)))
+    for name, size in own.items():
+        null = np.array([other[name] for other in others]).reshape(-1, len(size))
+        whole = len(null) == replicates
+        scatter = np.maximum(null.std(axis=0, ddof=1), SCATTER) if whole else SCATTER
+        worst = float(np.min((size - null.sum(axis=0) / replicates) / scatter))
+        if worst > BEYOND:
+            found.append((worst, name))
     return [name for _, name in sorted(found, reverse=True)]

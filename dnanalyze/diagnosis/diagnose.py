@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, averaged, mends, sobered
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, averaged, farthest, mends, sobered
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
@@ -108,7 +108,7 @@ def diagnose(
     stages: list[tuple[str, State]] = []
     if lacks_everyday(model, exclude):
         tell("what every sensor has")
-        everyday(held, asked.model, exclude, lambda name, stage: stages.append((name, stage)))
+        everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
     tried = trials(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
     found = judge(captures.name, held, state, tried, known)
@@ -236,7 +236,8 @@ def judge(
     verdict = "missing" if best is not None else ("adequate" if rest.adequate else "unexplained")
     if best is not None and rest.left and _lone(best, tried, error):
         candidates[0] = _doubted(candidates[0], rest.left)
-    made = Diagnosis(name, error, verdict, candidates, rest.left, {}, [], state.model, tried)
+    open_yet = rest.left or (farthest(held, state) if verdict == "unexplained" else [])
+    made = Diagnosis(name, error, verdict, candidates, open_yet, {}, [], state.model, tried)
     return replace(
         made,
         detection_limits=detection_limits(held, state, known) if limits else {},

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, start
-from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
+from dnanalyze.fitting.moments import Moments, converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import ordinary_model, partly_named
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
+from dnanalyze.model.laws import Law
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import EVERYDAY
 
@@ -19,7 +21,7 @@ NO_WORSE = 0.03  # share of the loss by which a fit may lie higher and be as goo
 
 
 def everyday(
-    bench: Bench, paper: NoiseModel, exclude: Sequence[str], note: Callable[[str, State], None]
+    bench: Bench, paper: State, exclude: Sequence[str], note: Callable[[str, State], None]
 ) -> State:
     """Put in what every sensor has, and let what the paper's tables absorbed get its name.
 
@@ -29,7 +31,7 @@ def everyday(
     Parameters
     ----------
     bench : Bench
-    paper : NoiseModel
+    paper : State
         The paper's model, fitted.
     exclude : sequence of str
         Effects to leave out.
@@ -44,15 +46,28 @@ def everyday(
         begun = begun.without(name)
     full = told_gain(bench, converge(bench, start(bench, begun, knobs_of(begun))), begun)
     names = [n for n in EVERYDAY if n not in exclude]
-    pedestals = [paper.pedestal, full.model.pedestal]
+    before = paper
     for count in range(1, len(names)):
-        ways = [partly_named(found, paper, full.model, names[:count], p) for p in pedestals]
-        state = min((start(bench, way, []) for way in ways), key=lambda s: s.loss)
-        if state.model.pedestal == full.model.pedestal:
-            pedestals = [full.model.pedestal]  # what is named later is nearer to it still
+        stage = partial(_stage, bench, found, paper.model, full.model, names[:count])
+        state = stage(full.model.pedestal)
+        if state.loss > before.loss:  # it may lie at the paper's still
+            state = min(state, stage(paper.model.pedestal), key=lambda s: s.loss)
         note(names[count - 1], state)
+        before = state
     note(names[-1], full)
     return full
+
+
+def _stage(
+    bench: Bench,
+    found: Moments,
+    paper: NoiseModel,
+    full: NoiseModel,
+    names: Sequence[str],
+    pedestal: Law,
+) -> State:
+    """The model on the way with some of the effects named."""
+    return start(bench, partly_named(found, paper, full, names, pedestal), [])
 
 
 def lacks_everyday(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:

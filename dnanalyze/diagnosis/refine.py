@@ -98,7 +98,7 @@ def refine(
     path = walk.note(Path(state, ()), state, None)
     if lacks_everyday(begun, exclude):
         stages: list[tuple[str, State]] = []
-        everyday(held, state.model, exclude, lambda name, s: stages.append((name, s)))
+        everyday(held, state, exclude, lambda name, s: stages.append((name, s)))
         for name, stage in stages:
             path = walk.note(path, stage, name)
         keep(path.state.model)

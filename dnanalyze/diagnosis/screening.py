@@ -17,7 +17,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
 FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
-HOPEFUL = 0.03  # share of the best promise of all from which the rest may come to something
+HOPEFUL = 0.1  # share of the best promise of all from which the rest may come to something
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 

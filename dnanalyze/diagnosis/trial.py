@@ -14,7 +14,14 @@ from dnanalyze.diagnosis.deviance import deviance, dispersion
 from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, derive, minimise, start, with_derivatives_of
+from dnanalyze.fitting.least_squares import (
+    HOPE,
+    State,
+    derive,
+    minimise,
+    start,
+    with_derivatives_of,
+)
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -24,6 +31,8 @@ WORTH = 0.15  # share of the best promise from which a candidate is refitted
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that a first step leaves farther off is given up
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
+REACH = 6.0  # times its promise, of the two most telling settings, more than which few refits gain
+TIE = 0.05  # share of the loss that a fit may still gain by derivatives taken anew
 CLEAR = 50.0  # evidence from which the choice between rivals matters
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 KIND_GAIN = 4.0  # mean gain of the halves that another kind must bring
@@ -94,8 +103,11 @@ def trials(
         if first is not None and first.fitted_gain > SURE and first.error < error:
             others[p.effect] = (*others.get(p.effect, ()), p)
             continue
-        wanted = state.loss - WORTH * most
-        made = judged(bench, state, p.effect, refitted(bench, p, state, wanted, iterations))
+        if REACH * p.promise < CLOSE * most:
+            continue
+        wanted, again = state.loss - WORTH * most, HOPE * p.promise > CLOSE * most
+        ended = refitted(bench, p, state, wanted, iterations, again)
+        made = judged(bench, state, p.effect, ended)
         if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made
         most = max(most, made.fitted_gain)
@@ -141,39 +153,63 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     A refit of few steps may mend what is far off at the cost of much that was right, and which of
     two is the better shows once both stand at their best. A rival that lowers the error more than
     the leader, or fits better, with less evidence so far, is one of them. They stand so close that
-    the derivatives of what they share are one's as much as the other's.
+    the derivatives of what they share are one's as much as the other's. The leader goes on where
+    what a fit may still gain decides.
     """
     leader = max(best.values(), key=lambda t: t.evidence)
-    most = leader.evidence
     close = [
         t
-        for t in sorted(best.values(), key=lambda t: t is not leader)
-        if (t.evidence > CLOSE * most and t.fitted_gain > 0)
-        or (t.error < leader.error and t.state.loss < state.loss)
-        or t.fitted_gain > leader.fitted_gain
+        for t in best.values()
+        if t is not leader
+        and (
+            (t.evidence > CLOSE * leader.evidence and t.fitted_gain > 0)
+            or (t.error < leader.error and t.state.loss < state.loss)
+            or t.fitted_gain > leader.fitted_gain
+        )
     ]
-    if most < CLEAR or (len(close) < 2 and all(t.error < error_of(bench, state) for t in close)):
+    raises = leader.error >= error_of(bench, state)
+    if leader.evidence < CLEAR or not (close or raises):
         return
-    like = derive(bench, close[0].state, anew=True)
-    for t in close:
-        begun = like if t is close[0] else with_derivatives_of(t.state, like)
-        best[t.effect] = judged(bench, state, t.effect, minimise(bench, begun, 6))
+
+    def gone_on(t: Trial, like: State) -> Trial:
+        begun = with_derivatives_of(t.state, like)
+        return judged(bench, state, t.effect, minimise(bench, begun, 6))
+
+    def leads() -> bool:
+        nearest = max((best[t.effect].evidence for t in close), default=0.0)
+        return not raises and leader.evidence - nearest > TIE * leader.state.loss
+
+    if leads():
+        for t in close:
+            if not t.state.at_rest:
+                best[t.effect] = gone_on(t, leader.state)
+    if not leads():
+        like = derive(bench, leader.state, anew=True)
+        for t in (leader, *close):
+            best[t.effect] = gone_on(best[t.effect], like)
 
 
-def refitted(bench: Bench, seen: Prospect, like: State, wanted: float, iterations: int) -> State:
+def refitted(
+    bench: Bench,
+    seen: Prospect,
+    like: State,
+    wanted: float,
+    iterations: int,
+    again: bool = True,
+) -> State:
     """Refit a prospect from its first guess, with what is known of the model without it.
 
     A refit that can no longer reach the ``wanted`` loss is given up. An effect that bends the
     statistics much (a filter, a gain) begins farther off than the model without it stands, and the
     others' derivatives do not carry over: if it promises much they are taken anew, and more steps
-    allowed.
+    allowed (``again``: but not of one that promises little beside what another brought).
     """
     begun = start(bench, seen.model, knobs_of(seen.model), like=like)
     guess = _effect(begun.model, seen.effect)
     moved = [bending(guess, k, begun.model) != UNBENT for k in begun.knobs]
     begun.jacobian[:, moved] = np.nan
     ended = minimise(bench, begun, iterations, below=wanted)
-    if (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + SURE:
+    if again and (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + SURE:
         return minimise(bench, derive(bench, ended, anew=True), 3 * iterations, below=wanted)
     return ended
 

@@ -42,6 +42,9 @@ class State:
         Those on the judged half: simulated when first asked for, which no step of a fit does.
     jacobian : ndarray
         d train / d knob, (numbers, knobs); NaN columns are not known yet.
+    at_rest : bool
+        Whether a fit has ended here because its derivatives, which its last step showed to be true,
+        promise no more.
     """
 
     model: NoiseModel
@@ -49,6 +52,7 @@ class State:
     train: np.ndarray
     unseen: Callable[[], np.ndarray]
     jacobian: np.ndarray
+    at_rest: bool = False
 
     @property
     def test(self) -> np.ndarray:
@@ -188,28 +192,14 @@ def minimise(
     below : float
         Loss that must be reached: give up once even steps of `HOPE` times their promise would not.
     """
-    return _descended(bench, state, iterations, tolerance, tell, below)[0]
-
-
-def _descended(
-    bench: Bench,
-    state: State,
-    iterations: int,
-    tolerance: float = 0.01,
-    tell: Callable[[State], None] = lambda _: None,
-    below: float = math.inf,
-) -> tuple[State, bool]:
-    """The state after `minimise`; and whether it ended because its derivatives promise no more,
-    which the last step had shown to be true.
-    """
     if not state.knobs:
-        return state, True
-    state = derive(bench, state)
+        return replace(state, at_rest=True)
+    state = replace(derive(bench, state), at_rest=False)
     damping, stale, true = 1e-2, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)
         if expected < tolerance * state.loss + 0.5:
-            return state, true
+            return replace(state, at_rest=true)
         if state.loss - HOPE * expected > below:
             break
         here = positions(state.model, state.knobs)
@@ -217,12 +207,14 @@ def _descended(
         model = turned(state.model, state.knobs, there)
         train = bench.fitted_z(model)
         jacobian = _broyden(state.jacobian, train - state.train, there - here)
+        # of the loss itself: its squares, as weighted here, promise too little of what lies far off
+        promised = state.loss - loss(state.train + state.jacobian @ (there - here))
         if loss(train) < state.loss:
             gained = state.loss - loss(train)
             state = State(model, state.knobs, train, unseen(bench, model), jacobian)
             tell(state)
             damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
-            stale, true = False, 1.0 / KEPT < gained / expected < KEPT
+            stale, true = False, promised / KEPT < gained < KEPT * promised
         else:
             damping *= 8.0
             true = False
@@ -230,7 +222,7 @@ def _descended(
             if stale and damping > 50:
                 break
             stale = True
-    return state, False
+    return state
 
 
 def converge(
@@ -250,9 +242,9 @@ def converge(
     for n in range(2 * rounds):
         before = state.loss
         begun = derive(bench, state, anew=True) if n else state
-        state, true = _descended(bench, begun, iterations, tell=tell)
+        state = minimise(bench, begun, iterations, tell=tell)
         least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
-        if (true and (n or own)) or (n and before - state.loss < least):
+        if (state.at_rest and (n or own)) or (n and before - state.loss < least):
             break
     return state
 

@@ -79,9 +79,10 @@ class Bench:
     def replicate(self, model: NoiseModel, number: int) -> tuple[np.ndarray, np.ndarray]:
         """Predicted coordinates of another sensor of the same make."""
         other = replace(model, seed=model.seed + 1 + number)
-        # A replicate is drawn once: its fields would only push the useful ones out of the memo.
+        # Its fields are drawn once, and would only push the useful ones out of the memo.
         bench = replace(self, memo=Memo(0))
-        return bench.coordinates(other)
+        key = ("replicate", other, self.plan.windows, *self.plan.settings)
+        return self.memo.get(key, lambda: bench.coordinates(other))
 
 
 def bench(plan: Design, helpers: Helpers | None = None) -> Bench:

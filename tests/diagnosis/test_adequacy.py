@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.adequacy import adequacy, averaged, mends, sobered
+from dnanalyze.diagnosis.adequacy import Adequacy, adequacy, averaged, farthest, mends, sobered
 from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -46,11 +46,49 @@ def test_what_no_second_sensor_shows_is_left(held):
     assert "drift" in found.left
 
 
-def test_nothing_is_left_of_a_sensor_of_the_same_make(held):
-    found = adequacy(held, _at(held, _model(OffsetDrift(1.0), seed=2)))
-    assert found.adequate
-    assert found.left == []
-    assert found.error == pytest.approx(found.expected, abs=6 * max(found.spread, 0.05))
+@pytest.mark.parametrize("tolerable", [1.3, 0.0])
+def test_nothing_is_left_of_a_sensor_of_the_same_make(held, monkeypatch, tolerable):
+    """Nor where its error alone would not do: then its like stand as far off."""
+    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.TOLERABLE", tolerable)
+    assert adequacy(held, _at(held, _model(OffsetDrift(1.0), seed=2))) == Adequacy(True, [])
+
+
+def test_sensors_are_drawn_for_as_long_as_they_may_tell(held, monkeypatch):
+    drawn = []
+    replicate = Bench.replicate
+    monkeypatch.setattr(
+        Bench, "replicate", lambda self, *what: drawn.append(what) or replicate(self, *what)
+    )
+    begun = _at(held, _model(seed=2))
+    for misfit, most in ((0.0, 0), (1.6, 11)):
+        train, test = (misfit * (h.names == "temporal_noise") for h in (held.train, held.test))
+        drawn.clear()
+        assert adequacy(held, replace(begun, train=train, unseen=given(test))) == Adequacy(True, [])
+        assert min(1, most) <= len(drawn) <= most
+    drawn.clear()
+    assert adequacy(held, begun, 3).left
+    assert len(drawn) == 3
+
+
+@pytest.mark.parametrize(("error", "adequate"), [(2.9, True), (3.1, False)])
+def test_luck_of_phases_excuses_no_more_than_one_floor(held, monkeypatch, error, adequate):
+    """Other sensors of the make err by 2 +- 1: nothing would be too far off."""
+    errors = iter([1.0, 3.0] * 6)
+    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.error_of", lambda *_: error)
+    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.pooled", lambda *_: next(errors))
+    at = _at(held, _model(OffsetDrift(1.0), seed=2))
+    assert adequacy(held, at) == Adequacy(adequate, [])
+
+
+def test_the_farthest_are_told_worst_first(held):
+    begun = _at(held, _model(seed=2))
+    sizes = {"temporal_noise": (3.0, 9.0), "mean": (5.0, 4.0), "median": (50.0, 0.0)}
+    train, test = (
+        np.array([sizes.get(str(n), (0.0, 0.0))[i] for n in half.names])
+        for i, half in enumerate((held.train, held.test))
+    )
+    state = replace(begun, train=train, unseen=given(test))
+    assert farthest(held, state, 2) == ["mean", "temporal_noise"]
 
 
 def test_an_average_sensor_is_the_mean_of_some_and_scatters_less(held):

@@ -89,10 +89,23 @@ def test_another_guess_is_refitted_where_the_first_gains_and_yet_raises_the_erro
     assert len(found.others) == (0 if again else 1)
 
 
-def test_close_rivals_share_the_derivatives_of_what_both_have(monkeypatch):
+@pytest.mark.parametrize(
+    ("rival", "at_rest", "error", "who"),
+    [
+        (90.0, False, 1.0, "b"),  # from the leader's derivatives as they are
+        (90.0, True, 1.0, ""),
+        (99.9, False, 1.0, "ab"),  # a tie: anew, and both
+        (99.9, True, 1.0, "ab"),
+        (50.0, False, 1.0, ""),
+        (50.0, False, 3.0, "a"),  # the leader raises the error for all it gains
+    ],
+)
+def test_rivals_go_on_and_the_leader_where_that_may_decide(monkeypatch, rival, at_rest, error, who):
+    """Close rivals share the derivatives of what both have."""
+
     def stands(own):
         knobs = [SimpleNamespace(name=name) for name in ("shared", own)]
-        return State(MODEL, knobs, np.ones(9), given(np.ones(9)), np.zeros((9, 2)))
+        return State(MODEL, knobs, np.ones(9), given(np.ones(9)), np.zeros((9, 2)), at_rest)
 
     begun = []
     monkeypatch.setattr(
@@ -101,12 +114,35 @@ def test_close_rivals_share_the_derivatives_of_what_both_have(monkeypatch):
     monkeypatch.setattr(trial, "minimise", lambda _, s, __: begun.append(s) or s)
     monkeypatch.setattr(trial, "judged", lambda _bench, _before, name, _after: best[name])
     monkeypatch.setattr(trial, "error_of", lambda *_: 2.0)
-    best = {n: Trial(n, stands(n), g, g, 1.0) for n, g in (("b", 90.0), ("a", 100.0))}
+    best = {n: Trial(n, stands(n), g, g, error) for n, g in (("b", rival), ("a", 100.0))}
     trial._polish(None, state(2.0, 2.0), best)
-    leader, rival = (s.jacobian[0] for s in begun)
-    np.testing.assert_array_equal(leader, [7.0, 7.0])
-    np.testing.assert_array_equal(rival, [7.0, np.nan])
-    assert begun[0].knobs[1].name == "a"
+    assert "".join(s.knobs[1].name for s in begun) == who
+    leader_met = False
+    for s in begun:
+        leader_met = leader_met or s.knobs[1].name == "a"
+        shared, own = s.jacobian[0]
+        assert shared == (7.0 if leader_met else 0.0)
+        assert np.isnan(own) == (s.knobs[1].name == "b")
+
+
+@pytest.mark.parametrize(
+    ("share", "tried"), [(0.25, [("b", True)]), (0.15, [("b", False)]), (0.09, [])]
+)
+def test_who_could_not_come_near_the_leader_is_not_refitted_or_not_twice(monkeypatch, share, tried):
+    names = np.array(["spectrum"] * 100)
+    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    begun, right, made = state(5.0, 5.0), state(0.0, 0.0), []
+    gained = trial.judged(bench, begun, "a", right).fitted_gain
+    guesses = [Prospect("a", MODEL, 0.3 * gained), Prospect("b", MODEL, share * gained)]
+
+    def refit(_bench, p, *more):
+        made.append((p.effect, more[-1]))
+        return right if p.effect == "a" else begun
+
+    monkeypatch.setattr(trial, "prospects", lambda *_: guesses)
+    monkeypatch.setattr(trial, "refitted", refit)
+    trials(bench, begun, {})
+    assert made == [("a", True), *tried]
 
 
 @pytest.mark.parametrize(

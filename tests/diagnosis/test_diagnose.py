@@ -4,9 +4,13 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.diagnose import diagnose
+from dnanalyze.diagnosis.adequacy import Adequacy, farthest
+from dnanalyze.diagnosis.diagnose import diagnose, judge
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import minimise, start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
 
@@ -63,6 +67,16 @@ def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
     full = diagnose(captures, found.model, known=KNOWN, held=held)
     assert full.verdict == "adequate"
     assert full.error == pytest.approx(found.candidates[-1].error_after, rel=0.1)
+
+
+def test_an_error_that_no_single_statistic_makes_is_told_by_the_farthest(rows, monkeypatch):
+    _, held = rows
+    state = minimise(held, start(held, model := paper_start(held), knobs_of(model)), 1)
+    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.adequacy", lambda *_: Adequacy(False, []))
+    found = judge("rows", held, state, [], {}, limits=False)
+    assert found.verdict == "unexplained"
+    assert found.unexplained == farthest(held, state)
+    assert len(found.unexplained) == 3
 
 
 def test_what_is_excluded_is_not_put_in(rows):

@@ -22,6 +22,10 @@ def of_dark(dark_e_s):
     return bench(design(generate(sensor, {}, (128, 128), frames=4, seed=3)))
 
 
+def of_paper(on):
+    return start(on, paper_start(on), [])
+
+
 def at_gain(model, k):
     return model.with_effect(replace(model.get("dark_shot_noise"), dn_per_e=k))
 
@@ -29,7 +33,7 @@ def at_gain(model, k):
 @pytest.mark.parametrize(("charge", "held"), [(False, True), (True, False)])
 def test_the_gain_goes_back_to_the_beginnings_only_where_no_charge_tells_it(charge, held):
     on = of_dark(60.0)
-    model = everyday(on, paper_start(on), (), lambda *_: None).model
+    model = everyday(on, of_paper(on), (), lambda *_: None).model
     if not charge:
         model = model.with_effect(replace(model.get("convolved_lognormal"), mu=-12.0))
     k = model.get("dark_shot_noise").dn_per_e
@@ -42,7 +46,7 @@ def test_the_gain_goes_back_to_the_beginnings_only_where_no_charge_tells_it(char
 
 def test_without_shot_noise_in_the_model_there_is_no_gain_to_tell():
     on = of_dark(60.0)
-    model = everyday(on, paper_start(on), ("dark_shot_noise",), lambda *_: None).model
+    model = everyday(on, of_paper(on), ("dark_shot_noise",), lambda *_: None).model
     assert model.get("dark_shot_noise") is None
     state = start(on, model, [])
     assert told_gain(on, state, model) is state
@@ -50,10 +54,27 @@ def test_without_shot_noise_in_the_model_there_is_no_gain_to_tell():
 
 def test_each_of_the_four_is_told_with_its_error():
     on, told = of_dark(60.0), []
-    full = everyday(on, paper_start(on), (), lambda *step: told.append(step))
+    full = everyday(on, of_paper(on), (), lambda *step: told.append(step))
     assert [name for name, _ in told] == [
         "read_noise", "pixel_fpn", "dark_shot_noise", "quantization",
     ]  # fmt: skip
     assert told[-1][1] is full
     assert full.loss < told[0][1].loss
     assert {name for name, _ in told} <= set(full.model.names)
+
+
+def test_a_stage_is_tried_at_the_papers_pedestal_only_where_it_would_be_worse(monkeypatch):
+    on = of_dark(60.0)
+    paper, tried, told = of_paper(on), [], []
+    sizes = {(1, True): 1.2, (1, False): 1.1, (2, True): 0.5, (3, True): 0.4}
+
+    def stage(_bench, _found, _paper, full, names, pedestal):
+        way = len(names), pedestal == full.pedestal
+        tried.append(way)
+        return replace(paper, train=sizes[way] * paper.train)
+
+    monkeypatch.setattr("dnanalyze.diagnosis.everyday._stage", stage)
+    everyday(on, paper, (), lambda _, state: told.append(state))
+    assert tried == list(sizes)
+    for size, state in zip((1.1, 0.5, 0.4), told, strict=False):
+        np.testing.assert_allclose(state.train, size * paper.train)

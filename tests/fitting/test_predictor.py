@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import small_series as small
 
+from dnanalyze.fitting.predictor import Bench
+
 BAYER = (("R", "G"), ("G", "B"))
 
 
@@ -19,3 +21,23 @@ def test_either_half_alone_is_what_it_is_beside_the_other(cfa):
         shaded = [k.name.startswith("shading_") for k in half.keys]
         assert np.isfinite(seen[shaded]).all()
         assert sum(shaded) > 0
+
+
+def test_another_sensor_of_the_make_is_drawn_once(monkeypatch):
+    here, made = small.bench_of(), []
+    whole = Bench.coordinates
+    monkeypatch.setattr(
+        Bench, "coordinates", lambda self, model: made.append(model) or whole(self, model)
+    )
+    first = here.replicate(small.model(), 0)
+    assert here.replicate(small.model(), 0) is first
+    assert len(made) == 1
+    others = (
+        here.replicate(small.model(), 1),
+        here.replicate(small.model(read_noise={"sigma": 2.5}), 0),
+        here.only([0]).replicate(small.model(), 0),
+    )
+    assert len(made) == 4
+    assert len(others[2][0]) < len(first[0])
+    for other in others[:2]:
+        assert not np.array_equal(other[0], first[0], equal_nan=True)
