@@ -70,10 +70,13 @@ def test_sensors_are_drawn_for_as_long_as_they_may_tell(held, monkeypatch):
     assert len(drawn) == 3
 
 
-@pytest.mark.parametrize(("error", "adequate"), [(2.9, True), (3.1, False)])
-def test_luck_of_phases_excuses_no_more_than_one_floor(held, monkeypatch, error, adequate):
-    """Other sensors of the make err by 2 +- 1: nothing would be too far off."""
-    errors = iter([1.0, 3.0] * 6)
+@pytest.mark.parametrize(
+    ("scatter", "error", "adequate"),
+    [(1.0, 2.9, True), (1.0, 3.1, False), (0.1, 2.3, True), (0.1, 2.6, False)],
+)
+def test_luck_of_phases_excuses_no_more_than_one_floor(held, monkeypatch, scatter, error, adequate):
+    """Other sensors of the make err by 2, more or less: by 1, and nothing would be too far off."""
+    errors = iter([2.0 - scatter, 2.0 + scatter] * 6)
     monkeypatch.setattr("dnanalyze.diagnosis.adequacy.error_of", lambda *_: error)
     monkeypatch.setattr("dnanalyze.diagnosis.adequacy.pooled", lambda *_: next(errors))
     at = _at(held, _model(OffsetDrift(1.0), seed=2))

@@ -145,6 +145,26 @@ def test_who_could_not_come_near_the_leader_is_not_refitted_or_not_twice(monkeyp
     assert made == [("a", True), *tried]
 
 
+def test_where_no_evidence_is_clear_nobody_goes_on(monkeypatch):
+    monkeypatch.setattr(trial, "error_of", lambda *_: 2.0)
+    best = {n: Trial(n, state(1.0, 1.0), g, g, 1.0) for n, g in (("a", 49.0), ("b", 48.9))}
+    before = dict(best)
+    trial._polish(None, state(2.0, 2.0), best)
+    assert best == before
+
+
+@pytest.mark.parametrize(("again", "tries"), [(True, 2), (False, 1)])
+def test_a_bad_beginning_is_given_derivatives_of_its_own_if_it_may_be(monkeypatch, again, tries):
+    made = []
+    monkeypatch.setattr(trial, "start", lambda *_, like: state(3.0, 3.0))
+    monkeypatch.setattr(trial, "derive", lambda _, begun, anew: begun)
+    monkeypatch.setattr(trial, "_effect", lambda *_: None)
+    monkeypatch.setattr(trial, "minimise", lambda _, begun, *__, **___: made.append(begun) or begun)
+    seen = Prospect("a", MODEL, 2 * trial.BOLD)
+    trial.refitted(None, seen, state(2.0, 2.0), 0.0, 3, again)
+    assert len(made) == tries
+
+
 @pytest.mark.parametrize(
     ("begins", "after_one", "taken"),
     [(2.0, 2.0, True), (4.0, 1.5, True), (4.0, 3.5, False)],
