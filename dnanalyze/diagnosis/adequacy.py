@@ -15,7 +15,7 @@ from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
 SIGMAS = 4.0
-EXCUSED = 1.0  # error beyond the replicates' mean that their scatter excuses at the most
+EXCUSED = 2.0  # error from which no luck of the replicates excuses a misfit
 BEYOND = 6.0  # times their scatter that a misfit must exceed the replicates' to be called left
 SCATTER = 0.25  # of the replicates' misfits, in floors, at the least
 MENDED = 0.5  # share of the squares that may stay
@@ -53,7 +53,7 @@ def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequa
         errors.append(pooled(test, bench.test.families))
     expected, spread = float(np.mean(errors)), float(np.std(errors, ddof=1))
     left = _left(own, others, replicates)
-    calm = calm or error_of(bench, state) < expected + min(SIGMAS * spread, EXCUSED)
+    calm = calm or error_of(bench, state) < min(expected + SIGMAS * spread, EXCUSED)
     return Adequacy(calm and not left, left)
 
 
