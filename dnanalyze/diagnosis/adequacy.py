@@ -41,7 +41,8 @@ def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequa
 
     They are drawn one by one, and only for as long as they may tell something.
     """
-    calm = error_of(bench, state) < TOLERABLE
+    error = error_of(bench, state)
+    calm = error < TOLERABLE
     own = _misfits(bench, state.train, state.test)
     errors: list[float] = []
     others: list[dict[str, np.ndarray]] = []
@@ -53,7 +54,7 @@ def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequa
         errors.append(pooled(test, bench.test.families))
     expected, spread = float(np.mean(errors)), float(np.std(errors, ddof=1))
     left = _left(own, others, replicates)
-    calm = calm or error_of(bench, state) < min(expected + SIGMAS * spread, EXCUSED)
+    calm = calm or error < min(expected + SIGMAS * spread, EXCUSED)
     return Adequacy(calm and not left, left)
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, converge, start
-from dnanalyze.fitting.moments import Moments, converter_bits, moments, serial_correlation
+from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import ordinary_model, partly_named
@@ -46,28 +45,19 @@ def everyday(
         begun = begun.without(name)
     full = told_gain(bench, converge(bench, start(bench, begun, knobs_of(begun))), begun)
     names = [n for n in EVERYDAY if n not in exclude]
+
+    def stage(named: Sequence[str], pedestal: Law) -> State:
+        return start(bench, partly_named(found, paper.model, full.model, named, pedestal), [])
+
     before = paper
     for count in range(1, len(names)):
-        stage = partial(_stage, bench, found, paper.model, full.model, names[:count])
-        state = stage(full.model.pedestal)
+        state = stage(names[:count], full.model.pedestal)
         if state.loss > before.loss:  # it may lie at the paper's still
-            state = min(state, stage(paper.model.pedestal), key=lambda s: s.loss)
+            state = min(state, stage(names[:count], paper.model.pedestal), key=lambda s: s.loss)
         note(names[count - 1], state)
         before = state
     note(names[-1], full)
     return full
-
-
-def _stage(
-    bench: Bench,
-    found: Moments,
-    paper: NoiseModel,
-    full: NoiseModel,
-    names: Sequence[str],
-    pedestal: Law,
-) -> State:
-    """The model on the way with some of the effects named."""
-    return start(bench, partly_named(found, paper, full, names, pedestal), [])
 
 
 def lacks_everyday(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:

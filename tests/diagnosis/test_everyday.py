@@ -68,12 +68,17 @@ def test_a_stage_is_tried_at_the_papers_pedestal_only_where_it_would_be_worse(mo
     paper, tried, told = of_paper(on), [], []
     sizes = {(1, True): 1.2, (1, False): 1.1, (2, True): 0.5, (3, True): 0.6, (3, False): 0.7}
 
-    def stage(_bench, _found, _paper, full, names, pedestal):
-        way = len(names), pedestal == full.pedestal
-        tried.append(way)
-        return replace(paper, train=sizes[way] * paper.train)
+    def named(_found, _paper, full, names, pedestal):
+        tried.append((len(names), pedestal == full.pedestal))
+        return tried[-1]
 
-    monkeypatch.setattr("dnanalyze.diagnosis.everyday._stage", stage)
+    def begun(bench, model, knobs):
+        if isinstance(model, tuple):
+            return replace(paper, train=sizes[model] * paper.train)
+        return start(bench, model, knobs)
+
+    monkeypatch.setattr("dnanalyze.diagnosis.everyday.partly_named", named)
+    monkeypatch.setattr("dnanalyze.diagnosis.everyday.start", begun)
     everyday(on, paper, (), lambda _, state: told.append(state))
     assert tried == list(sizes)
     for size, state in zip((1.1, 0.5, 0.6), told, strict=False):
