@@ -16,6 +16,7 @@ _CODES = 300  # of the histogram's body that are looked at
 _DEGREE = 6  # of the smooth log density under the comb
 _PHASES = 20  # whole codes about the level that are tried as the offset
 _CANDIDATES = 24
+_FINE = 2048  # parts of a code within which a product is a half
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class DigitalGain(Effect):
     name: ClassVar[str] = "digital_gain"
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "digital"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = (
         "Codes multiplied after the converter: gaps or spikes in the histogram."
     )
@@ -55,7 +57,7 @@ class DigitalGain(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Multiply, round, and cut off at the top."""
         s, b = self.value("gain", site.point), self.value("offset", site.point)
-        codes = np.rint(signal * np.float32(s) + np.float32(b * (1.0 - s)))
+        codes = _rounded((signal - np.float32(b)) * np.float32(s) + np.float32(b))
         return np.minimum(codes, np.float32(self.value("top", site.point)))
 
     def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
@@ -91,6 +93,15 @@ class DigitalGain(Effect):
         level = level[np.isfinite(level)]
         offset = _offset(counts, first, gain, round(float(level.min())) if level.size else 0)
         return [cls(bounded(cls, "gain", gain), bounded(cls, "offset", offset), _top(clues))]
+
+
+def _rounded(codes: np.ndarray) -> np.ndarray:
+    """Whole codes, halves to even ones: also those that the product misses by its rounding.
+
+    1.3 times 15 is a half, and not so in float32; which code stays empty hangs on it.
+    """
+    fine = np.float32(_FINE)
+    return np.rint(np.rint(codes * fine) / fine)
 
 
 def _top(clues: Clues) -> float:
@@ -169,7 +180,7 @@ def _misfit(counts: np.ndarray, first: int, gain: float, phase: float) -> float:
     size = counts.size
     odd = first % 2  # halves are rounded to even codes
     inputs = np.arange(-3, int((size + 3) / gain) + 3)
-    codes = np.rint(inputs * gain + phase + odd).astype(int) - odd
+    codes = _rounded(inputs * gain + phase + odd).astype(int) - odd
     ways = np.bincount(codes[(codes >= 0) & (codes < size)], minlength=size)
     used = (ways > 0) & (counts > 0)
     if used.sum() <= _DEGREE + 1:

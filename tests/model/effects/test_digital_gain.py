@@ -1,8 +1,11 @@
+from fractions import Fraction
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from readout_bench import Given, Ramp, frames
 
-from dnanalyze.model.effects.digital_gain import DigitalGain, _top
+from dnanalyze.model.effects.digital_gain import DigitalGain, _misfit, _top
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.read_noise import ReadNoise
 
@@ -19,6 +22,28 @@ def test_multiplies_about_the_offset_and_rounds(gain, offset):
     if gain > 1:
         unused = 1 - seen.size / np.ptp(seen)
         assert unused == pytest.approx(1 - 1 / gain, abs=0.02)
+
+
+@pytest.mark.parametrize("gain", ["1.3", "1.14", "1.7", "0.85", "1.06"])
+@pytest.mark.parametrize("offset", [0, 64, 65])
+def test_halves_go_to_even_codes_though_the_product_is_none_in_floats(gain, offset):
+    """As exact fractions have it: which code stays empty hangs on it."""
+    whole = np.arange(600)
+    effect = DigitalGain(float(gain), float(offset))
+    y = effect.apply(whole.astype(np.float32)[None], SimpleNamespace(point=None))[0]
+    exact = [round((Fraction(int(x)) - offset) * Fraction(gain) + offset) for x in whole]
+    assert sum((Fraction(int(x)) * Fraction(gain)) % 1 == Fraction(1, 2) for x in whole) >= 5
+    assert y.tolist() == exact
+
+
+@pytest.mark.parametrize(("gain", "offset"), [("1.14", 64), ("1.06", 65), ("1.3", 63)])
+def test_a_histogram_of_exact_halves_fits_its_factor(gain, offset):
+    """The phase of a factor that no float is adds its own error to the product's."""
+    codes = [round((x - offset) * Fraction(gain) + offset) for x in range(40, 140)]
+    counts = np.bincount(np.array(codes) - codes[0]) * 1000.0
+    phase = (offset * (1.0 - float(gain)) - codes[0]) % float(gain)
+    inner = counts[5:-5]
+    assert _misfit(inner, codes[0] + 5, float(gain), (phase - 5) % float(gain)) < 0.005
 
 
 def histogram(gain, mean, sigma, offset=64.0, pixels=384 * 384 * 6, seed=0):
