@@ -61,7 +61,9 @@ def test_a_near_rival_is_named():
     ("gain", "fitted", "enough"),
     [
         (40.0, 90.0, True),
-        (35.0, 51.0, False),  # one chance in four that nothing is missing
+        (24.0, 62.0, False),  # one chance in four that nothing is missing
+        (26.0, 60.0, True),  # less, by two witnesses
+        (60.0, 26.0, True),
         (55.0, 0.0, False),
         (2.0, 300.0, False),
         (14.0, 14.0, False),
@@ -85,6 +87,8 @@ def test_much_evidence_outweighs_a_little_luck_of_the_unseen_half():
 def test_while_much_is_wrong_chance_reaches_farther():
     assert significant(made("a", 70.0, 1.0), 3.0)
     assert not significant(made("a", 70.0, 1.0, spread=2.0), 3.0)
+    assert significant(made("a", 50.0, 1.0), 3.0)  # two witnesses, of chance alone
+    assert not significant(made("a", 100.0, 1.0, spread=2.0), 3.0)
     uneven = dataclasses.replace(made("a", 400.0, 1.0), fitted_gain=10.0)
     assert significant(uneven, 3.0)
     assert not significant(dataclasses.replace(uneven, spread=2.0), 3.0)
@@ -105,7 +109,7 @@ def test_where_the_halves_disagree_about_the_leader_nothing_is_added():
 
 
 def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already():
-    some = made("a", 0.6 * CERTAIN, 0.9)
+    some = dataclasses.replace(made("a", 0.9 * CERTAIN, 0.9), fitted_gain=0.3 * CERTAIN)
     assert addition([some], 1.0) is None
     assert addition([some], 1.0, lambda _: False) is None
     assert addition([some], 1.0, lambda found: found is some) is some
