@@ -51,19 +51,21 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
 
     The strength at which the effect moves the statistics, beyond what the model's own parameters
     can absorb, by what `significant` asks for. A simulation or a few at the setting with the least
-    noise, which shows readout best, and at the one with the most dark signal; followed along the
-    power law by which such an effect shows.
+    noise, which shows readout best, and for what is not of so many DN also at the one with the most
+    dark signal; followed along the power law by which such an effect shows.
     """
     seen = Readings(held.measured[0])
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
-    view = _View.of(held, state, sorted({int(np.nanargmin(noise)), int(np.nanargmax(level))}))
+    calm, warm = int(np.nanargmin(noise)), int(np.nanargmax(level))
+    quiet, both = (_View.of(held, state, sorted(where)) for where in ({calm}, {calm, warm}))
     limits = {}
     for name, effect in known.items():
         strength = _strength(effect, float(np.nanmin(noise)))
         if state.model.get(name) is None and strength is not None:
             parameter, first = strength
-            value = _least_shown(view, state.model, effect, parameter, first)
             unit = effect.parameters()[parameter].unit
+            view = quiet if unit.startswith("DN") else both
+            value = _least_shown(view, state.model, effect, parameter, first)
             limits[name] = str(Limit(name, parameter, value, unit))
     return limits
 

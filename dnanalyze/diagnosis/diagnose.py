@@ -23,8 +23,8 @@ from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, judged, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -104,7 +104,7 @@ def diagnose(
     held = held or bench(design(captures))
     model = model or paper_start(held)
     known = catalogue() if known is None else known
-    asked = minimise(held, start(held, model, knobs_of(model)))
+    asked = fitted(held, model)
     stages: list[tuple[str, State]] = []
     if lacks_everyday(model, exclude):
         tell("what every sensor has")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, start
+import numpy as np
+
+from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.least_squares import State, converge, given, start
 from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
@@ -43,11 +46,14 @@ def everyday(
     begun = ordinary_model(found, bits, serial)
     for name in exclude:
         begun = begun.without(name)
-    full = told_gain(bench, converge(bench, start(bench, begun, knobs_of(begun))), begun)
+    full = told_gain(bench, fitted(bench, begun, partial(converge, own=True)), begun)
     names = [n for n in EVERYDAY if n not in exclude]
 
     def stage(named: Sequence[str], pedestal: Law) -> State:
-        return start(bench, partly_named(found, paper.model, full.model, named, pedestal), [])
+        model = partly_named(found, paper.model, full.model, named, pedestal)
+        train, test = bench.coordinates(model)  # at once: both are asked for
+        blank = np.empty((len(train), 0))
+        return State(model, [], bench.train.z(train), given(bench.test.z(test)), blank)
 
     before = paper
     for count in range(1, len(names)):

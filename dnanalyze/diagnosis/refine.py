@@ -15,6 +15,7 @@ from dnanalyze.diagnosis.trial import error_of, judged
 from dnanalyze.diagnosis.walk import Walk
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
@@ -92,7 +93,7 @@ def refine(
     held = held or bench(design(captures))
     known = catalogue() if known is None else known
     begun = model or paper_start(held)
-    state = minimise(held, start(held, begun, knobs_of(begun)))
+    state = fitted(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
     walk = Walk(held, open_to, tuple(begun.names), most_effects, until_error, tell, trying, keep)
     path = walk.note(Path(state, ()), state, None)

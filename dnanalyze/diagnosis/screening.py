@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dnanalyze.diagnosis.bend import unbent
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.from_part import carried, part_for
 from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
@@ -18,6 +19,7 @@ from dnanalyze.model.noise_model import NoiseModel
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
 FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
 HOPEFUL = 0.1  # share of the best promise of all from which the rest may come to something
+PLAIN = 1.2  # loss a number from which a part of the field shows what is missing as well
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 
@@ -61,23 +63,59 @@ def prospects(
     """
     clues = Residual(bench, state)
     few = _telling(bench, state)
-    small = bench.only(few)
-    part = _restricted(bench, state, few)
-    idle = _reachable(part, part.train)
-    guesses, found = {}, {}
+    whole = _View.of(bench, state, few)
+    part = _of_part(bench, state, few, whole.idle)
+    guesses, found, seen = {}, {}, {}
     for name, effect in known.items():
         tell(name)
         guesses[name] = effect.guess(clues)
-        found[name] = [
-            p for guess in guesses[name][:FIRST] for p in _at_guess(small, part, guess, idle)
-        ]
+        seen[name] = part if part is not None and effect.even else whole
+        found[name] = [p for guess in guesses[name][:FIRST] for p in _at_guess(seen[name], guess)]
     most = max((p.promise for made in found.values() for p in made), default=0.0)
     for name, made in found.items():
         if any(p.promise > max(LEAST, HOPEFUL * most) for p in made):
             for guess in guesses[name][FIRST:]:
-                made += _at_guess(small, part, guess, idle)
+                made += _at_guess(seen[name], guess)
     best = [p for made in found.values() for p in _two(made)]
     return sorted(best, key=lambda p: -p.promise)
+
+
+@dataclass(frozen=True)
+class _View:
+    """Two settings, as a guess is looked at.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+    idle : float
+        The loss that an effect which moves nothing would reach.
+    weight : float
+        What a unit of its loss stands for.
+    """
+
+    bench: Bench
+    state: State
+    idle: float
+    weight: float = 1.0
+
+    @classmethod
+    def of(cls, bench: Bench, state: State, settings: list[int]) -> _View:
+        """Of some of the settings."""
+        there = _restricted(bench, state, settings)
+        return cls(bench.only(settings), there, _reachable(there, there.train))
+
+
+def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _View | None:
+    """The view of a part of the field, where much is missing and every part shows it.
+
+    ``idle``: that of the whole field; a promise is taken to be the same share of it.
+    """
+    there = part_for(bench, state.model)
+    if there is None or state.loss < PLAIN * len(state.train):
+        return None
+    view = _View.of(there, carried(state, bench, there), settings)
+    return replace(view, weight=idle / view.idle)
 
 
 def _two(made: Sequence[Prospect]) -> list[Prospect]:
@@ -107,24 +145,22 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
     )
 
 
-def _at_guess(small: Bench, part: State, guess: Effect, idle: float) -> list[Prospect]:
-    """The guess in the model as it is, and in one whose numbers no longer make up for it.
-
-    ``idle``: the loss that an effect which moves nothing would reach.
-    """
-    right = unbent(part.model, guess)
-    models = [part.model] if right is None else [part.model, right]
+def _at_guess(view: _View, guess: Effect) -> list[Prospect]:
+    """The guess in the model as it is, and in one whose numbers no longer make up for it."""
+    bench, state = view.bench, view.state
+    right = unbent(state.model, guess)
+    models = [state.model] if right is None else [state.model, right]
     found = []
     for model in models:
         try:
             larger = model.with_effect(guess)
         except InputError:
             continue
-        if guess.lies_in(small.plan.windows[0]):
-            promise = idle - _reachable(part, small.fitted_z(larger))
+        if guess.lies_in(bench.plan.windows[0]):
+            promise = view.idle - _reachable(state, bench.fitted_z(larger))
         else:  # the fitted half has none of it
-            promise = loss(part.test) - loss(small.judged_z(larger))
-        found.append(Prospect(guess.name, larger, promise))
+            promise = loss(state.test) - loss(bench.judged_z(larger))
+        found.append(Prospect(guess.name, larger, view.weight * promise))
     return found
 
 

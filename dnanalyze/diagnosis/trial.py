@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.bend import UNBENT, bending
 from dnanalyze.diagnosis.deviance import deviance, dispersion
+from dnanalyze.diagnosis.refit import SURE, refitted
 from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
@@ -28,13 +28,11 @@ from dnanalyze.model.noise_model import NoiseModel
 
 MOST_REFITS = 4
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
-BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
 FAR = 3.0  # times the present loss: another kind that a first step leaves farther off is given up
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
 REACH = 6.0  # times its promise, of the two most telling settings, more than which few refits gain
 TIE = 0.05  # share of the loss that a fit may still gain by derivatives taken anew
 CLEAR = 50.0  # evidence from which the choice between rivals matters
-SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 KIND_GAIN = 4.0  # mean gain of the halves that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 
@@ -97,20 +95,20 @@ def trials(
     least = max(WORTH * seen[0].promise, LEAST)
     best: dict[str, Trial] = {}
     others: dict[str, tuple[Prospect, ...]] = {}
-    most, error = 0.0, error_of(bench, state)
+    fell, error = 0.0, error_of(bench, state)
     for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
         first = best.get(p.effect)
         if first is not None and first.fitted_gain > SURE and first.error < error:
             others[p.effect] = (*others.get(p.effect, ()), p)
             continue
-        if REACH * p.promise < CLOSE * most:
+        if REACH * p.promise < CLOSE * fell:
             continue
-        wanted, again = state.loss - WORTH * most, HOPE * p.promise > CLOSE * most
+        wanted, again = state.loss - WORTH * fell, HOPE * p.promise > CLOSE * fell
         ended = refitted(bench, p, state, wanted, iterations, again)
         made = judged(bench, state, p.effect, ended)
         if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made
-        most = max(most, made.fitted_gain)
+        fell = max(fell, state.loss - ended.loss)
     if best:
         _tried_again(bench, state, best, others, CLOSE * seen[0].promise, iterations)
         _polish(bench, state, best)
@@ -187,31 +185,6 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
         like = derive(bench, leader.state, anew=True)
         for t in (leader, *close):
             best[t.effect] = gone_on(best[t.effect], like)
-
-
-def refitted(
-    bench: Bench,
-    seen: Prospect,
-    like: State,
-    wanted: float,
-    iterations: int,
-    again: bool = True,
-) -> State:
-    """Refit a prospect from its first guess, with what is known of the model without it.
-
-    A refit that can no longer reach the ``wanted`` loss is given up. An effect that bends the
-    statistics much (a filter, a gain) begins farther off than the model without it stands, and the
-    others' derivatives do not carry over: if it promises much they are taken anew, and more steps
-    allowed (``again``: but not of one that promises little beside what another brought).
-    """
-    begun = start(bench, seen.model, knobs_of(seen.model), like=like)
-    guess = _effect(begun.model, seen.effect)
-    moved = [bending(guess, k, begun.model) != UNBENT for k in begun.knobs]
-    begun.jacobian[:, moved] = np.nan
-    ended = minimise(bench, begun, iterations, below=wanted)
-    if again and (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + SURE:
-        return minimise(bench, derive(bench, ended, anew=True), 3 * iterations, below=wanted)
-    return ended
 
 
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:

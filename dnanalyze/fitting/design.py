@@ -11,6 +11,8 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Setting, Wind
 BUDGET_PIXELS = 12_000_000
 MOST_SETTINGS = 8
 MOST_FRAMES = 8
+LARGE = 3_000_000  # pixels of a simulation from which a fit begins on a part of the field
+ALIGNED = 4  # pixels by which a part may be moved: whole blocks of a colour filter
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,13 @@ class Design:
     def pixels(self) -> int:
         """Over all frames and both halves."""
         return sum(n for _, n in self.settings) * sum(w.shape[0] * w.shape[1] for w in self.windows)
+
+    @property
+    def part(self) -> Design | None:
+        """The middle of either half, a quarter of it; None where the whole is small."""
+        if self.pixels < LARGE:
+            return None
+        return replace(self, train=_middle(self.train), test=_middle(self.test))
 
     @property
     def settings(self) -> list[tuple[OperatingPoint, int]]:
@@ -78,6 +87,18 @@ def design(
     bottom = min(rows, top + 2 * half)
     test = Window(bottom - half, bottom, left, left + wide)
     return Design(replace(captures, settings=thinned), train, test)
+
+
+def _middle(window: Window) -> Window:
+    """Half of its rows and of its columns."""
+    rows, columns = (n // (2 * ALIGNED) * ALIGNED for n in window.shape)
+    top, left = (
+        low + (whole - inside) // (2 * ALIGNED) * ALIGNED
+        for low, whole, inside in zip(
+            (window.top, window.left), window.shape, (rows, columns), strict=True
+        )
+    )
+    return Window(top, top + rows, left, left + columns)
 
 
 def _spread(settings: tuple[Setting, ...], most: int) -> tuple[Setting, ...]:

@@ -104,7 +104,8 @@ def fit(
 def paper_start(held: Bench) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best."""
     m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
-    return min(paper_models(m), key=lambda model: loss(held.fitted_z(model)))
+    seen = held.part or held
+    return min(paper_models(m), key=lambda model: loss(seen.fitted_z(model)))
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:

@@ -231,14 +231,16 @@ def converge(
     rounds: int = 3,
     iterations: int = 6,
     tell: Callable[[State], None] = lambda _: None,
+    own: bool = False,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
     Broyden's derivatives are good enough to get near; the last steps want true ones. Those of the
     round are true still where its last step took off what they promised. A fit that still falls
-    steeply after these rounds is given as many again.
+    steeply after these rounds is given as many again. ``own``: the derivatives that are known were
+    taken here; of another model they are not trusted at the end.
     """
-    own = bool(np.isnan(state.jacobian).all())
+    own = own or bool(np.isnan(state.jacobian).all())
     for n in range(2 * rounds):
         before = state.loss
         begun = derive(bench, state, anew=True) if n else state

@@ -31,6 +31,8 @@ class Bench:
         Fields kept between simulations.
     helpers : Helpers
         Processes that share them; none by default.
+    part : Bench, optional
+        The same of a part of the field, where a fit may begin.
     """
 
     plan: Design
@@ -39,6 +41,7 @@ class Bench:
     test: Target
     memo: Memo = field(default_factory=room)
     helpers: Helpers = field(default_factory=Helpers)
+    part: Bench | None = None
 
     def statistics(
         self, model: NoiseModel, errors: bool = False, half: int | None = None
@@ -73,7 +76,11 @@ class Bench:
         chosen = tuple(self.plan.captures.settings[i] for i in settings)
         plan = replace(self.plan, captures=replace(self.plan.captures, settings=chosen))
         return replace(
-            self, plan=plan, train=self.train.only(settings), test=self.test.only(settings)
+            self,
+            plan=plan,
+            train=self.train.only(settings),
+            test=self.test.only(settings),
+            part=None,
         )
 
     def replicate(self, model: NoiseModel, number: int) -> tuple[np.ndarray, np.ndarray]:
@@ -87,6 +94,13 @@ class Bench:
 
 def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
     """Read the captures once and take the statistics of both halves."""
-    measured = analyze_windows(plan.captures, plan.windows)
-    sides = target(measured, 0), target(measured, 1)
-    return Bench(plan, measured, *sides, helpers=helpers or Helpers())
+    plans = [plan] if plan.part is None else [plan, plan.part]
+    measured = analyze_windows(plan.captures, [w for p in plans for w in p.windows])
+    memo, helpers = room(), helpers or Helpers()
+
+    def of(number: int, part: Bench | None = None) -> Bench:
+        halves = measured[2 * number : 2 * number + 2]
+        sides = target(halves, 0), target(halves, 1)
+        return Bench(plans[number], halves, *sides, memo, helpers, part)
+
+    return of(0, of(1) if plan.part else None)

@@ -7,7 +7,7 @@ it: halves of the field whose levels differ are shaded, not wrong in level.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -20,15 +20,31 @@ WIDE = 8
 LEVELS = ("mean", "median")
 
 
-@lru_cache(maxsize=32)
-def _basis(
-    rows: int, cols: int, parity: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[int, int]]]:
+@dataclass(frozen=True)
+class _Basis:
     """Cosine surfaces of order < WIDE at the blocks of one colour, low orders first.
 
-    Returns the surfaces, their pseudo-inverse, the places of the blocks, and the orders (across,
-    down).
+    Parameters
+    ----------
+    surfaces : ndarray
+        (blocks, surfaces).
+    inverse : ndarray
+        Their pseudo-inverse.
+    places : ndarray
+        Of the blocks among all.
+    low : list of (int, (int, int), list of int)
+        Numbers and orders (across, down) of those below ORDER save the mean; each with the numbers
+        of the next ones that vary along the same axes.
     """
+
+    surfaces: np.ndarray
+    inverse: np.ndarray
+    places: np.ndarray
+    low: list[tuple[int, tuple[int, int], list[int]]]
+
+
+@lru_cache(maxsize=32)
+def _basis(rows: int, cols: int, parity: int) -> _Basis:
     top = min(WIDE, rows // 2, cols // 2)
     orders = sorted(
         ((i, j) for i in range(top) for j in range(top)), key=lambda o: (max(o), o[0] + o[1], o)
@@ -38,7 +54,17 @@ def _basis(
     r, c = np.nonzero((np.add.outer(np.arange(rows), np.arange(cols)) % 2) == parity)
     scale = [(np.sqrt(2) if i else 1) * (np.sqrt(2) if j else 1) for i, j in orders]
     design = np.stack([x[c, i] * y[r, j] * s for (i, j), s in zip(orders, scale, strict=True)], 1)
-    return design, np.linalg.pinv(design), r * cols + c, orders
+    # Rows and columns that vary at random show along their own axis only.
+    low = [
+        (
+            k,
+            order,
+            [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == _kind(order)],
+        )
+        for k, order in enumerate(orders)
+        if 0 < max(order) < ORDER
+    ]
+    return _Basis(design, np.linalg.pinv(design), r * cols + c, low)
 
 
 def shading_values(
@@ -67,7 +93,7 @@ def shading_values(
         return {}
     found = {f"shading_{i}_{j}": v for (i, j), v in _surfaces(blocks, parity).items()}
     half = (upper, lower)[parity]
-    colour = blocks.ravel()[_basis(*blocks.shape, parity)[2]]
+    colour = blocks.ravel()[_basis(*blocks.shape, parity).places]
     shift = float(colour.mean() - half.curves["block_means"].mean())
     levels = {n: half.values[n] for n in LEVELS if n in half.values}
     moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
@@ -94,18 +120,14 @@ def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.
 
 def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:
     """Coefficients below `ORDER`, rms over the field, by their orders (across, down)."""
-    design, inverse, where, orders = _basis(*blocks.shape, parity)
-    coefficient = inverse @ blocks.ravel()[where]
-    residue = blocks.ravel()[where] - design @ coefficient
-    freedom = max(1, len(where) - len(orders))
-    white = residue @ residue / freedom / len(where)
+    basis = _basis(*blocks.shape, parity)
+    here = blocks.ravel()[basis.places]
+    coefficient = basis.inverse @ here
+    residue = here - basis.surfaces @ coefficient
+    freedom = max(1, len(here) - len(coefficient))
+    white = residue @ residue / freedom / len(here)
     found = {}
-    for k, order in enumerate(orders):
-        if max(order) >= ORDER or order == (0, 0):
-            continue
-        # Rows and columns that vary at random show along their own axis only.
-        kind = _kind(order)
-        alike = [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == kind]
+    for k, order, alike in basis.low:
         next_power = np.mean(coefficient[alike] ** 2) if alike else white
         se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
         found[order] = Value(float(coefficient[k]), max(se, 1e-4))

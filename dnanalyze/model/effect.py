@@ -185,7 +185,9 @@ class Effect:
     "both" or "digital"; ``summary`` one line; ``physics`` the paragraph for the user: what it is,
     its law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the
     statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
-    pixels around the window that it looks at; ``memory`` earlier frames that it looks at.
+    pixels around the window that it looks at; ``memory`` earlier frames that it looks at; ``even``
+    whether every part of the field shows it alike: not what lies somewhere, along lines, or in
+    few pixels, of which a part has its own luck.
     """
 
     name: ClassVar[str] = ""
@@ -199,6 +201,7 @@ class Effect:
     confused_with: ClassVar[dict[str, str]] = {}
     reach: ClassVar[int] = 0
     memory: ClassVar[int] = 0
+    even: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):

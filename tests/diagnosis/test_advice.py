@@ -10,7 +10,7 @@ from dnanalyze.diagnosis.confidence import CERTAIN
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import derive, start
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
@@ -81,3 +81,17 @@ def test_what_is_in_the_model_or_has_no_strength_has_no_limit(state):
     held, fitted = state
     known = {n: KNOWN[n] for n in ("read_noise", "quantization")}
     assert detection_limits(held, fitted, known) == {}
+
+
+def test_what_is_of_so_many_dn_is_looked_for_where_the_noise_is_least(state, monkeypatch):
+    held, fitted = state
+    seen, whole = {}, Bench.fitted_coordinates
+
+    def simulated(self, model):
+        for name in set(model.names) - set(fitted.model.names):
+            seen[name] = [p for p, _ in self.plan.settings]
+        return whole(self, model)
+
+    monkeypatch.setattr(Bench, "fitted_coordinates", simulated)
+    detection_limits(held, fitted, {n: KNOWN[n] for n in (OF_READOUT, OF_CHARGE)})
+    assert seen == {OF_READOUT: [POINTS[0]], OF_CHARGE: [POINTS[0], POINTS[2]]}

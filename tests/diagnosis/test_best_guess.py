@@ -145,24 +145,36 @@ def test_who_could_not_come_near_the_leader_is_not_refitted_or_not_twice(monkeyp
     assert made == [("a", True), *tried]
 
 
+def test_what_the_best_took_off_the_loss_counts_though_its_evidence_is_less(monkeypatch):
+    """Far off the evidence is a logarithm; promises are of the loss, as is the fall of the best."""
+    names = np.array(["spectrum"] * 100)
+    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    begun, after, made = state(50.0, 50.0), {"a": 0.0, "b": 40.0}, []
+    fall = begun.loss - state(0.0, 0.0).loss
+    gained = trial.judged(bench, begun, "a", state(0.0, 0.0)).fitted_gain
+    out_of_reach = 0.9 * trial.CLOSE * fall / trial.REACH
+    assert out_of_reach > 2.0 * trial.CLOSE * gained / trial.REACH
+    guesses = [
+        Prospect("a", MODEL, 0.3 * fall), Prospect("b", MODEL, 0.2 * fall),
+        Prospect("c", MODEL, out_of_reach),
+    ]  # fmt: skip
+
+    def refit(_bench, p, *_):
+        made.append(p.effect)
+        return state(after[p.effect], after[p.effect])
+
+    monkeypatch.setattr(trial, "prospects", lambda *_: guesses)
+    monkeypatch.setattr(trial, "refitted", refit)
+    trials(bench, begun, {})
+    assert made == ["a", "b"]
+
+
 def test_where_no_evidence_is_clear_nobody_goes_on(monkeypatch):
     monkeypatch.setattr(trial, "error_of", lambda *_: 2.0)
     best = {n: Trial(n, state(1.0, 1.0), g, g, 1.0) for n, g in (("a", 49.0), ("b", 48.9))}
     before = dict(best)
     trial._polish(None, state(2.0, 2.0), best)
     assert best == before
-
-
-@pytest.mark.parametrize(("again", "tries"), [(True, 2), (False, 1)])
-def test_a_bad_beginning_is_given_derivatives_of_its_own_if_it_may_be(monkeypatch, again, tries):
-    made = []
-    monkeypatch.setattr(trial, "start", lambda *_, like: state(3.0, 3.0))
-    monkeypatch.setattr(trial, "derive", lambda _, begun, anew: begun)
-    monkeypatch.setattr(trial, "_effect", lambda *_: None)
-    monkeypatch.setattr(trial, "minimise", lambda _, begun, *__, **___: made.append(begun) or begun)
-    seen = Prospect("a", MODEL, 2 * trial.BOLD)
-    trial.refitted(None, seen, state(2.0, 2.0), 0.0, 3, again)
-    assert len(made) == tries
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from dnanalyze.diagnosis.everyday import everyday, told_gain
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import start
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.least_squares import converge, start
+from dnanalyze.fitting.predictor import Bench, bench
 
 
 def of_dark(dark_e_s):
@@ -72,14 +72,28 @@ def test_a_stage_is_tried_at_the_papers_pedestal_only_where_it_would_be_worse(mo
         tried.append((len(names), pedestal == full.pedestal))
         return tried[-1]
 
-    def begun(bench, model, knobs):
-        if isinstance(model, tuple):
-            return replace(paper, train=sizes[model] * paper.train)
-        return start(bench, model, knobs)
+    def off(self, size):
+        return [
+            held.coordinates - size * z * held.floor
+            for held, z in ((self.train, paper.train), (self.test, paper.test))
+        ]
 
     monkeypatch.setattr("dnanalyze.diagnosis.everyday.partly_named", named)
-    monkeypatch.setattr("dnanalyze.diagnosis.everyday.start", begun)
+    monkeypatch.setattr(Bench, "coordinates", lambda self, model: off(self, sizes[model]))
     everyday(on, paper, (), lambda _, state: told.append(state))
     assert tried == list(sizes)
     for size, state in zip((1.1, 0.5, 0.6), told, strict=False):
-        np.testing.assert_allclose(state.train, size * paper.train)
+        np.testing.assert_allclose(state.train, size * paper.train, atol=1e-6)
+        np.testing.assert_allclose(state.test, size * paper.test, atol=1e-6)
+
+
+def test_at_rest_the_derivatives_of_the_part_will_do(monkeypatch):
+    on, trusted = of_dark(60.0), []
+
+    def settled(bench, begun, own=False):
+        trusted.append(own)
+        return converge(bench, begun)
+
+    monkeypatch.setattr("dnanalyze.diagnosis.everyday.converge", settled)
+    everyday(on, of_paper(on), (), lambda *_: None)
+    assert trusted == [True]

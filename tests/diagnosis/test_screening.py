@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import screening
-from dnanalyze.diagnosis.screening import FIRST, HOPEFUL, LEAST, Prospect, _two, prospects
+from dnanalyze.diagnosis.screening import FIRST, HOPEFUL, LEAST, PLAIN, Prospect, _two, prospects
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import converge, minimise, start
@@ -90,7 +91,7 @@ def test_later_guesses_are_simulated_only_where_an_early_one_promises(
 
     tried = []
 
-    def at_guess(small, part, guess, idle):
+    def at_guess(view, guess):
         tried.append(guess.sigma)
         return [Prospect(guess.name, state.model, promise)]
 
@@ -112,7 +113,7 @@ def test_later_guesses_wait_for_what_all_effects_promise(held, state, monkeypatc
 
     tried = []
 
-    def at_guess(small, part, guess, idle):
+    def at_guess(view, guess):
         tried.append(guess.name)
         return [Prospect(guess.name, state.model, promised[guess.name])]
 
@@ -122,6 +123,42 @@ def test_later_guesses_wait_for_what_all_effects_promise(held, state, monkeypatc
         "row_noise": FIRST + 2, "row_fpn": FIRST + 2, "column_fpn": FIRST,
     }  # fmt: skip
     assert [p.effect for p in seen[::2]] == list(promised)
+
+
+@pytest.mark.parametrize(("loss", "in_part"), [(0.9 * PLAIN, set()), (1.1 * PLAIN, {"crosstalk"})])
+def test_where_much_is_missing_what_every_part_shows_is_looked_for_in_one(
+    held, state, monkeypatch, loss, in_part
+):
+    """A promise is the same share of what an effect that does nothing would reach."""
+    part = replace(held, part=None)
+    whole = replace(held, part=part)
+    size = np.sqrt(loss)  # a number's loss, so far below where it bends
+    off = replace(state, train=np.full(len(state.train), size))
+    seen, straight = {}, screening._at_guess
+
+    def at_guess(view, guess):
+        seen[guess.name] = view
+        return straight(view, guess)
+
+    monkeypatch.setattr(screening, "_at_guess", at_guess)
+    monkeypatch.setattr(screening, "carried", lambda s, *_: replace(s, train=0.5 * s.train))
+    names = ("crosstalk", "row_noise")
+    guessed = {
+        n: type(n, (KNOWN[n],), {"guess": classmethod(lambda cls, clues: [cls()])}) for n in names
+    }
+    prospects(whole, off, guessed)
+    for name, view in seen.items():
+        there = view.state.train / size
+        np.testing.assert_allclose(there, 0.5 if name in in_part else 1.0)
+    weights = {name: view.weight for name, view in seen.items()}
+    assert weights["row_noise"] == 1.0
+    assert (weights["crosstalk"] > 1.0) == bool(in_part)
+    if in_part:
+        views = [seen[n] for n in ("row_noise", "crosstalk")]
+        assert weights["crosstalk"] == pytest.approx(views[0].idle / views[1].idle)
+        (free,) = straight(replace(views[1], weight=1.0), guessed["crosstalk"]())[:1]
+        (weighed,) = straight(views[1], guessed["crosstalk"]())[:1]
+        assert weighed.promise == pytest.approx(weights["crosstalk"] * free.promise)
 
 
 def test_two_guesses_of_an_effect_are_kept_before_two_ways_to_one(state):

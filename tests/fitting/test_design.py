@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dnanalyze.fitting.design import BUDGET_PIXELS, design
+from dnanalyze.fitting.design import ALIGNED, BUDGET_PIXELS, LARGE, design
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 
 BAYER = (("R", "G"), ("G", "B"))
@@ -48,3 +48,26 @@ def test_a_small_capture_set_is_looked_at_whole():
     assert plan.train.shape == (32, 48)
     assert plan.test.bottom == 64
     assert [count for _, count in plan.settings] == [4, 4, 4]
+
+
+@settings(deadline=None)
+@given(
+    rows=st.integers(32, 3000),
+    columns=st.integers(32, 3000),
+    frames=st.integers(1, 10),
+    cfa=st.sampled_from([None, BAYER]),
+)
+def test_a_large_one_has_a_part_in_the_middle_of_either_half(rows, columns, frames, cfa):
+    plan = design(captures((rows, columns), 2, frames, cfa))
+    if plan.pixels < LARGE:
+        assert plan.part is None
+        return
+    assert plan.part.settings == plan.settings
+    for whole, part in zip(plan.windows, plan.part.windows, strict=True):
+        for low, high, start, end in (
+            (whole.top, whole.bottom, part.top, part.bottom),
+            (whole.left, whole.right, part.left, part.right),
+        ):
+            assert (start - low) % ALIGNED == 0  # so that a mosaic keeps its colours
+            assert 0 <= (high - low) / 2 - (end - start) < ALIGNED
+            assert abs((start - low) - (high - end)) < 2 * ALIGNED

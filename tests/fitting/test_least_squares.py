@@ -70,11 +70,17 @@ def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkey
 
 
 @pytest.mark.parametrize(
-    ("own", "true", "rounds"),
-    [(True, [True], 1), (True, [False, True], 2), (False, [True, True], 2)],
+    ("known", "own", "true", "rounds"),
+    [
+        (False, False, [True], 1),
+        (False, False, [False, True], 2),
+        (True, False, [True, True], 2),
+        (True, True, [True], 1),
+        (True, True, [False, True], 2),
+    ],
 )
 def test_derivatives_whose_steps_kept_their_promise_are_not_taken_anew(
-    own, true, rounds, monkeypatch
+    known, own, true, rounds, monkeypatch
 ):
     """Those of another model are taken anew in any case."""
     made = []
@@ -86,9 +92,9 @@ def test_derivatives_whose_steps_kept_their_promise_are_not_taken_anew(
     monkeypatch.setattr(least_squares, "minimise", lower)
     monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
     begun = least_squares.State(
-        None, [], np.full(100, 4.0), given(np.zeros(1)), np.full((100, 1), np.nan if own else 1.0)
+        None, [], np.full(100, 4.0), given(np.zeros(1)), np.full((100, 1), 1.0 if known else np.nan)
     )
-    least_squares.converge(None, begun)
+    least_squares.converge(None, begun, own=own)
     assert len(made) == rounds
 
 

@@ -19,6 +19,7 @@ class BlackClipping(Effect):
     name: ClassVar[str] = "black_clipping"
     stage: ClassVar[Stage] = Stage.CONVERTER
     varies: ClassVar[str] = "digital"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = (
         "The noise is cut off at the black level: everything below becomes one code."
     )

@@ -24,6 +24,7 @@ class ConvolvedLognormal(Effect):
     name: ClassVar[str] = "convolved_lognormal"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "both"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "the paper's model: log-normal dark current under a random 3x3 kernel"
     physics: ClassVar[str] = (
         "The logarithm of the dark current is nearly normal over the pixels, since many "

@@ -20,6 +20,7 @@ class Crosstalk(Effect):
     name: ClassVar[str] = "crosstalk"
     stage: ClassVar[Stage] = Stage.COUPLING
     varies: ClassVar[str] = "fixed"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = (
         "each pixel passes a share of its signal to its neighbours (IPC, diffusion)"
     )

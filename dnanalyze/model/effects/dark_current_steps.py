@@ -26,6 +26,7 @@ class DarkCurrentSteps(Effect):
     name: ClassVar[str] = "dark_current_steps"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "equally spaced peaks in the dark current: counted impurity atoms"
     physics: ClassVar[str] = (
         "Each atom of a metal that contaminates the silicon generates the same dark current, so "

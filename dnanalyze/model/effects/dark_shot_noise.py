@@ -20,6 +20,7 @@ class DarkShotNoise(Effect):
     name: ClassVar[str] = "dark_shot_noise"
     stage: ClassVar[Stage] = Stage.ARRIVAL
     varies: ClassVar[str] = "temporal"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = (
         "counting noise of the dark charge; variance proportional to the dark signal"
     )

@@ -27,6 +27,7 @@ class Denoise(Effect):
     name: ClassVar[str] = "denoise"
     stage: ClassVar[Stage] = Stage.SPATIAL_FILTER
     varies: ClassVar[str] = "digital"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "Spatial denoise: neighbours averaged before the file is written."
     physics: ClassVar[str] = (
         "Noise reduction averages neighbours, so the noise is no longer white: the power at high "

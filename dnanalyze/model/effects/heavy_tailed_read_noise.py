@@ -23,6 +23,7 @@ class HeavyTailedReadNoise(Effect):
     name: ClassVar[str] = "heavy_tailed_read_noise"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "temporal"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = (
         "Read noise with more large deviations, up and down, than a Gaussian has."
     )

@@ -34,6 +34,7 @@ class MissingCodes(Effect):
     name: ClassVar[str] = "missing_codes"
     stage: ClassVar[Stage] = Stage.CODE_WIDTHS
     varies: ClassVar[str] = "digital"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = (
         "Some codes occur too often, others hardly ever (differential non-linearity)."
     )

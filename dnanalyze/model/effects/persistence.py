@@ -19,6 +19,7 @@ class Persistence(Effect):
     name: ClassVar[str] = "persistence"
     stage: ClassVar[Stage] = Stage.COUPLING
     varies: ClassVar[str] = "temporal"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "part of each frame's charge returns in the frames after it (lag)"
     physics: ClassVar[str] = (
         "Traps, or an incomplete transfer of charge, hold back a part of a pixel's charge and "

@@ -21,6 +21,7 @@ class PixelFpn(Effect):
     name: ClassVar[str] = "pixel_fpn"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "fixed"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "fixed offset of each pixel, the same in every frame"
     physics: ClassVar[str] = (
         "Transistor thresholds differ from pixel to pixel, and what correlated double sampling "

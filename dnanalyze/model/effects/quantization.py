@@ -20,6 +20,7 @@ class Quantization(Effect):
     name: ClassVar[str] = "quantization"
     stage: ClassVar[Stage] = Stage.CONVERTER
     varies: ClassVar[str] = "temporal"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "rounding to whole codes and the converter's two ends"
     physics: ClassVar[str] = (
         "The converter gives whole codes. As long as the noise before it exceeds about .4 DN the "

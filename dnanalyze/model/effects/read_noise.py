@@ -21,6 +21,7 @@ class ReadNoise(Effect):
     name: ClassVar[str] = "read_noise"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "temporal"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "white Gaussian noise of the readout, the same at every temperature"
     physics: ClassVar[str] = (
         "The pixel's amplifier and the converter add noise each time a pixel is read: thermal "

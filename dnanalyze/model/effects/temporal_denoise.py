@@ -23,6 +23,7 @@ class TemporalDenoise(Effect):
     name: ClassVar[str] = "temporal_denoise"
     stage: ClassVar[Stage] = Stage.TEMPORAL_FILTER
     varies: ClassVar[str] = "digital"
+    even: ClassVar[bool] = True
     summary: ClassVar[str] = "Temporal denoise: each frame is mixed with those before it."
     physics: ClassVar[str] = (
         "Video pipelines mix every frame with a running average of those before. A share a of "

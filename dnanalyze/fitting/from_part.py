@@ -1,0 +1,59 @@
+"""Fits that begin on a part of the field.
+
+What every part shows alike is fitted as well to a quarter of the field as to all of it, in a third
+of the time. The whole field then begins near the end, with derivatives that are as good as those of
+another simulated sensor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.noise_model import NoiseModel
+
+
+def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
+    """The part of the field on which a model may be fitted first; None where it may not."""
+    return bench.part if all(effect.even for effect in model.effects) else None
+
+
+def fitted(
+    bench: Bench, model: NoiseModel, fit: Callable[[Bench, State], State] = minimise
+) -> State:
+    """A model fitted to the part first, where it may be.
+
+    Parameters
+    ----------
+    bench : Bench
+    model : NoiseModel
+        Where to begin.
+    fit : callable
+        What is done on the whole field.
+    """
+    part = part_for(bench, model)
+    if part is None:
+        return fit(bench, start(bench, model, knobs_of(model)))
+    near = minimise(part, start(part, model, knobs_of(model)))
+    return fit(bench, carried(near, part, bench))
+
+
+def carried(state: State, there: Bench, here: Bench) -> State:
+    """The model of a state, with its derivatives, from the part to the whole or back.
+
+    A statistic's derivative is the same but for its floor; of one that only one of them has, it is
+    taken to be 0.
+    """
+    begun = start(here, state.model, state.knobs)
+    row = {key: i for i, key in enumerate(there.train.keys)}
+    rows = np.array([row.get(key, -1) for key in here.train.keys])
+    known = rows >= 0
+    scale = there.train.floor[rows[known]] / here.train.floor[known]
+    jacobian = np.zeros_like(begun.jacobian)
+    jacobian[known] = state.jacobian[rows[known]] * scale[:, None]
+    return replace(begun, jacobian=jacobian)

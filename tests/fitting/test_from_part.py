@@ -1,0 +1,144 @@
+"""Fits that begin on a part of the field."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.fitting import design as designs
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.from_part import carried, fitted, part_for
+from dnanalyze.fitting.knobs import knobs_of, positions, turned
+from dnanalyze.fitting.least_squares import converge, derive, minimise, start
+from dnanalyze.fitting.moments import moments
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.start import paper_models
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE, built_in
+from dnanalyze.model.simulate import simulate
+
+KNOWN = built_in()
+POINTS = tuple(OperatingPoint(t, 0.1) for t in (25.0, 65.0))
+SHAPE, FRAMES = (256, 256), 4
+TRUTH = {
+    BASE: {"mu": 3.0, "delta": 0.6, "sigma": 1e-6},
+    "dark_shot_noise": {"dn_per_e": 0.5},
+    "read_noise": {"sigma": 3.0},
+    "pixel_fpn": {"sigma": 2.0},
+    "quantization": {},
+}
+
+
+def model(seed, **more):
+    numbers = TRUTH | more
+    return NoiseModel(tuple(KNOWN[n](**v) for n, v in numbers.items()), 64.0, POINTS[0], seed=seed)
+
+
+@pytest.fixture(scope="module")
+def held():
+    """Two temperatures, with a part though they are small."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(designs, "LARGE", 0)
+        return bench(design(simulate(model(4), SHAPE, [(p, FRAMES) for p in POINTS])))
+
+
+@pytest.fixture
+def simulated(monkeypatch):
+    """What of a bench is simulated, in order."""
+    made, whole = [], Bench.fitted_z
+    monkeypatch.setattr(
+        Bench, "fitted_z", lambda self, m: made.append(self.part is not None) or whole(self, m)
+    )
+    return made
+
+
+def test_a_part_is_measured_as_if_it_were_all_there_is(held):
+    alone = bench(held.part.plan)
+    for one, other in ((alone.train, held.part.train), (alone.test, held.part.test)):
+        assert one.keys == other.keys
+        np.testing.assert_array_equal(one.coordinates, other.coordinates)
+        np.testing.assert_array_equal(one.floor, other.floor)
+    assert held.part.memo is held.memo
+    assert held.part.helpers is held.helpers
+    assert held.only([0]).part is None
+
+
+def test_a_quarter_of_the_field_tells_each_number_half_as_well(held):
+    whole, part = held.train, held.part.train
+    place = {k: i for i, k in enumerate(whole.keys)}
+    ratio = [
+        floor / whole.floor[place[k]]
+        for k, floor in zip(part.keys, part.floor, strict=True)
+        if k in place
+    ]
+    assert len(ratio) > 0.9 * len(whole.keys)
+    assert 1.5 < np.median(ratio) < 2.5
+
+
+def test_derivatives_go_over_in_the_floors_of_where_they_are_used(held):
+    there = derive(held.part, start(held.part, model(4), knobs_of(model(4))))
+    here = carried(there, held.part, held)
+    place = {k: i for i, k in enumerate(held.part.train.keys)}
+    for i, key in enumerate(held.train.keys):
+        if key in place:
+            j = place[key]
+            np.testing.assert_allclose(
+                here.jacobian[i] * held.train.floor[i],
+                there.jacobian[j] * held.part.train.floor[j],
+            )
+        else:
+            assert not here.jacobian[i].any()
+    np.testing.assert_array_equal(here.train, held.fitted_z(model(4)))
+    back = carried(here, held, held.part)
+    common = [i for i, key in enumerate(held.part.train.keys) if key in set(held.train.keys)]
+    np.testing.assert_allclose(back.jacobian[common], there.jacobian[common])
+
+
+def test_they_are_nearly_those_of_the_whole_field(held):
+    begun = start(held, model(4), knobs_of(model(4)))
+    own = derive(held, begun).jacobian
+    there = derive(held.part, start(held.part, model(4), knobs_of(model(4))))
+    other = carried(there, held.part, held).jacobian
+    size = np.linalg.norm(own, axis=0)
+    plain = size > 200.0  # of what moves little, each draws the luck of its own pixels
+    assert plain.sum() >= 5
+    likeness = np.sum(own * other, axis=0) / size / np.linalg.norm(other, axis=0)
+    assert np.all(likeness[plain] > 0.9)
+
+
+def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(held, simulated):
+    begun = model(5)
+    knobs = knobs_of(begun)
+    off = turned(begun, knobs, positions(begun, knobs) + [0.2 * k.log for k in knobs])
+    alone = converge(replace(held, part=None), start(held, off, knobs))
+    simulated.clear()
+    ended = fitted(held, off)
+    first = simulated.index(True)
+    assert not any(simulated[:first])  # the part, then the whole, in a step or a few
+    assert all(simulated[first:])
+    assert len(simulated) - first < 6
+    assert ended.loss < alone.loss + 0.05 * len(held.train.keys)
+
+
+def test_what_lies_somewhere_is_fitted_to_the_whole_at_once(held, simulated):
+    shaded = model(4, amp_glow={"amplitude": 5.0})
+    assert part_for(held, shaded) is None
+    assert part_for(held, model(4)) is held.part
+    fitted(held, shaded, lambda on, state: minimise(on, state, 1))
+    assert all(simulated)
+
+
+def test_without_a_part_the_fit_is_of_the_whole_alone(held):
+    asked = []
+    fitted(replace(held, part=None), model(4), lambda on, state: asked.append(state) or state)
+    assert np.isnan(asked[0].jacobian).all()
+
+
+def test_the_papers_pedestal_is_chosen_on_the_part(held, simulated):
+    chosen = paper_start(held)
+    assert simulated == [False] * 4
+    tried = paper_models(moments(Readings(held.measured[0]), None))
+    assert chosen in tried
