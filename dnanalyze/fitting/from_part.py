@@ -1,8 +1,8 @@
 """Fits that begin on a part of the field.
 
-What every part shows alike is fitted as well to a quarter of the field as to all of it, in a third
-of the time. The whole field then begins near the end, with derivatives that are as good as those of
-another simulated sensor.
+What every part shows alike can be fitted to a quarter of the field, in less than half of the time.
+The whole field then begins near the end, with derivatives nearly as good as those of another
+simulated sensor.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ PLAIN = {
     "crosstalk": {"alpha": 0.05},
 }  # fmt: skip
 POINT = OperatingPoint(45.0, 0.1, 1.0)
-LIKE = 1.3  # standard errors, root mean square; of independent fields it is 1 at the most
+LIKE = 1.3  # standard errors, root mean square; about 1 where two fields differ by chance
 ROWS, COLUMNS, FRAMES = 256, 256, 6
 CORNERS = [
     Window(top, top + ROWS // 2, left, left + COLUMNS // 2)
