@@ -2,93 +2,191 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-# Of the logarithm of a density: a Gaussian's, and, where there are many periods, one a period
-# (which cannot follow what repeats with it) up to what a tail may need.
-DEGREES = 2, 12
-MANY, SPARE = 3, 1.25  # periods; as many must be left once the densities have their terms
+LEAST, MOST = 2, 14  # degree of the logarithm of a density: a Gaussian's, and a skewed tail's
+CODES = 16, 8, 5, 3  # of a histogram for each degree, as they are tried
 ROUGH = 0.02  # relative error of a density's polynomial: more counts do not make it truer
 CORE = 0.02  # of the largest count: codes that occur often enough
-ROUNDS, STEPS = 4, 12  # of the places of the codes, and of each fit
-LEAST = 1e-3  # width of a code that never occurs
+WIDEST = 256  # codes about the most frequent: four of the longest periods
+MOVES = 0.3  # DN, rms that edges are out of place by before anything is seen
+THIN = 1e-3  # DN, of a code that never occurs
+NODES = 4  # of the integral of a density over a code
 
 
-def code_widths(histograms: Sequence[tuple[np.ndarray, np.ndarray]], period: int) -> np.ndarray:
-    """Width of each code of a period relative to their mean, less 1.
+@dataclass(frozen=True)
+class _Histograms:
+    """All codes of all histograms, with the number, middle and half width of the histogram."""
 
-    Counts are Poisson about a smooth density of the signal, one a histogram, times the width of
-    the code's class: a generalised linear model, in which the classes are common to all
-    histograms. The density is taken at the middle of each code, which follows from the widths, so
-    the fit is repeated.
+    codes: np.ndarray
+    counts: np.ndarray
+    part: np.ndarray
+    middle: np.ndarray
+    half: np.ndarray
+
+    @property
+    def sizes(self) -> np.ndarray:
+        return np.bincount(self.part)
+
+    def basis(self, at: np.ndarray, degrees: np.ndarray) -> np.ndarray:
+        """Polynomials of each histogram's own density at (..., codes), with a last axis."""
+        x = (at - self.middle) / self.half
+        all_of = np.polynomial.legendre.legvander(x, int(degrees.max()))
+        columns = [
+            np.where((self.part == n)[:, None], all_of[..., : degree + 1], 0.0)
+            for n, degree in enumerate(degrees)
+        ]
+        return np.concatenate(columns, axis=-1)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    widths: np.ndarray
+    squares: float
+    price: float  # of its terms: less the logarithm of what the prior leaves them
+    free: int
+
+
+def code_widths(
+    histograms: Sequence[tuple[np.ndarray, np.ndarray]], periods: Iterable[int]
+) -> list[np.ndarray]:
+    """Width of each code of a period, less 1, as told best by one edge out of place and by all.
+
+    A count is the integral of a smooth density, one a histogram, from one edge of its code to the
+    next; the edges are out of place by what repeats with the period in all histograms. Periods,
+    and how far a density may bend, are weighed by the evidence for each (Laplace's method, with
+    edges out of place by a normal prior), so that a slow pattern that any density could make is
+    not called the converter's.
 
     Parameters
     ----------
     histograms : sequence of (codes, counts)
         Codes as whole numbers, rising.
-    period : int
-        Codes; the first class is that of its multiples.
+    periods : iterable of int
+        Codes.
 
     Returns
     -------
-    ndarray
-        (period,); empty where no histogram tells a class from the shape of the density.
+    list of ndarray
+        (period,) each, from a code that is a multiple of the period on: where one edge in a
+        period is out of place, then where all may be. Empty where no histogram tells.
+
+    References
+    ----------
+    The histogram test of IEEE Std 1241, with densities that are not known. MacKay, Bayesian
+    interpolation, Neural Computation 4 (1992), of the evidence.
     """
-    parts = [p for p in (_core(*h) for h in histograms) if p[0].size > DEGREES[0] + 1]
-    # those of few codes have no say on what repeats slowly, where others have seen many periods
-    parts = [p for p in parts if p[0].size >= MANY * period] or parts
-    if not parts or len({int(c) % period for codes, _ in parts for c in codes}) < period:
-        return np.empty(0)
+    told = _stacked(histograms)
+    if told is None:
+        return []
+    bends = [d for d in (_degrees(told, c) for c in CODES) if d is not None]
+    starts = [_plain(told, d) for d in bends]
+    one: list[_Fit] = []
+    every: list[_Fit] = []
+    for period in periods:
+        if np.unique(told.codes % period).size < period:
+            continue
+        fits = [_fit(told, d, s, np.eye(period)) for d, s in zip(bends, starts, strict=True)]
+        every += fits
+        if not fits:
+            continue
+        edge = _edge(min(fits, key=lambda f: f.squares + f.price).widths)
+        choice = 2.0 * math.log(period)
+        one += [_fit(told, d, s, edge, choice) for d, s in zip(bends, starts, strict=True)]
+    if not one:
+        return []
+    # no density is quite a polynomial: what the best of all leaves is what any may leave
+    unit = max(1.0, min(f.squares / max(f.free, 1) for f in [*one, *every]))
+    return [min(f, key=lambda f: f.squares / unit + f.price).widths for f in (one, every)]
+
+
+def _stacked(histograms: Sequence[tuple[np.ndarray, np.ndarray]]) -> _Histograms | None:
+    parts = [p for p in (_core(*h) for h in histograms) if p[0].size > LEAST + 1]
+    if not parts:
+        return None
+    sizes = [codes.size for codes, _ in parts]
+    middle = np.repeat([(codes[0] + codes[-1]) / 2.0 for codes, _ in parts], sizes)
+    half = np.repeat([(codes[-1] - codes[0]) / 2.0 for codes, _ in parts], sizes)
     codes, counts = (np.concatenate(p) for p in zip(*parts, strict=True))
-    part = np.repeat(np.arange(len(parts)), [p[0].size for p in parts])
-    kind = codes % period
-    member = (kind[:, None] == np.arange(period)).astype(float)
-    widths = np.ones(period)
-    for _ in range(ROUNDS):
-        starts = np.cumsum(widths) - widths
-        middle = codes - kind + (starts + widths / 2.0)[kind] - 0.5
-        shape = _densities(middle, part, period)
-        if codes.size - shape.shape[1] < SPARE * period:
-            return np.empty(0)
-        told = _poisson(np.hstack([shape, member[:, 1:]]), counts)[shape.shape[1] :]
-        widths = np.maximum(np.exp(np.clip(np.append(0.0, told), -20.0, 20.0)), LEAST)
-        widths /= widths.mean()
-    return np.asarray(widths - 1.0)
+    return _Histograms(codes, counts, np.repeat(np.arange(len(parts)), sizes), middle, half)
 
 
 def _core(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All codes, those that never occur too, from the first common one to the last."""
-    common = np.flatnonzero(counts > CORE * counts.max())
-    first, last = int(codes[common[0]]), int(codes[common[-1]])
+    common = codes[counts > CORE * counts.max()].astype(int)
+    most = int(codes[np.argmax(counts)])
+    first = max(int(common[0]), most - WIDEST // 2)
+    last = min(int(common[-1]), most + WIDEST // 2)
     dense = np.zeros(last - first + 1)
-    inside = slice(common[0], common[-1] + 1)
+    inside = (codes >= first) & (codes <= last)
     dense[codes[inside].astype(int) - first] = counts[inside]
     return np.arange(first, last + 1), dense
 
 
-def _densities(middle: np.ndarray, part: np.ndarray, period: int) -> np.ndarray:
-    """Polynomials in the place of a code, of each histogram its own."""
-    columns = []
-    for n in range(part[-1] + 1):
-        here = part == n
-        x = middle[here]
-        scaled = (x - x.mean()) / max(float(np.ptp(x)) / 2.0, 1.0)
-        degree = int(np.clip(x.size // period, *DEGREES)) if x.size >= MANY * period else DEGREES[0]
-        terms = np.zeros((part.size, degree + 1))
-        terms[here] = np.polynomial.legendre.legvander(scaled, degree)
-        columns.append(terms)
-    return np.hstack(columns)
+def _degrees(told: _Histograms, codes: int) -> np.ndarray | None:
+    """Degree of each density; None where nothing would be left to tell edges by."""
+    degrees = np.clip(told.sizes // codes, LEAST, MOST)
+    return degrees if told.codes.size > np.sum(degrees + 1) else None
 
 
-def _poisson(design: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Coefficients of log mean counts, by iterated weighted least squares."""
-    eta = np.log(counts + 0.5)
-    for _ in range(STEPS):
-        mean = np.exp(np.clip(eta, -5.0, 40.0))
-        weight = np.sqrt(mean / (1.0 + ROUGH**2 * mean))
-        working = np.clip(eta, -5.0, 40.0) + (counts - mean) / mean
-        found = np.linalg.lstsq(design * weight[:, None], working * weight, rcond=1e-10)[0]
-        eta = design @ found
-    return np.asarray(found)
+def _plain(told: _Histograms, degrees: np.ndarray) -> np.ndarray:
+    """Coefficients of densities of equal codes."""
+    weight = np.sqrt(told.counts + 0.5)
+    basis = told.basis(told.codes.astype(float), degrees)
+    told_by = np.log(told.counts + 0.5) * weight
+    return np.asarray(np.linalg.lstsq(basis * weight[:, None], told_by, rcond=1e-10)[0])
+
+
+def _edge(widths: np.ndarray) -> np.ndarray:
+    """The edge that is farthest out of place beside its neighbours, (period, 1)."""
+    at = (int(np.argmax(np.abs(widths - np.roll(widths, -1)))) + 1) % widths.size
+    return np.asarray(np.eye(widths.size)[:, at : at + 1])
+
+
+def _fit(
+    told: _Histograms, degrees: np.ndarray, start: np.ndarray, moved: np.ndarray, choice: float = 0
+) -> _Fit:
+    """Densities and ``moved`` @ a, the places of a period's edges, (period, terms) @ (terms,)."""
+    import scipy.optimize
+
+    terms, period = start.size, len(moved)
+    lower, upper = moved[told.codes % period], moved[(told.codes + 1) % period]
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    inside, weights = (nodes[:, None] + 1.0) / 2.0, weights[:, None] / 2.0
+    scale = np.sqrt(told.counts + 1.0 + (ROUGH * told.counts) ** 2)
+
+    def density(at: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        basis = told.basis(at, degrees)
+        return np.exp(np.clip(basis @ f, -30.0, 40.0)), basis
+
+    def edges(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        low = told.codes - 0.5 + lower @ a
+        return low, np.maximum(told.codes + 0.5 + upper @ a - low, THIN)
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        low, width = edges(x[terms:])
+        mean = np.sum(density(low + width * inside, x[:terms])[0] * weights, axis=0) * width
+        return np.append((mean - told.counts) / scale, x[terms:] / MOVES)
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        low, width = edges(x[terms:])
+        within, basis = density(low + width * inside, x[:terms])
+        by_density = np.einsum("tn,tnk->nk", within * weights * width, basis)
+        ends = [density(at, x[:terms])[0][:, None] for at in (low, low + width)]
+        by_edge = ends[1] * upper - ends[0] * lower
+        data = np.hstack([by_density, by_edge]) / scale[:, None]
+        prior = np.hstack([np.zeros((x.size - terms, terms)), np.eye(x.size - terms) / MOVES])
+        return np.vstack([data, prior])
+
+    x0 = np.append(start, np.zeros(moved.shape[1]))
+    end = scipy.optimize.least_squares(residual, x0, slopes, method="lm", xtol=1e-5, ftol=1e-5)
+    _, spread = np.linalg.slogdet(end.jac.T @ end.jac)
+    a = end.x[terms:]
+    price = float(np.sum((a / MOVES) ** 2) + spread + 2.0 * a.size * math.log(MOVES) + choice)
+    places = moved @ a
+    squares = float(np.sum(end.fun[: told.codes.size] ** 2))
+    return _Fit(np.roll(places, -1) - places, squares, price, told.codes.size - x0.size)

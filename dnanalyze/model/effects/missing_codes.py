@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -19,10 +18,8 @@ from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 PERIODS = 2, 4, 8, 16, 32, 64
 _BLOCK = 64  # codes; also a multiple of every period
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
-WIDE = 5  # codes over which a density hardly bends
 ALIKE = 0.1  # of a width: histograms tell no better
 FEWEST = 4  # codes of a period; in shorter ones too few others are alike
-NEARLY = 0.75  # share of the squares of measured widths from which a simpler pattern is them
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 _FARTHEST = _ORIGIN - 2 * _BLOCK  # no converter has codes beyond
 
@@ -125,22 +122,18 @@ class MissingCodes(Effect):
 def _periodic(clues: Clues, sigma: float) -> list[Effect]:
     """With the widths of the codes that the histograms tell; else with the period of the comb.
 
-    Where one edge alone is out of place, as by one bit's error, it is tried so first: the other
-    widths are noise. Where every code is as wide as the others but for one of twice the width, or
-    of none, a digital gain did it: that a converter's error should be just one step is a
-    coincidence.
+    Where every code is as wide as the others but for one of twice the width, or of none, a
+    digital gain did it: that a converter's error should be just one step is a coincidence.
     """
-    d = _shortest(_histograms(clues))
-    if _by_a_gain(d):
-        return []
-    if not d.any():
+    told = code_widths(_histograms(clues), PERIODS)
+    if not told:
         period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
         turns = {p: p / period for p in PERIODS} if period else {}  # a harmonic may be strongest
         fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
         return [MissingCodes(sigma, "periodic", p) for p in fits[:2]]
-    edge = _one_edge(d)
-    shapes = [edge, d] if _share(d, edge) > NEARLY else [d]
-    return [_with_widths(shape, d.size) for shape in shapes]
+    if any(_by_a_gain(d) for d in told):
+        return []
+    return [_with_widths(d) for d in told if d.any()]
 
 
 def _by_a_gain(d: np.ndarray) -> bool:
@@ -153,40 +146,9 @@ def _by_a_gain(d: np.ndarray) -> bool:
     return alike and bool(min(abs(times - 2.0), times) < ALIKE)
 
 
-def _shortest(histograms: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Widths over the shortest period that the next longer one only repeats; none: empty."""
-    told = [d for d in (code_widths(histograms, p) for p in PERIODS) if d.size]
-    for d, longer in pairwise(told):
-        twice = np.tile(d, longer.size // d.size)
-        if _share(longer, twice) > NEARLY or _share(_sharp(longer), _sharp(twice)) > NEARLY:
-            return d
-    return told[-1] if told else np.empty(0)
-
-
-def _sharp(d: np.ndarray) -> np.ndarray:
-    """What differs from code to code: the rest may be a density that is not fitted well."""
-    import scipy.ndimage
-
-    return np.asarray(d - scipy.ndimage.median_filter(d, WIDE, mode="wrap")) if d.size > WIDE else d
-
-
-def _share(d: np.ndarray, part: np.ndarray) -> float:
-    """Of the squares of ``d`` that a part explains."""
-    return 1.0 - float(np.sum((d - part) ** 2) / np.sum(d**2))
-
-
-def _one_edge(d: np.ndarray) -> np.ndarray:
-    """The closest widths of codes of which one edge is moved: s wider, and the next s narrower."""
-    shift = (d - np.roll(d, -1)) / 2.0
-    at = int(np.argmax(np.abs(shift)))
-    out = np.zeros_like(d)
-    out[at], out[(at + 1) % d.size] = shift[at], -shift[at]
-    return out
-
-
-def _with_widths(d: np.ndarray, period: int) -> MissingCodes:
+def _with_widths(d: np.ndarray) -> MissingCodes:
     told = tuple(round(float(v), 4) for v in d / np.std(d))
-    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", period, told)
+    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", d.size, told)
 
 
 def _histograms(clues: Clues) -> list[tuple[np.ndarray, np.ndarray]]:
