@@ -16,6 +16,7 @@ from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State, converge, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Stage
+from dnanalyze.model.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel
 
 UNBENT = (1.0, 0.0)
@@ -37,12 +38,13 @@ def along_bend(bench: Bench, state: State, name: str) -> State | None:
     State or None
         None where the effect bends nothing.
     """
-    begun = [start(bench, model, knobs_of(model)) for model in _other_strengths(state.model, name)]
+    others = _other_strengths(state.model, name, least_noise(bench))
+    begun = [start(bench, model, knobs_of(model)) for model in others]
     best = min(begun, key=lambda s: s.loss, default=None)
     return None if best is None else converge(bench, best)
 
 
-def _other_strengths(model: NoiseModel, name: str) -> Iterator[NoiseModel]:
+def _other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
     effect = model.get(name)
     if effect is None:
         return
@@ -52,34 +54,46 @@ def _other_strengths(model: NoiseModel, name: str) -> Iterator[NoiseModel]:
             continue
         for factor in FACTORS:
             other = replace(effect, **{parameter: min(max(value * factor, info.lower), info.upper)})
-            rest = unbent(model, other, effect)
+            rest = unbent(model, other, noise, effect)
             if rest is not None:
                 yield rest.with_effect(other)
 
 
-def unbent(model: NoiseModel, effect: Effect, other: Effect | None = None) -> NoiseModel | None:
+def least_noise(bench: Bench) -> float:
+    """Temporal noise of the quietest frames that tell it, DN; infinite where there is none."""
+    train = bench.train
+    values = train.values[train.names == "temporal_noise"]
+    return float(values[quietest(values)]) if values.size else math.inf
+
+
+def unbent(
+    model: NoiseModel, effect: Effect, noise: float = math.inf, other: Effect | None = None
+) -> NoiseModel | None:
     """A model whose numbers are right with an effect in it; None where it bends none of them.
 
-    The numbers are those of a fit without it, or with it as ``other`` says.
+    The numbers are those of a fit without it, or with it as ``other`` says, to frames of which the
+    quietest have so much noise, DN.
     """
     knobs = knobs_of(model)
     plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
-    right = [_right(x, k, model, effect, other) for k, x in zip(knobs, plain, strict=True)]
+    right = [_right(x, k, model, effect, noise, other) for k, x in zip(knobs, plain, strict=True)]
     if right == plain:
         return None
     where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
     return turned(model, knobs, np.array(where))
 
 
-def _right(x: float, knob: Knob, model: NoiseModel, effect: Effect, other: Effect | None) -> float:
-    factor, shift = bending(effect, knob, model)
-    was, moved = UNBENT if other is None else bending(other, knob, model)
+def _right(
+    x: float, knob: Knob, model: NoiseModel, effect: Effect, noise: float, other: Effect | None
+) -> float:
+    factor, shift = bending(effect, knob, model, noise)
+    was, moved = UNBENT if other is None else bending(other, knob, model, noise)
     if (factor, shift) == (was, moved) or not was:
         return x
     return factor * (x - moved) / was + shift
 
 
-def bending(effect: Effect, knob: Knob, model: NoiseModel) -> tuple[float, float]:
+def bending(effect: Effect, knob: Knob, model: NoiseModel, noise: float) -> tuple[float, float]:
     """Factor and shift of a number of a model that does without an effect.
 
     Numbers of what works on codes are as they were found on these.
@@ -87,6 +101,4 @@ def bending(effect: Effect, knob: Knob, model: NoiseModel) -> tuple[float, float
     bearer = model.get(knob.effect)
     if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
         return UNBENT
-    noise = model.get("read_noise")
-    sigma = noise.value("sigma", model.reference) if noise is not None else math.inf
-    return effect.bent(knob.name, knob.unit, sigma)
+    return effect.bent(knob.name, knob.unit, noise)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.diagnosis.bend import UNBENT, bending
+from dnanalyze.diagnosis.bend import UNBENT, bending, least_noise
 from dnanalyze.diagnosis.screening import Prospect
 from dnanalyze.fitting.from_part import carried, part_for
 from dnanalyze.fitting.knobs import knobs_of
@@ -56,7 +56,8 @@ def _from_guess(
     begun = start(bench, seen.model, knobs_of(seen.model), like=like)
     guess = begun.model.get(seen.effect)
     assert guess is not None
-    moved = [bending(guess, k, begun.model) != UNBENT for k in begun.knobs]
+    noise = least_noise(bench)
+    moved = [bending(guess, k, begun.model, noise) != UNBENT for k in begun.knobs]
     begun.jacobian[:, moved] = np.nan
     ended = minimise(bench, begun, iterations, below=wanted)
     if again and (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + sure:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.bend import unbent
+from dnanalyze.diagnosis.bend import least_noise, unbent
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.from_part import carried, part_for
@@ -90,6 +90,8 @@ class _View:
     state : State
     idle : float
         The loss that an effect which moves nothing would reach.
+    noise : float
+        Of the quietest frames of all settings, DN.
     weight : float
         What a unit of its loss stands for.
     """
@@ -97,13 +99,15 @@ class _View:
     bench: Bench
     state: State
     idle: float
+    noise: float
     weight: float = 1.0
 
     @classmethod
     def of(cls, bench: Bench, state: State, settings: list[int]) -> _View:
         """Of some of the settings."""
         there = _restricted(bench, state, settings)
-        return cls(bench.only(settings), there, _reachable(there, there.train))
+        idle = _reachable(there, there.train)
+        return cls(bench.only(settings), there, idle, least_noise(bench))
 
 
 def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _View | None:
@@ -148,7 +152,7 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
 def _at_guess(view: _View, guess: Effect) -> list[Prospect]:
     """The guess in the model as it is, and in one whose numbers no longer make up for it."""
     bench, state = view.bench, view.state
-    right = unbent(state.model, guess)
+    right = unbent(state.model, guess, view.noise)
     models = [state.model] if right is None else [state.model, right]
     found = []
     for model in models:

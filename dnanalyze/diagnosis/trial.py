@@ -33,6 +33,7 @@ CLOSE = 0.6  # share of the most evidence from which a rival is followed to the 
 REACH = 6.0  # times its promise, of the two most telling settings, more than which few refits gain
 TIE = 0.05  # share of the loss that a fit may still gain by derivatives taken anew
 CLEAR = 50.0  # evidence from which the choice between rivals matters
+DOUBT = 6.0, 60.0  # evidence, a unit of the misfit left, where what a fit left undone may decide
 KIND_GAIN = 4.0  # mean gain of the halves that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 
@@ -152,7 +153,7 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     two is the better shows once both stand at their best. A rival that lowers the error more than
     the leader, or fits better, with less evidence so far, is one of them. They stand so close that
     the derivatives of what they share are one's as much as the other's. The leader goes on where
-    what a fit may still gain decides.
+    what a fit may still gain decides: between rivals, or whether there is evidence enough.
     """
     leader = max(best.values(), key=lambda t: t.evidence)
     close = [
@@ -166,7 +167,8 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
         )
     ]
     raises = leader.error >= error_of(bench, state)
-    if leader.evidence < CLEAR or not (close or raises):
+    doubtful = DOUBT[0] < leader.evidence / leader.spread < DOUBT[1]
+    if not doubtful and (leader.evidence < CLEAR or not (close or raises)):
         return
 
     def gone_on(t: Trial, like: State) -> Trial:
@@ -175,7 +177,8 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
 
     def leads() -> bool:
         nearest = max((best[t.effect].evidence for t in close), default=0.0)
-        return not raises and leader.evidence - nearest > TIE * leader.state.loss
+        clear = leader.evidence - nearest > TIE * leader.state.loss
+        return clear and not (raises or doubtful)
 
     if leads():
         for t in close:

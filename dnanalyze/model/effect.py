@@ -246,7 +246,7 @@ class Effect:
         """Factor and shift by which a number comes right again when this effect is put in.
 
         A fit without the effect bends it to make up for it. ``name`` as "effect.parameter" or
-        "pedestal"; (1, 0) for what is not bent. ``noise``: read noise of that fit, DN.
+        "pedestal"; (1, 0) for what is not bent. ``noise``: of the quietest frames, DN.
         """
         return 1.0, 0.0
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 SIGN = 2.5
 """A statistic this many floors off, in any setting, is a sign worth a guess."""
 
+FLICKERS = 0.3
+"""Temporal noise, DN, from which codes change often enough to tell it."""
+
 BANDS = ("0_0.01", "0.01_0.02", "0.02_0.04", "0.04_0.08", "0.08_0.16", "0.16_0.25", "0.25_0.35",
          "0.35_0.5", "0.5_0.71")  # fmt: skip
 """Radial frequencies, cycles/pixel."""
@@ -37,6 +40,13 @@ def centre(band: str) -> float:
 def named(prefix: str, bands: Iterable[str]) -> tuple[str, ...]:
     """Names of the statistics of a set of bands."""
     return tuple(f"{prefix}_{band}" for band in bands)
+
+
+def quietest(noise: np.ndarray) -> int:
+    """The setting of least temporal noise, DN, whose codes tell it: less seldom changes a code."""
+    known = np.where(np.isfinite(noise) & (noise > 0), noise, np.inf)
+    told = np.where(known >= FLICKERS, known, np.inf)
+    return int(np.argmin(told if np.isfinite(told).any() else known))
 
 
 def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:

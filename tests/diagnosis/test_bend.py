@@ -68,16 +68,25 @@ def test_numbers_that_were_bent_come_right_by_factor_and_shift():
     right = unbent(model, gain)
     assert right.get("read_noise").sigma == pytest.approx(2.0 / 1.6)
     assert right.pedestal == pytest.approx(20.0 + 80.0 / 1.6)
-    changed = unbent(model, gain, other)  # numbers that were right with the other
+    changed = unbent(model, gain, other=other)  # numbers that were right with the other
     assert changed.get("read_noise").sigma == pytest.approx(2.0 * 1.25 / 1.6)
     assert changed.pedestal == pytest.approx(20.0 + 80.0 * 1.25 / 1.6)
-    assert unbent(model, gain, gain) is None
+    assert unbent(model, gain, other=gain) is None
 
 
-@pytest.mark.parametrize(("sigma", "like"), [(0.01, "gaussian"), (100.0, "nlm")])
-def test_whether_a_bilateral_bends_the_noise_goes_by_the_noise(sigma, like):
-    """It averages all that differs by much less than its range, and nothing beyond it."""
-    noise = NoiseModel((ReadNoise(sigma),), 64.0, POINT)
-    filtered, other = (unbent(noise, Denoise(kind=k, space=1.0)) for k in ("bilateral", like))
+def test_a_bilateral_bends_noise_far_below_its_range_as_a_gaussian_does():
+    noise = NoiseModel((ReadNoise(0.01),), 64.0, POINT)
+    filtered, other = (
+        unbent(noise, Denoise(kind=k, space=1.0), 0.01) for k in ("bilateral", "gaussian")
+    )
     assert filtered == other
-    assert (filtered is None) == (like == "nlm")
+    assert filtered.get("read_noise").sigma > 0.02
+
+
+@pytest.mark.parametrize("kind", ["bilateral", "nlm"])
+def test_noise_far_beyond_its_range_is_left_as_it_is(kind):
+    noise = NoiseModel((ReadNoise(100.0, 0.3),), 64.0, POINT)
+    there = unbent(noise, Denoise(kind=kind, space=1.0), 100.0).get("read_noise")
+    assert there.sigma == pytest.approx(100.0, rel=0.05)
+    assert there.spread == 0.0
+    assert unbent(noise, Denoise(kind=kind, space=1.0)) is None  # nothing known of the noise

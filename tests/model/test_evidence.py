@@ -85,3 +85,11 @@ def test_absent_curves_are_none():
 def test_bounded():
     assert evidence.bounded(ReadNoise, "sigma", 0.0) == 1e-3
     assert evidence.bounded(ReadNoise, "sigma", 2.0) == 2.0
+
+
+def test_the_quietest_setting_is_the_least_noisy_of_those_whose_codes_change():
+    assert evidence.quietest(np.array([0.05, 0.4, 0.35, 3.0])) == 2
+    assert (
+        evidence.quietest(np.array([np.nan, 0.0, 0.2, 0.1])) == 3
+    )  # none changes often: the least
+    assert evidence.quietest(np.array([np.nan, np.nan])) == 0

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, known, shows, typical
+from dnanalyze.model.evidence import bounded, quietest, shows, typical
+from dnanalyze.model.white_codes import left_of, likeness, noise_before
 
 _GAUSSIAN_RADIUS = 6
 _BILATERAL_RADIUS = 2
@@ -18,6 +20,9 @@ WIDE = 2.0  # range over the noise from which a bilateral averages all that it m
 _NLM_PATCH, _NLM_DISTANCE = 2, 5
 _MEDIAN_VARIANCE = 0.166  # of the median of 9 Gaussian values of variance 1, by simulation
 _PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
+_PATTERN = 0.25  # of the noise, in fixed offsets
+_RANGES = 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0  # over the noise left
+_BY_SIZE = ("bilateral", 1.5), ("wavelet", 0.7), ("nlm", 0.7), ("bilateral", 0.8)
 
 
 @dataclass(frozen=True)
@@ -93,47 +98,65 @@ class Denoise(Effect):
         return [replace(self, strength=nearest)] if abs(nearest - self.strength) < 0.1 else []
 
     def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
-        """Noise of independent pixels is that much smaller, and the seed seems smooth by itself."""
+        """Noise of independent pixels is that much smaller, and the seed seems smooth by itself.
+
+        What goes by the size of noise leaves some places of a field less of it than others, and may
+        hide a fixed pattern: from none at all no derivative leads back.
+        """
         if name == "convolved_lognormal.phi":
             return 0.0, 0.0
-        kept = self._kept(noise)
-        factors = {
-            "read_noise.sigma": kept**-0.5,
-            "pixel_fpn.sigma": kept**-0.5,
-            "dark_shot_noise.dn_per_e": 1.0 / kept,
-        }
-        return factors.get(name, 1.0), 0.0
-
-    def _kept(self, noise: float) -> float:
-        """Share of the variance of white noise; 1 for filters that go by its size.
-
-        ``noise`` is what was left of it. A bilateral with a wide range is a Gaussian.
-        """
         if not all(isinstance(x, (int, float)) for x in (self.strength, self.range, self.space)):
-            return 1.0
-        line = _line(self.space)
-        wide = self.kind == "bilateral" and self.range * np.sum(line**2) > WIDE * noise
-        if self.kind == "gaussian" or wide:
-            own, all_of_it = float(line.max() ** 2), float(np.sum(line**2) ** 2)
-        elif self.kind == "median":
+            return 1.0, 0.0
+        if self._linear(noise):
+            kept = self._kept()
+            factors = {
+                "read_noise.sigma": kept**-0.5,
+                "pixel_fpn.sigma": kept**-0.5,
+                "dark_shot_noise.dn_per_e": 1.0 / kept,
+            }
+            return factors.get(name, 1.0), 0.0
+        shares = {"read_noise.sigma": 1.0, "read_noise.spread": 0.0, "pixel_fpn.sigma": _PATTERN}
+        if name not in shares or not 0 < noise < math.inf:
+            return 1.0, 0.0
+        return 0.0, shares[name] * _before(self, noise)
+
+    def _linear(self, noise: float) -> bool:
+        """Whether it treats small noise as large; a bilateral with a wide range does."""
+        wide = self.range * np.sum(_line(self.space) ** 2) > WIDE * noise
+        return self.kind in ("gaussian", "median") or (self.kind == "bilateral" and bool(wide))
+
+    def _kept(self) -> float:
+        """Share of the variance of white noise, where large is treated as small."""
+        if self.kind == "median":
             own, all_of_it = 1.0 / 9.0, _MEDIAN_VARIANCE
         else:
-            return 1.0
+            line = _line(self.space)
+            own, all_of_it = float(line.max() ** 2), float(np.sum(line**2) ** 2)
         s = self.strength
         return (1.0 - s) ** 2 + 2.0 * s * (1.0 - s) * own + s**2 * all_of_it
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Mix the frame with its filtered copy; codes stay codes."""
+        numbers = (self.value(name, site.point) for name in ("strength", "range", "space"))
+        return self._mixed(signal, *numbers)
+
+    def filtered(self, frame: np.ndarray) -> np.ndarray:
+        """A frame, (rows, columns), after the filter, with numbers that hold at every setting."""
+        return self._mixed(frame, self.strength, self.range, self.space)
+
+    def _mixed(
+        self, frame: np.ndarray, strength: float, range_dn: float, space: float
+    ) -> np.ndarray:
         from dnanalyze.model import filters
 
-        strength = np.float32(self.value("strength", site.point))
-        smooth = filters.planewise(lambda p: self._filtered(p, site), signal, self.spacing)
-        return filters.rounded_like(signal, signal + strength * (smooth - signal))
+        smooth = filters.planewise(
+            lambda plane: self._smooth(plane, range_dn, space), frame, self.spacing
+        )
+        return filters.rounded_like(frame, frame + np.float32(strength) * (smooth - frame))
 
-    def _filtered(self, plane: np.ndarray, site: Site) -> np.ndarray:
+    def _smooth(self, plane: np.ndarray, range_dn: float, space: float) -> np.ndarray:
         from dnanalyze.model import filters
 
-        range_dn, space = self.value("range", site.point), self.value("space", site.point)
         if self.kind == "gaussian":
             return filters.gaussian(plane, space, _GAUSSIAN_RADIUS)
         if self.kind == "median":
@@ -148,34 +171,45 @@ class Denoise(Effect):
     def guess(cls, clues: Clues) -> list[Effect]:
         """Each kind, scaled to the noise; spacing 2 where pixels two apart are the more alike."""
         high = ("temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "pattern_psd_0.5_0.71")
-        alike = ("temporal_corr_10", "temporal_corr_01", "temporal_corr_20", "temporal_corr_02")
+        near_by = ("temporal_corr_10", "temporal_corr_01", "temporal_corr_20", "temporal_corr_02")
         signs = (
             shows(clues, (*high, "temporal_pmax8", "frame_pmax8"), -1)
-            or shows(clues, (*alike, "local_variance_cv", "hh_kurtosis"))
+            or shows(clues, (*near_by, "local_variance_cv", "hh_kurtosis"))
         )  # fmt: skip
         if not signs:
             return []
-        noise = _noise(clues)
-        corr = {k: clues.measured(f"temporal_corr_{k}") for k in ("10", "20")}
+        corr = {k: np.asarray(clues.measured(f"temporal_corr_{k}"), float) for k in ("10", "20")}
         near, far = (typical(corr[k]) for k in ("10", "20"))
         spacing = 2 if far > max(near, 0.0) + 0.02 else 1
         lag1 = max(near, far, 0.01)
-        space = _space(lag1)
-        # a bilateral may be wide for the noise where that is least, and narrow elsewhere
-        wide = _space(known(corr["20" if spacing == 2 else "10"]).max(initial=0.01))
-        quiet = min(known(clues.measured("temporal_noise_core")), default=0.0) or noise
-        before = quiet / np.sum(_line(wide) ** 2)
-        made = {
-            "bilateral": cls(1.0, 1.5 * noise, 0.8, "bilateral", spacing),
-            "wide": cls(
-                1.0, bounded(cls, "range", 1.5 * WIDE * before), wide, "bilateral", spacing
-            ),
-            "median": cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
-            "gaussian": cls(space=space, kind="gaussian", spacing=spacing),
-            "wavelet": cls(1.0, noise, kind="wavelet", spacing=spacing),
-            "nlm": cls(1.0, 1.2 * noise, kind="nlm", spacing=spacing),
-        }
-        return list(made.values())
+        # what goes by the size of noise may see all of it where that is least, and none elsewhere
+        noise, place = _least(clues)
+        alike = max(float(np.nan_to_num(corr[f"{spacing}0"][place])), 0.01)
+        wide = _space(alike)
+        wide_range = bounded(cls, "range", 1.5 * WIDE * noise / np.sum(_line(wide) ** 2))
+        shapes = [cls(space=s, kind=k) for k, s in _BY_SIZE]
+        return [
+            *(_with_range(s, noise, alike, spacing) for s in shapes),
+            cls(1.0, wide_range, wide, "bilateral", spacing),
+            cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
+            cls(space=_space(lag1), kind="gaussian", spacing=spacing),
+        ]
+
+
+def _with_range(shape: Denoise, noise: float, alike: float, spacing: int) -> Denoise:
+    """The range with which neighbours of white noise are so much ``alike`` where ``noise`` is left.
+
+    Found on a field of codes: what is left of few codes follows no formula.
+    """
+    tried = [replace(shape, range=bounded(Denoise, "range", noise * r)) for r in _RANGES]
+    lag1 = [likeness(left_of(t.filtered, _before(t, noise))) for t in tried]
+    found = np.interp(alike, np.maximum.accumulate(lag1), [t.range for t in tried])
+    return replace(shape, range=float(found), spacing=spacing)
+
+
+@lru_cache(maxsize=64)
+def _before(effect: Denoise, noise: float) -> float:
+    return noise_before(effect.filtered, noise)
 
 
 def _line(space: float) -> np.ndarray:
@@ -192,7 +226,9 @@ def _space(lag1: float) -> float:
     return float(np.interp(lag1, found, tried))
 
 
-def _noise(clues: Clues) -> float:
-    """Temporal noise where it is least, DN, within the bounds of ``range``."""
-    noise = float(min(known(clues.simulated("temporal_noise_core")), default=1.0))
-    return min(max(noise, 0.02), 5e3)
+def _least(clues: Clues) -> tuple[float, int]:
+    """Temporal noise of the quietest setting that tells it, DN, and which that is."""
+    measured = np.asarray(clues.measured("temporal_noise"), float)
+    place = quietest(measured)
+    noise = measured[place] if measured[place] > 0 else 1.0
+    return min(max(float(noise), 0.02), 5e3), place

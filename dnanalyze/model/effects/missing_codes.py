@@ -101,6 +101,8 @@ class MissingCodes(Effect):
         widths = np.maximum(0.0, 1.0 + sigma * d)
         widths *= _BLOCK / widths.sum(axis=1, keepdims=True)
         starts = np.cumsum(widths, axis=1) - widths
+        if self.kind == "periodic":  # in place on average, so that the pedestal has no part in it
+            starts -= np.mean(starts - np.arange(_BLOCK))
         starts += _BLOCK * np.arange(first, last + 1)[:, None] - 0.5
         return starts.reshape(-1).astype(np.float32)
 

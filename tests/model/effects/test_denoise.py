@@ -3,6 +3,7 @@ import pytest
 from readout_bench import Given, frames
 from scipy import ndimage
 
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import filters
 from dnanalyze.model.effects.denoise import WIDE, Denoise
 from dnanalyze.model.effects.missing_codes import MissingCodes
@@ -64,20 +65,13 @@ def test_edge_preserving_kinds_leave_large_signals_alone(kind):
     hot = np.zeros((64, 64), np.float32)
     hot[20, 30] = hot[40, 10] = 500.0
     effect = Denoise(1.0, 5.0, 0.8, kind)
-    kept = effect._filtered(hot, _site())[20, 30] / 500.0
+    kept = effect.filtered(hot)[20, 30] / 500.0
     if kind in ("bilateral", "nlm"):
         assert kept > 0.95
     elif kind == "wavelet":
         assert kept > 0.9
     else:
         assert kept < 0.5
-
-
-def _site():
-    class Here:
-        point = None
-
-    return Here()
 
 
 def test_codes_stay_codes():
@@ -87,14 +81,14 @@ def test_codes_stay_codes():
 
 def test_guess_offers_every_kind_scaled_to_the_noise():
     clues = Given(
-        seen={"temporal_corr_10": 0.2, "temporal_corr_20": 0.01},
-        model={"temporal_noise_core": 3.0}, off={"temporal_psd_0.5_0.71": -8.0},
+        seen={"temporal_corr_10": 0.2, "temporal_corr_20": 0.01, "temporal_noise": 3.0},
+        off={"temporal_psd_0.5_0.71": -8.0},
     )  # fmt: skip
     every = Denoise.guess(clues)
     found = {e.kind: e for e in reversed(every)}
     assert set(found) == set(KINDS)
     assert {e.spacing for e in every} == {1}
-    assert 2.0 < found["bilateral"].range < 7.0
+    assert 2.0 < found["bilateral"].range < 9.0
     clues.seen.update({"temporal_corr_10": 0.0, "temporal_corr_20": 0.2})
     assert {e.spacing for e in Denoise.guess(clues)} == {2}
     assert Denoise.guess(Given()) == []
@@ -108,8 +102,8 @@ def test_a_bilateral_that_is_wide_for_the_noise_is_guessed_from_what_it_leaves(s
     y -= y.mean()
     left, alike = y.std(), np.mean(y[..., 1:] * y[..., :-1]) / y.var()
     clues = Given(
-        seen={"temporal_corr_10": alike, "temporal_corr_20": 0.1, "temporal_noise_core": left},
-        model={"temporal_noise_core": left}, off={"temporal_psd_0.5_0.71": -8.0},
+        seen={"temporal_corr_10": alike, "temporal_corr_20": 0.1, "temporal_noise": left},
+        off={"temporal_psd_0.5_0.71": -8.0},
     )  # fmt: skip
     guess = max((e for e in Denoise.guess(clues) if e.kind == "bilateral"), key=lambda e: e.range)
     assert guess.space == pytest.approx(space, rel=0.1)
@@ -117,7 +111,42 @@ def test_a_bilateral_that_is_wide_for_the_noise_is_guessed_from_what_it_leaves(s
     assert guess.range == pytest.approx(1.5 * WIDE * 5.0, rel=0.15)
     factor, shift = guess.bent("read_noise.sigma", "DN", left)
     assert left * factor + shift == pytest.approx(5.0, rel=0.15)
-    assert guess.bent("read_noise.sigma", "DN", 10.0 * left) == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("noise", [5.0, 20.0])
+@pytest.mark.parametrize(("kind", "share"), [("bilateral", 1.4), ("wavelet", 1.4), ("nlm", 0.6)])
+def test_what_goes_by_the_size_of_noise_is_tried_on_codes(kind, share, noise):
+    """The noise before it comes back from what it leaves, with it the range from the likeness."""
+    hidden = Denoise(1.0, share * noise, 1.5, kind)
+    y = frames(ReadNoise(noise), MissingCodes(1e-3), hidden, count=4, shape=(200, 200))
+    y = y.astype(float) - y.mean()
+    left, alike = y.std(), np.mean(y[..., 1:] * y[..., :-1]) / y.var()
+    factor, before = hidden.bent("read_noise.sigma", "DN", left)
+    assert factor == 0.0
+    assert before == pytest.approx(noise, rel=0.2)  # where between codes the mean lies matters
+    assert hidden.bent("read_noise.spread", "1", left) == (0.0, 0.0)
+    assert hidden.bent("pixel_fpn.sigma", "DN", left)[1] > 0
+    assert hidden.bent("dark_shot_noise.dn_per_e", "DN/e-", left) == (1.0, 0.0)
+    clues = Given(
+        seen={"temporal_corr_10": alike, "temporal_corr_20": 0.0, "temporal_noise": left},
+        off={"temporal_psd_0.5_0.71": -8.0},
+    )  # fmt: skip
+    guess = next(e for e in Denoise.guess(clues) if e.kind == kind)
+    assert guess.range == pytest.approx(share * noise, rel=0.4)  # of 9,000 pixels, and a kernel's
+
+
+@pytest.mark.parametrize("noise", [0.0, np.inf])
+def test_frames_without_noise_tell_nothing_of_what_was_before(noise):
+    assert Denoise(1.0, 4.0, 0.8, "nlm").bent("read_noise.sigma", "DN", noise) == (1.0, 0.0)
+
+
+def test_the_filter_is_read_off_the_quietest_setting_whose_codes_change_often_enough():
+    seen = {"temporal_corr_10": 0.2, "temporal_corr_20": 0.1, "temporal_noise": (0.1, 0.5, 4.0)}
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (5.0, 25.0, 45.0))
+    clues = Given(points=points, seen=seen, off={"temporal_psd_0.5_0.71": -8.0})
+    assert all(0.25 <= e.range <= 4.0 for e in Denoise.guess(clues)[:4])
+    clues.seen["temporal_noise"] = (0.01, 0.05, 0.2)  # all of them seldom: then the least
+    assert all(e.range <= 0.08 for e in Denoise.guess(clues)[:4])
 
 
 def test_a_filter_whose_range_varies_bends_nothing_that_is_known():

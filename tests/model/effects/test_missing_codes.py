@@ -34,6 +34,16 @@ def test_periodic_widths_repeat_and_have_exactly_the_stated_rms():
     assert np.abs(folded - mean).max() < 5.5 * se * np.sqrt(1 + 0.6)
 
 
+def test_edges_that_repeat_are_in_place_on_average():
+    one_edge = (-1.0, *[0.0] * 14, 1.0)
+    x, y = (
+        frames(Ramp(400.0), *e, shape=SHAPE, pedestal=0.0, count=4)
+        for e in ((), (MissingCodes(0.25, "periodic", 16, one_edge),))
+    )
+    off = (y - x)[(x > 63) & (x < 255)].mean()  # .7 DN where all edges but one gave way
+    assert abs(off) < 5 * np.sqrt(0.25 / y.size) + 0.01  # an end of the cut may fall within a code
+
+
 def test_wide_errors_leave_codes_that_never_occur():
     width, _ = counts(MissingCodes(1.0))
     share = np.mean(width == 0)  # P(1 + d < 0) = 16 %
