@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import walk
-from dnanalyze.diagnosis.bend import along_bend, unbent
+from dnanalyze.diagnosis.bend import along_bend, least_noise, unbent
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
@@ -34,6 +34,11 @@ def _model(sigma: float, share: float | None, seed: int) -> NoiseModel:
 @pytest.fixture(scope="module")
 def held() -> Bench:
     return bench(design(simulate(_model(SIGMA, SHARE, 1), (128, 128), [(POINT, 8)])))
+
+
+def test_the_least_noise_is_that_of_the_frames(held):
+    after = np.sqrt((SIGMA**2 + 1 / 12) * (1 - SHARE) / (1 + SHARE) + 1 / 12)
+    assert least_noise(held) == pytest.approx(after, rel=0.1)  # eight frames, the first unfiltered
 
 
 def test_another_strength_brings_the_noise_it_bends(held):

@@ -25,6 +25,11 @@ class Uneven(Effect):
 EVEN = NoiseModel((Even(),))
 
 
+@pytest.fixture(autouse=True)
+def noise(monkeypatch):
+    monkeypatch.setattr(refit, "least_noise", lambda _: 1.0)
+
+
 def state(train, model=EVEN):
     return State(model, [], np.full(100, train), given(np.full(100, train)), np.zeros((100, 0)))
 
