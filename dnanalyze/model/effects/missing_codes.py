@@ -45,7 +45,8 @@ class MissingCodes(Effect):
         "levels."
     )
     formula: ClassVar[str] = (
-        "y = k for T_k <= x < T_(k+1),  T_(k+1) - T_k = max(0, 1 + d_k), rms d = sigma"
+        "y = k for T_k <= x < T_(k+1),  T_(k+1) - T_k = max(0, 1 + d_k), rms d = sigma;  random: "
+        "T_k = k - 1/2 at multiples of 64, periodic: on average"
     )
     references: ClassVar[tuple[str, ...]] = (
         "IEEE Std 1241, Terminology and test methods for analog-to-digital converters",
