@@ -83,7 +83,7 @@ def code_widths(
     told = _stacked(histograms)
     if told is None:
         return []
-    bends = [d for d in (_degrees(told, c) for c in CODES) if d is not None]
+    bends = [np.clip(told.sizes // codes, LEAST, MOST) for codes in CODES]
     starts = [_plain(told, d) for d in bends]
     one: list[_Fit] = []
     every: list[_Fit] = []
@@ -91,12 +91,9 @@ def code_widths(
         if np.unique(told.codes % period).size < period:
             continue
         fits = [_fit(told, d, s, np.eye(period)) for d, s in zip(bends, starts, strict=True)]
-        every += fits
-        if not fits:
-            continue
         edge = _edge(min(fits, key=lambda f: f.squares + f.price).widths)
-        choice = 2.0 * math.log(period)
-        one += [_fit(told, d, s, edge, choice) for d, s in zip(bends, starts, strict=True)]
+        one += [_fit(told, d, s, edge) for d, s in zip(bends, starts, strict=True)]
+        every += fits
     if not one:
         return []
     # no density is quite a polynomial: what the best of all leaves is what any may leave
@@ -127,12 +124,6 @@ def _core(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return np.arange(first, last + 1), dense
 
 
-def _degrees(told: _Histograms, codes: int) -> np.ndarray | None:
-    """Degree of each density; None where nothing would be left to tell edges by."""
-    degrees = np.clip(told.sizes // codes, LEAST, MOST)
-    return degrees if told.codes.size > np.sum(degrees + 1) else None
-
-
 def _plain(told: _Histograms, degrees: np.ndarray) -> np.ndarray:
     """Coefficients of densities of equal codes."""
     weight = np.sqrt(told.counts + 0.5)
@@ -147,9 +138,7 @@ def _edge(widths: np.ndarray) -> np.ndarray:
     return np.asarray(np.eye(widths.size)[:, at : at + 1])
 
 
-def _fit(
-    told: _Histograms, degrees: np.ndarray, start: np.ndarray, moved: np.ndarray, choice: float = 0
-) -> _Fit:
+def _fit(told: _Histograms, degrees: np.ndarray, start: np.ndarray, moved: np.ndarray) -> _Fit:
     """Densities and ``moved`` @ a, the places of a period's edges, (period, terms) @ (terms,)."""
     import scipy.optimize
 
@@ -186,7 +175,7 @@ def _fit(
     end = scipy.optimize.least_squares(residual, x0, slopes, method="lm", xtol=1e-5, ftol=1e-5)
     _, spread = np.linalg.slogdet(end.jac.T @ end.jac)
     a = end.x[terms:]
-    price = float(np.sum((a / MOVES) ** 2) + spread + 2.0 * a.size * math.log(MOVES) + choice)
+    price = float(np.sum((a / MOVES) ** 2) + spread + 2.0 * a.size * math.log(MOVES))
     places = moved @ a
     squares = float(np.sum(end.fun[: told.codes.size] ** 2))
     return _Fit(np.roll(places, -1) - places, squares, price, told.codes.size - x0.size)

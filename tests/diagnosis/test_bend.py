@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import walk
-from dnanalyze.diagnosis.bend import along_bend, least_noise, unbent
+from dnanalyze.diagnosis.bend import _other_strengths, along_bend, least_noise, unbent
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
@@ -77,6 +77,14 @@ def test_numbers_that_were_bent_come_right_by_factor_and_shift():
     assert changed.get("read_noise").sigma == pytest.approx(2.0 * 1.25 / 1.6)
     assert changed.pedestal == pytest.approx(20.0 + 80.0 * 1.25 / 1.6)
     assert unbent(model, gain, other=gain) is None
+
+
+def test_other_strengths_of_a_filter_go_by_the_noise():
+    """One far wider than the noise takes it as a Gaussian, and bends it; a narrower one not."""
+    wide = Denoise(kind="bilateral", range=10.0, space=0.8)
+    model = NoiseModel((ReadNoise(0.5), wide), 64.0, POINT)
+    assert any(m.get("read_noise").sigma != 0.5 for m in _other_strengths(model, "denoise", 0.2))
+    assert not list(_other_strengths(model, "denoise", np.inf))
 
 
 def test_a_bilateral_bends_noise_far_below_its_range_as_a_gaussian_does():

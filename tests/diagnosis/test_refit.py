@@ -45,6 +45,18 @@ def test_a_bad_beginning_is_given_derivatives_of_its_own_if_it_may_be(monkeypatc
     assert len(made) == tries
 
 
+def test_what_is_bent_goes_by_the_noise_of_the_frames(monkeypatch):
+    asked = []
+    knob = SimpleNamespace(name="read_noise.sigma", effect="read_noise")
+    begun = replace(state(1.0), knobs=[knob], jacobian=np.ones((100, 1)))
+    monkeypatch.setattr(refit, "start", lambda *_, like: begun)
+    monkeypatch.setattr(refit, "minimise", lambda _, there, *__, **___: there)
+    monkeypatch.setattr(refit, "bending", lambda *more: asked.append(more[-1]) or (2.0, 0.0))
+    ended = refit.refitted(SimpleNamespace(part=None), Prospect("a", EVEN, 1.0), begun, 0.0, 3)
+    assert asked == [1.0]
+    assert np.isnan(ended.jacobian).all()  # what is bent has other derivatives
+
+
 @pytest.mark.parametrize(("kind", "fields"), [(Even, ["part", "whole"]), (Uneven, ["whole"])])
 def test_what_every_part_shows_alike_is_refitted_on_a_part_first(monkeypatch, kind, fields):
     """What is wanted of the part is the same share of its loss."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import screening
+from dnanalyze.diagnosis.bend import least_noise
 from dnanalyze.diagnosis.screening import FIRST, HOPEFUL, LEAST, PLAIN, Prospect, _two, prospects
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -56,6 +57,13 @@ def test_a_guess_is_also_tried_with_what_was_bent_in_its_absence_put_right(held,
     for p in seen:
         assert p.model.get(name) is not None
         assert p.promise <= state.loss
+
+
+def test_what_was_bent_goes_by_the_least_noise_of_all_settings(held, state, monkeypatch):
+    asked = []
+    monkeypatch.setattr(screening, "unbent", lambda _model, _guess, noise: asked.append(noise))
+    prospects(held, state, {"heavy_tailed_read_noise": KNOWN["heavy_tailed_read_noise"]})
+    assert set(asked) == {least_noise(held)}
 
 
 def test_a_search_that_cannot_come_below_is_given_up_before_its_first_step(held, state):

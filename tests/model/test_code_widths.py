@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dnanalyze.model.code_widths import code_widths
+from dnanalyze.model.code_widths import WIDEST, _stacked, code_widths
 
 PERIODS = 2, 4, 8, 16, 32, 64
 # every fourth edge .6 DN too high: the code below it 1.6 wide, the one above it .4
@@ -56,6 +56,7 @@ def test_equal_codes_are_equally_wide():
 def test_no_answer_where_codes_of_a_class_are_not_seen():
     assert code_widths([converted(100.0, 0.3)], [16]) == []
     assert code_widths([converted(100.0, 0.3)], PERIODS) == []
+    assert code_widths([converted(100.0, 1.0)], [64]) == []
     assert code_widths([], PERIODS) == []
 
 
@@ -82,5 +83,7 @@ def test_a_skewed_tail_does_not_pass_for_widths_of_a_long_period(level):
 
 
 def test_far_more_codes_than_periods_need_cost_no_more():
-    one, _ = code_widths([converted(500.0, 110.0, count=2_000_000)], PERIODS)
+    wide = converted(500.0, 110.0, count=2_000_000)
+    assert _stacked([wide]).codes.size <= WIDEST + 1
+    one, _ = code_widths([wide], PERIODS)
     np.testing.assert_allclose(one, EXPECTED, atol=0.02)

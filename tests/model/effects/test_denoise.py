@@ -141,10 +141,24 @@ def test_frames_without_noise_tell_nothing_of_what_was_before(noise):
 
 
 def test_the_filter_is_read_off_the_quietest_setting_whose_codes_change_often_enough():
-    seen = {"temporal_corr_10": 0.2, "temporal_corr_20": 0.1, "temporal_noise": (0.1, 0.5, 4.0)}
     points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (5.0, 25.0, 45.0))
-    clues = Given(points=points, seen=seen, off={"temporal_psd_0.5_0.71": -8.0})
-    assert all(0.25 <= e.range <= 4.0 for e in Denoise.guess(clues)[:4])
+    clues = Given(
+        points=points,
+        seen={"temporal_corr_10": (0.0, 0.2, 0.0), "temporal_corr_20": 0.0,
+              "temporal_noise": (0.1, 0.5, 4.0)},
+        off={"temporal_psd_0.5_0.71": -8.0},
+    )  # fmt: skip
+    alone = Given(
+        seen={"temporal_corr_10": 0.2, "temporal_corr_20": 0.0, "temporal_noise": 0.5},
+        off={"temporal_psd_0.5_0.71": -8.0},
+    )
+    assert Denoise.guess(clues)[:4] == Denoise.guess(alone)[:4]
+    mosaic = Given(
+        seen={"temporal_corr_10": 0.0, "temporal_corr_20": 0.2, "temporal_noise": 0.5},
+        off={"temporal_psd_0.5_0.71": -8.0},
+    )
+    ranges = [[e.range for e in Denoise.guess(c)[:4]] for c in (alone, mosaic)]
+    assert ranges[0] == ranges[1]
     clues.seen["temporal_noise"] = (0.01, 0.05, 0.2)  # all of them seldom: then the least
     assert all(e.range <= 0.08 for e in Denoise.guess(clues)[:4])
 
