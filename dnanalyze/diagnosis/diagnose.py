@@ -24,7 +24,7 @@ from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, judged, tr
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -33,6 +33,7 @@ from dnanalyze.model.registry import BASE, catalogue
 
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
+STEPS = 6  # of a fit with derivatives taken anew
 PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 
 
@@ -159,8 +160,10 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     its model shows on average: one simulated sensor has its luck of the places of few defects.
     """
     best = _supported(held, state, tried)
-    if best is not None or not tried:
-        return best
+    if best is not None:
+        return _against_the_best(held, state, best)
+    if not tried:
+        return None
     leader = tried[0]
     least, most = sorted((leader.gain, leader.fitted_gain))
     if most < CERTAIN * leader.spread or least > DISAGREE * most:
@@ -171,6 +174,21 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     if not significant(again, error_of(held, calm)) or _supported(held, calm, [again]) is None:
         return None
     return replace(again, state=leader.state, others=leader.others)
+
+
+def _against_the_best(held: Bench, state: State, found: Trial) -> Trial | None:
+    """An effect of no plain evidence, held against the model without it fitted as well as with it.
+
+    The refit had derivatives that the model without may have lacked: its last steps are not the
+    effect's.
+    """
+    if found.evidence > PLAIN * found.spread:
+        return found
+    without = minimise(held, derive(held, state, anew=True), STEPS)
+    if not without.loss < state.loss:
+        return found
+    again = replace(judged(held, without, found.effect, found.state), others=found.others)
+    return _supported(held, without, [again])
 
 
 def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:
