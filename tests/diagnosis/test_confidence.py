@@ -130,6 +130,29 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, spread, added)
 
 
 @pytest.mark.parametrize(
+    ("gain", "fell", "again", "told"),
+    [
+        (100.0, 1.0, 80.0, 80.0),  # what is told is what it gains beside the better fit
+        (100.0, 1.0, 20.0, None),
+        (100.0, 0.0, 20.0, 100.0),  # the fit without it was at its best
+        (400.0, 1.0, 20.0, 400.0),  # plain: no last steps make that
+    ],
+)
+def test_the_model_without_it_is_fitted_as_well_as_with_it(monkeypatch, gain, fell, again, told):
+    found = dataclasses.replace(made("a", gain, 0.9), others=("kept",))
+    begun = SimpleNamespace(loss=5.0)
+    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
+    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
+    monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
+    monkeypatch.setattr(diagnose, "derive", lambda _, state, anew: state)
+    monkeypatch.setattr(diagnose, "minimise", lambda *_: SimpleNamespace(loss=5.0 - fell))
+    monkeypatch.setattr(diagnose, "judged", lambda *_: made("a", again, 0.9))
+    best = diagnose.missing(None, begun, [found])
+    assert (best and best.evidence) == told
+    assert best is None or best.others == ("kept",)
+
+
+@pytest.mark.parametrize(
     ("gain", "fitted", "spread", "average", "added"),
     [
         (2.0, 300.0, 1.0, 150.0, True),
