@@ -34,6 +34,7 @@ from dnanalyze.model.registry import BASE, catalogue
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
 STEPS = 6  # of a fit with derivatives taken anew
+UNDONE = 120.0  # evidence, in units of the misfit left, beyond what such a fit may still gain
 PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 
 
@@ -177,12 +178,12 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
 
 
 def _against_the_best(held: Bench, state: State, found: Trial) -> Trial | None:
-    """An effect of no plain evidence, held against the model without it fitted as well as with it.
+    """An effect of little evidence, held against the model without it fitted as well as with it.
 
     The refit had derivatives that the model without may have lacked: its last steps are not the
     effect's.
     """
-    if found.evidence > PLAIN * found.spread:
+    if found.evidence > UNDONE * found.spread:
         return found
     without = minimise(held, derive(held, state, anew=True), STEPS)
     if not without.loss < state.loss:

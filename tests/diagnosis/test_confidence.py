@@ -135,7 +135,8 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, spread, added)
         (100.0, 1.0, 80.0, 80.0),  # what is told is what it gains beside the better fit
         (100.0, 1.0, 20.0, None),
         (100.0, 0.0, 20.0, 100.0),  # the fit without it was at its best
-        (400.0, 1.0, 20.0, 400.0),  # plain: no last steps make that
+        (121.0, 1.0, 20.0, 121.0),  # no last steps make that
+        (119.0, 1.0, 20.0, None),
     ],
 )
 def test_the_model_without_it_is_fitted_as_well_as_with_it(monkeypatch, gain, fell, again, told):
