@@ -127,6 +127,8 @@ def completed(held: Bench, state: State, name: str) -> State:
         With the effect, as refitted from its guess.
     name : str
     """
+    if error_of(held, state) > POOR:  # of a wrong strength the wrong kind may be the better
+        state = preferred(state, along_bend(held, state, name) or state)
     state = converge(held, settled(held, state, name, relatives=False))
     state = preferred(state, along_bend(held, state, name) or state)
     if error_of(held, state) > POOR:

@@ -62,9 +62,14 @@ def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
     begun = _model(SIGMA * 0.8, 0.25, 2)
     state = start(held, begun, knobs_of(begun))
     monkeypatch.setattr(walk, "converge", lambda _, there: there)
-    monkeypatch.setattr(walk, "settled", lambda _, there, name, **more: there)
+    settled = []
+    monkeypatch.setattr(
+        walk, "settled", lambda _, there, name, **more: settled.append(there) or there
+    )
     ended = walk.completed(held, state, "temporal_denoise")
     assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
+    # kinds are told at the right strength: at a wrong one the wrong kind may be the better
+    assert settled[0].model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
 
 
 def test_numbers_that_were_bent_come_right_by_factor_and_shift():
