@@ -32,6 +32,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, catalogue
 
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
+LITTLE = 0.05  # share of the error beyond 1
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
 STEPS = 6  # of a fit with derivatives taken anew
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what such a fit may still gain
@@ -201,15 +202,18 @@ def _supported(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | Non
     """The leader, if the evidence is enough.
 
     Where something is left that no second sensor of the model's make would show, an effect of no
-    plain evidence must put some of it right: else it but bends around what is really missing.
+    plain evidence must put the worst of it right, or some of it and the error with it: else it but
+    bends around what is really missing.
     """
     error = error_of(held, state)
     left = cache(lambda: adequacy(held, state).left)  # by what the verdict goes
     best = addition(tried, error, lambda t: mends(held, left()[:WORST], state, t.state))
     if best is None or best.evidence > PLAIN * best.spread:
         return best
-    if left() and not mends(held, left(), state, best.state):
-        return None
+    if left() and not mends(held, left()[:1], state, best.state):
+        little = error - best.error < LITTLE * (error - 1.0)
+        if little or not mends(held, left(), state, best.state):
+            return None
     sober = sobered(held, state, best)
     return best if significant(sober, error, least=0.0) else None
 

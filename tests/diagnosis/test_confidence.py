@@ -201,6 +201,20 @@ def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
     assert (diagnose.missing(None, found.state, [found]) is found) == added
 
 
+@pytest.mark.parametrize(
+    ("mended", "error", "added"),
+    [("worst", 1.49, True), ("second", 1.49, False), ("second", 1.47, True), ("none", 1.2, False)],
+)
+def test_what_leaves_the_worst_must_lower_the_error_clearly(monkeypatch, mended, error, added):
+    found = made("a", 200.0, error)
+    left = ["worst", "second"]
+    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.5)
+    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
+    monkeypatch.setattr(diagnose, "mends", lambda _held, names, *_: mended in names)
+    monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
+    assert (diagnose.missing(None, found.state, [found]) is found) == added
+
+
 def test_what_the_verdict_calls_unexplained_is_what_little_evidence_may_put_right(monkeypatch):
     """Fewer simulated sensors would leave both the name and "adequate" out."""
     found = made("a", 0.6 * CERTAIN, 0.9)
