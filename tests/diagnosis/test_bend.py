@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis import walk
+from dnanalyze.diagnosis import bend, walk
 from dnanalyze.diagnosis.bend import _other_strengths, along_bend, least_noise, unbent
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -90,6 +90,14 @@ def test_other_strengths_of_a_filter_go_by_the_noise():
     model = NoiseModel((ReadNoise(0.5), wide), 64.0, POINT)
     assert any(m.get("read_noise").sigma != 0.5 for m in _other_strengths(model, "denoise", 0.2))
     assert not list(_other_strengths(model, "denoise", np.inf))
+
+
+def test_other_strengths_are_asked_for_with_the_noise_of_the_frames(held, monkeypatch):
+    asked = []
+    monkeypatch.setattr(bend, "_other_strengths", lambda _m, _n, noise: asked.append(noise) or [])
+    begun = _model(SIGMA, 0.25, 2)
+    assert along_bend(held, start(held, begun, knobs_of(begun)), "temporal_denoise") is None
+    assert asked == [least_noise(held)]
 
 
 def test_a_bilateral_bends_noise_far_below_its_range_as_a_gaussian_does():
