@@ -20,7 +20,7 @@ from dnanalyze.diagnosis.confidence import (
 )
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
-from dnanalyze.diagnosis.trial import Trial, candidates_of, error_of, judged, trials
+from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
@@ -32,9 +32,8 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, catalogue
 
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
-LITTLE = 0.05  # share of the error beyond 1
+LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
-STEPS = 6  # of a fit with derivatives taken anew
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what such a fit may still gain
 PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 

@@ -34,6 +34,7 @@ REACH = 6.0  # times its promise, of the two most telling settings, more than wh
 TIE = 0.05  # share of the loss that a fit may still gain by derivatives taken anew
 CLEAR = 50.0  # evidence from which the choice between rivals matters
 DOUBT = 6.0, 60.0  # evidence, a unit of the misfit left, where what a fit left undone may decide
+STEPS = 6  # of a fit with derivatives taken anew
 KIND_GAIN = 4.0  # mean gain of the halves that another kind must bring
 UNTRIED = ("bits", "step", "spacing")  # facts of the converter and the mosaic, not kinds
 
@@ -173,7 +174,7 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
 
     def gone_on(t: Trial, like: State) -> Trial:
         begun = with_derivatives_of(t.state, like)
-        return judged(bench, state, t.effect, minimise(bench, begun, 6))
+        return judged(bench, state, t.effect, minimise(bench, begun, STEPS))
 
     def leads() -> bool:
         nearest = max((best[t.effect].evidence for t in close), default=0.0)

@@ -44,9 +44,9 @@ def named(prefix: str, bands: Iterable[str]) -> tuple[str, ...]:
 
 def quietest(noise: np.ndarray) -> int:
     """The setting of least temporal noise, DN, whose codes tell it: less seldom changes a code."""
-    known = np.where(np.isfinite(noise) & (noise > 0), noise, np.inf)
-    told = np.where(known >= FLICKERS, known, np.inf)
-    return int(np.argmin(told if np.isfinite(told).any() else known))
+    heard = np.where(np.isfinite(noise) & (noise > 0), noise, np.inf)
+    told = np.where(heard >= FLICKERS, heard, np.inf)
+    return int(np.argmin(told if np.isfinite(told).any() else heard))
 
 
 def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:

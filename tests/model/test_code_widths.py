@@ -82,6 +82,24 @@ def test_a_skewed_tail_does_not_pass_for_widths_of_a_long_period(level):
     np.testing.assert_allclose(one, [-0.6, *[0.0] * 14, 0.6], atol=0.05)
 
 
+def test_what_few_codes_say_of_slow_periods_gives_way_to_what_many_codes_say():
+    wide, narrow = converted(300.0, 40.0, shift=0.8), converted(300.3, 1.3, shift=0.8)
+    _, every = code_widths([wide, narrow], [16])
+    np.testing.assert_allclose(every, np.tile((-0.8, 0.0, 0.0, 0.8), 4), atol=0.1)
+
+
+def test_a_narrow_tail_does_not_pass_for_widths_of_a_long_period():
+    rng = np.random.default_rng(7)
+    edges = np.arange(1, 4096) - 0.5 + (np.arange(1, 4096) % 16 == 0)
+    told = []
+    for centre, scale in ((89.0, 1.0), (95.0, 40.0)):  # cold and hot, log-normal dark current
+        x = centre + 1.05 * rng.standard_normal(300_000)
+        x += scale * np.exp(0.78 * rng.standard_normal(300_000))
+        told.append(np.unique(np.searchsorted(edges, x, side="right"), return_counts=True))
+    one, _ = code_widths(told, [16])
+    np.testing.assert_allclose(one, [-1.0, *[0.0] * 14, 1.0], atol=0.05)
+
+
 def test_far_more_codes_than_periods_need_cost_no_more():
     wide = converted(500.0, 110.0, count=2_000_000)
     assert _stacked([wide]).codes.size <= WIDEST + 1
