@@ -94,12 +94,25 @@ def averaged(bench: Bench, state: State, replicates: int = FEW) -> State:
 
     Where few tracks or defects make most of a statistic, that of one simulated sensor is luck.
     """
+    return on_average(bench, state, replicates)[1]
+
+
+def on_average(bench: Bench, state: State, replicates: int = FEW) -> tuple[Bench, State]:
+    """A bench where the luck of the state's simulated sensor is the measured one's too; the state.
+
+    What is simulated near the state lies there as far from the measurement as sensors of its make
+    do on average: a fit no longer bends around the tracks or defects of one.
+    """
     drawn = [bench.replicate(state.model, r) for r in range(replicates)]
-    sides = []
+    halves, sides = [], []
     for side, (half, z) in enumerate(((bench.train, state.train), (bench.test, state.test))):
         own = half.coordinates - z * half.floor
-        sides.append(half.z(np.nanmean([own, *(d[side] for d in drawn)], axis=0)))
-    return replace(state, train=sides[0], unseen=given(sides[1]))
+        mean = np.nanmean([own, *(d[side] for d in drawn)], axis=0)
+        luck = np.nan_to_num(own - mean)
+        halves.append(replace(half, coordinates=half.coordinates + luck))
+        sides.append(half.z(mean))
+    fair = replace(bench, train=halves[0], test=halves[1], part=None)
+    return fair, replace(state, train=sides[0], unseen=given(sides[1]))
 
 
 def mends(bench: Bench, left: Sequence[str], before: State, after: State) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -65,31 +65,6 @@ def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
     enough = found.evidence > max(NOTHING, least) * found.spread
     witnesses = found.spread == 1.0 and lesser > NOTHING
     return (enough or witnesses) and lesser > NOTHING / 4 and lowers(found, error)
-
-
-def addition(
-    trials: Sequence[Trial], error: float, mends: Callable[[Trial], bool] = lambda _: False
-) -> Trial | None:
-    """The candidate with the most evidence, if it is significant; None: the data support none.
-
-    Where one half alone speaks for the leader the halves disagree, and to take the next in its
-    place would be to choose by the luck of one of them.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-    error : float
-        Of the model without any of them.
-    mends : callable
-        Whether a candidate puts right what no second sensor of the model's make would show. Then
-        "nothing is missing" is refuted already, and less evidence is asked for.
-    """
-    if not trials:
-        return None
-    best = trials[0]
-    if significant(best, error):
-        return best
-    return best if significant(best, error, least=0.0) and mends(best) else None
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -6,13 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, averaged, farthest, mends, sobered
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, farthest, mends, on_average, sobered
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     STANDS_IN,
-    addition,
     confidences,
     lowers,
     rivals,
@@ -24,7 +23,7 @@ from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, jud
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
-from dnanalyze.fitting.least_squares import State, derive, minimise
+from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -155,41 +154,55 @@ def beside_everyday(
 
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
-    """The effect to add next; None where the data support none.
+    """The effect to add next: the leader, or None where the data do not support it.
 
     Where one half speaks for the leader and the other does not, both are asked once more, of what
-    its model shows on average: one simulated sensor has its luck of the places of few defects.
+    its model shows on average: one simulated sensor has its luck of the places of few defects. To
+    take the next in its place would be to choose by the luck of one half.
     """
-    best = _supported(held, state, tried)
-    if best is not None:
-        return _against_the_best(held, state, best)
     if not tried:
         return None
-    leader = tried[0]
+    state, leader = _fitted_alike(held, state, tried[0])
+    best = _supported(held, state, leader)
+    if best is not None:
+        return best
     least, most = sorted((leader.gain, leader.fitted_gain))
     if most < CERTAIN * leader.spread or least > DISAGREE * most:
         return None
-    calm = averaged(held, state)
-    again = judged(held, calm, leader.effect, averaged(held, leader.state))
-    again = replace(again, spread=leader.spread)  # averages lie nearer to the measurement
-    if not significant(again, error_of(held, calm)) or _supported(held, calm, [again]) is None:
+    return _on_average(held, state, leader)
+
+
+def _on_average(held: Bench, state: State, leader: Trial) -> Trial | None:
+    """The leader, judged and fitted by averages over sensors, if the evidence is enough then.
+
+    A fit bends around the tracks or defects of the one sensor that it is made with.
+    """
+    bench, before = on_average(held, state)
+    its_own, after = on_average(held, leader.state)
+    if judged(held, before, leader.effect, after).evidence < 0.0:
         return None
-    return replace(again, state=leader.state, others=leader.others)
+    before, after = minimise(bench, before, STEPS), minimise(its_own, after, STEPS)
+    again = judged(held, before, leader.effect, after)
+    again = replace(again, spread=leader.spread)  # averages lie nearer to the measurement
+    if not significant(again, error_of(held, before)) or _supported(held, before, again) is None:
+        return None
+    ended = start(held, after.model, after.knobs, like=after)
+    return replace(again, state=ended, others=leader.others)
 
 
-def _against_the_best(held: Bench, state: State, found: Trial) -> Trial | None:
-    """An effect of little evidence, held against the model without it fitted as well as with it.
+def _fitted_alike(held: Bench, state: State, found: Trial) -> tuple[State, Trial]:
+    """An effect of little evidence, and the model without it, fitted as well as with it.
 
     The refit had derivatives that the model without may have lacked: its last steps are not the
     effect's.
     """
-    if found.evidence > UNDONE * found.spread:
-        return found
+    little = found.evidence < UNDONE * found.spread
+    if not (little and significant(found, error_of(held, state), least=0.0)):
+        return state, found
     without = minimise(held, derive(held, state, anew=True), STEPS)
     if not without.loss < state.loss:
-        return found
-    again = replace(judged(held, without, found.effect, found.state), others=found.others)
-    return _supported(held, without, [again])
+        return state, found
+    return without, replace(judged(held, without, found.effect, found.state), others=found.others)
 
 
 def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:
@@ -197,24 +210,32 @@ def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:
     return [best if best is not None and t.effect == best.effect else t for t in tried]
 
 
-def _supported(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
+def _supported(held: Bench, state: State, leader: Trial) -> Trial | None:
     """The leader, if the evidence is enough.
 
-    Where something is left that no second sensor of the model's make would show, an effect of no
+    Where something is left that no second sensor of the model's make would show, "nothing is
+    missing" is refuted already, and less evidence is asked for if it puts that right. One of no
     plain evidence must put the worst of it right, or some of it and the error with it: else it but
     bends around what is really missing.
     """
     error = error_of(held, state)
     left = cache(lambda: adequacy(held, state).left)  # by what the verdict goes
-    best = addition(tried, error, lambda t: mends(held, left()[:WORST], state, t.state))
-    if best is None or best.evidence > PLAIN * best.spread:
-        return best
-    if left() and not mends(held, left()[:1], state, best.state):
-        little = error - best.error < LITTLE * (error - 1.0)
-        if little or not mends(held, left(), state, best.state):
+
+    def puts_right(names: Sequence[str]) -> bool:
+        return mends(held, names, state, leader.state)
+
+    if not significant(leader, error) and not (
+        significant(leader, error, least=0.0) and puts_right(left()[:WORST])
+    ):
+        return None
+    if leader.evidence > PLAIN * leader.spread:
+        return leader
+    if left() and not puts_right(left()[:1]):
+        little = error - leader.error < LITTLE * (error - 1.0)
+        if little or not puts_right(left()):
             return None
-    sober = sobered(held, state, best)
-    return best if significant(sober, error, least=0.0) else None
+    sober = sobered(held, state, leader)
+    return leader if significant(sober, error, least=0.0) else None
 
 
 def judge(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
+from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
 
 
 def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
@@ -33,6 +33,15 @@ def exposure_and_gain(clues: Clues) -> np.ndarray:
 def gains(clues: Clues) -> np.ndarray:
     """Gain over the reference's, one a setting; 1 where unknown."""
     return np.array([p.gain_over(clues.reference) for p in clues.points])
+
+
+def thermal_growth(clues: Clues, ea_ev: np.ndarray) -> np.ndarray:
+    """Growth from the reference temperature by Arrhenius, (energies, settings); 1 where unknown."""
+    origin = clues.reference.temperature_c
+    known = [origin if p.temperature_c is None else p.temperature_c for p in clues.points]
+    if origin is None:
+        return np.ones((len(ea_ev), len(known)))
+    return np.array([[arrhenius(t, origin, float(e)) for t in known] for e in ea_ev])
 
 
 def thermal_fit(

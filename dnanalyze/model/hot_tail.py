@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site
-from dnanalyze.model.evidence import excess
 from dnanalyze.model.laws import Law, scaled
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)
+ENERGIES = np.linspace(0.0, 1.5, 31)  # eV
+SCALES, FARTHEST = 60, 500.0  # tried; the largest, robust sigmas
+UNLIKE = 0.1  # share of a count by which no exponential tail is exact
 HEAVY = 0.5  # exponent from which a heavy tail is tried
 
 
@@ -50,30 +53,41 @@ def amplitude(share: np.ndarray, tail: float) -> np.ndarray:
     return log if tail == 0.0 else np.expm1(log.dtype.type(tail) * log) / log.dtype.type(tail)
 
 
-def tail_of_counts(clues: Clues) -> tuple[float, np.ndarray] | None:
-    """Fraction and mean amplitude (DN, one a setting) of the unexplained hot pixels.
+def hot_signal(clues: Clues) -> dict[str, float] | None:
+    """Fraction of the unexplained hot pixels, mean signal in DN and activation energy in eV.
 
-    N(> k s) = N p e^(-k s/nu), with s the robust sigma of the pattern.
+    One population at all settings: N p (e^(-a/nu) - e^(-b/nu)) pixels from a to b robust sigmas of
+    the pattern, nu by Arrhenius. Where counts show no excess none may reach, so a cold setting
+    tells of the energy too. The signal is that of the reference.
     """
     sigma = np.asarray(clues.measured("pattern_noise_core"), float)
     sigma = np.where(np.isfinite(sigma), sigma, clues.measured("frame_noise_core"))
-    extra = np.array([excess(clues, f"hot_count_{k}") for k in THRESHOLDS])
-    pixels = float(np.prod(clues.shape))
-    amplitude = np.full(sigma.size, np.nan)
-    fractions = []
-    for j in range(sigma.size):
-        good = np.isfinite(extra[:, j]) & (extra[:, j] >= 2)
-        if not good.any() or not np.isfinite(sigma[j]):
-            continue
-        level = np.array(THRESHOLDS)[good] * sigma[j]
-        count = extra[good, j]
-        if good.sum() == 1:
-            amplitude[j] = level[0]
-        else:
-            # line through the logs, each weighed by its count (the variance of a Poisson log)
-            slope = np.polyfit(level, np.log(count), 1, w=np.sqrt(count))[0]
-            amplitude[j] = -1.0 / slope if slope < 0 else 4 * level[-1]
-        fractions.append((count[0], count[0] / pixels * np.exp(min(20.0, level[0] / amplitude[j]))))
-    if not fractions:
+    growth = hints.thermal_growth(clues, ENERGIES) * hints.exposure_and_gain(clues)
+    extra, variance = _between(clues)
+    told = np.isfinite(sigma) & (sigma > 0) & np.isfinite(growth).all(axis=0)
+    told &= np.isfinite(extra).all(axis=0)
+    if not told.any():
         return None
-    return float(max(fractions)[1]), amplitude
+    extra, variance, sigma, growth = extra[:, told], variance[:, told], sigma[told], growth[:, told]
+    scales = np.geomspace(0.3 * np.min(sigma / growth), FARTHEST * np.max(sigma / growth), SCALES)
+    beyond = np.exp(-np.array([*THRESHOLDS, np.inf])[:, None] * sigma
+                    / (scales[:, None, None] * growth[:, None, None, :]))  # fmt: skip
+    share = beyond[..., :-1, :] - beyond[..., 1:, :]  # (energies, scales, thresholds, settings)
+    along = np.sum(share * extra / variance, axis=(-2, -1))
+    square = np.maximum(np.sum(share**2 / variance, axis=(-2, -1)), 1e-30)
+    energy, scale = np.unravel_index(np.argmax(np.maximum(along, 0.0) ** 2 / square), along.shape)
+    pixels = float(along[energy, scale] / square[energy, scale])
+    if pixels <= 0:
+        return None
+    fraction = pixels / float(np.prod(clues.shape))
+    return {"fraction": fraction, "scale": float(scales[scale]), "ea_ev": float(ENERGIES[energy])}
+
+
+def _between(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
+    """Unexplained pixels from each threshold to the next, with their variance, Poisson and more."""
+    there, here = (
+        -np.diff([np.asarray(side(f"hot_count_{k}"), float) for k in THRESHOLDS], axis=0, append=0)
+        for side in (clues.measured, clues.simulated)
+    )
+    extra = there - here
+    return extra, 1.0 + there + here + (UNLIKE * extra) ** 2

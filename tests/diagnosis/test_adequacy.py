@@ -7,7 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.adequacy import Adequacy, adequacy, averaged, farthest, mends, sobered
+from dnanalyze.diagnosis.adequacy import (
+    Adequacy,
+    adequacy,
+    averaged,
+    farthest,
+    mends,
+    on_average,
+    sobered,
+)
 from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
@@ -113,6 +121,15 @@ def test_an_average_sensor_is_the_mean_of_some_and_scatters_less(held):
         told = np.isfinite([d[side] for d in drawn]).all(axis=0)
         np.testing.assert_allclose(mean[told], every.mean(axis=0)[told], atol=1e-6)
         assert np.mean(mean**2) < np.mean(every**2)
+
+
+def test_where_the_luck_of_one_sensor_is_the_measured_ones_too_it_lies_at_the_average(held):
+    own = _at(held, _model(OffsetDrift(1.0), seed=2))
+    bench, calm = on_average(held, own, 3)
+    again = _at(bench, own.model)
+    np.testing.assert_allclose(again.train, calm.train, atol=1e-6)
+    np.testing.assert_allclose(again.test, calm.test, atol=1e-6)
+    assert bench.part is None  # of which nothing is known
 
 
 def test_the_effect_mends_it_and_another_does_not(held):

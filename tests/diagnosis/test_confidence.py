@@ -12,7 +12,6 @@ from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     NOTHING,
-    addition,
     confidences,
     lowers,
     rivals,
@@ -100,32 +99,50 @@ def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
     np.testing.assert_allclose(confidences(even, 2.0), [0.5, 0.5])
 
 
-def test_where_the_halves_disagree_about_the_leader_nothing_is_added():
+@pytest.fixture
+def asked(monkeypatch):
+    """What decides, without a bench: nothing is left, and no fit goes on."""
+    for name, stands_for in {
+        "error_of": lambda *_: 1.0,
+        "adequacy": lambda *_: SimpleNamespace(left=[]),
+        "sobered": lambda _held, _state, trial: trial,
+        "mends": lambda *_: False,
+        "derive": lambda _, state, anew: state,
+        "minimise": lambda _, state, *more: state,
+        "start": lambda _, model, knobs, like: like,
+        "on_average": lambda held, state: (held, state),
+    }.items():
+        monkeypatch.setattr(diagnose, name, stands_for)
+    return monkeypatch
+
+
+def test_where_the_halves_disagree_about_the_leader_nothing_is_added(asked):
     split = dataclasses.replace(made("a", -60.0, 1.05), fitted_gain=260.0)
     second = made("b", 90.0, 0.97)
-    assert addition([second, split], 1.0) is second
-    assert addition([split, second], 1.0) is None
-    assert addition([], 1.0) is None
+    asked.setattr(diagnose, "judged", lambda *_: split)
+    assert diagnose.missing(None, second.state, [second, split]) is second
+    assert diagnose.missing(None, second.state, [split, second]) is None
+    assert diagnose.missing(None, second.state, []) is None
 
 
-def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already():
+def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already(asked):
     some = dataclasses.replace(made("a", 0.9 * CERTAIN, 0.9), fitted_gain=0.3 * CERTAIN)
-    assert addition([some], 1.0) is None
-    assert addition([some], 1.0, lambda _: False) is None
-    assert addition([some], 1.0, lambda found: found is some) is some
     chance = made("a", 0.9 * NOTHING, 0.9)
-    assert addition([chance], 1.0, lambda _: True) is None
+    assert diagnose.missing(None, some.state, [some]) is None
+    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=["drift"]))
+    assert diagnose.missing(None, some.state, [some]) is None
+    asked.setattr(diagnose, "mends", lambda _held, names, *_: "drift" in names)
+    assert diagnose.missing(None, some.state, [some]) is some
+    assert diagnose.missing(None, chance.state, [chance]) is None
 
 
 @pytest.mark.parametrize(
     ("gain", "spread", "added"), [(100.0, 1.0, False), (400.0, 1.0, True), (400.0, 2.0, False)]
 )
-def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, spread, added):
+def test_what_is_one_sensors_luck_is_not_added(asked, gain, spread, added):
     found = made("a", gain, 0.9, spread)
     luck = dataclasses.replace(found, gain=1.0, fitted_gain=1.0)
-    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
-    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
-    monkeypatch.setattr(diagnose, "sobered", lambda *_: luck)
+    asked.setattr(diagnose, "sobered", lambda *_: luck)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
 
 
@@ -139,15 +156,11 @@ def test_what_is_one_sensors_luck_is_not_added(monkeypatch, gain, spread, added)
         (119.0, 1.0, 20.0, None),
     ],
 )
-def test_the_model_without_it_is_fitted_as_well_as_with_it(monkeypatch, gain, fell, again, told):
+def test_the_model_without_it_is_fitted_as_well_as_with_it(asked, gain, fell, again, told):
     found = dataclasses.replace(made("a", gain, 0.9), others=("kept",))
     begun = SimpleNamespace(loss=5.0)
-    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
-    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
-    monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
-    monkeypatch.setattr(diagnose, "derive", lambda _, state, anew: state)
-    monkeypatch.setattr(diagnose, "minimise", lambda *_: SimpleNamespace(loss=5.0 - fell))
-    monkeypatch.setattr(diagnose, "judged", lambda *_: made("a", again, 0.9))
+    asked.setattr(diagnose, "minimise", lambda *_: SimpleNamespace(loss=5.0 - fell))
+    asked.setattr(diagnose, "judged", lambda *_: made("a", again, 0.9))
     best = diagnose.missing(None, begun, [found])
     assert (best and best.evidence) == told
     assert best is None or best.others == ("kept",)
@@ -164,14 +177,10 @@ def test_the_model_without_it_is_fitted_as_well_as_with_it(monkeypatch, gain, fe
     ],
 )
 def test_where_the_halves_disagree_the_average_sensor_decides(
-    monkeypatch, gain, fitted, spread, average, added
+    asked, gain, fitted, spread, average, added
 ):
     found = dataclasses.replace(made("a", gain, 0.9, spread), fitted_gain=fitted)
-    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
-    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[]))
-    monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
-    monkeypatch.setattr(diagnose, "averaged", lambda _, state: state)
-    monkeypatch.setattr(diagnose, "judged", lambda *_: made("a", average, 0.9))
+    asked.setattr(diagnose, "judged", lambda *_: made("a", average, 0.9))
     best = diagnose.missing(None, found.state, [found])
     assert (best is not None) == added
     if best is not None:  # it is told by what the average sensor gains
@@ -179,6 +188,27 @@ def test_where_the_halves_disagree_the_average_sensor_decides(
         assert told == [best]
         assert (best.gain, best.fitted_gain, best.state) == (average, average, found.state)
         assert confidences(told, 1.0)[0] > 0.9
+
+
+def test_what_is_judged_on_average_is_fitted_on_average_first(asked):
+    found = dataclasses.replace(made("a", -60.0, 0.9), fitted_gain=260.0)
+    calls = []
+
+    def fitted(held, state, steps):
+        calls.append(held)
+        return SimpleNamespace(model=f"{state} fitted", knobs=[])
+
+    asked.setattr(diagnose, "on_average", lambda held, state: (f"fair {held}", "average"))
+    asked.setattr(diagnose, "minimise", fitted)
+    asked.setattr(diagnose, "start", lambda held, model, knobs, like: (held, model))
+    asked.setattr(diagnose, "judged", lambda *_: made("a", 150.0, 0.9))
+    best = diagnose.missing("bench", found.state, [found])
+    assert calls == ["fair bench", "fair bench"]
+    assert best.state == ("bench", "average fitted")  # from there the search goes on
+    calls.clear()
+    asked.setattr(diagnose, "judged", lambda *_: made("a", -1.0, 0.9))
+    assert diagnose.missing("bench", found.state, [found]) is None
+    assert calls == []
 
 
 @pytest.mark.parametrize(
@@ -191,13 +221,12 @@ def test_where_the_halves_disagree_the_average_sensor_decides(
     ],
 )
 def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
-    monkeypatch, gain, left, mended, added
+    asked, gain, left, mended, added
 ):
     found = made("a", gain, 0.9)
-    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
-    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
-    monkeypatch.setattr(diagnose, "mends", lambda *_: mended)
-    monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
+    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
+    asked.setattr(diagnose, "mends", lambda *_: mended)
+    asked.setattr(diagnose, "sobered", lambda *_: found)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
 
 
@@ -205,27 +234,25 @@ def test_little_evidence_counts_only_where_it_puts_right_what_is_left(
     ("mended", "error", "added"),
     [("worst", 1.49, True), ("second", 1.49, False), ("second", 1.47, True), ("none", 1.2, False)],
 )
-def test_what_leaves_the_worst_must_lower_the_error_clearly(monkeypatch, mended, error, added):
+def test_what_leaves_the_worst_must_lower_the_error_clearly(asked, mended, error, added):
     found = made("a", 200.0, error)
     left = ["worst", "second"]
-    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.5)
-    monkeypatch.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
-    monkeypatch.setattr(diagnose, "mends", lambda _held, names, *_: mended in names)
-    monkeypatch.setattr(diagnose, "sobered", lambda _held, _state, trial: trial)
+    asked.setattr(diagnose, "error_of", lambda *_: 1.5)
+    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
+    asked.setattr(diagnose, "mends", lambda _held, names, *_: mended in names)
     assert (diagnose.missing(None, found.state, [found]) is found) == added
 
 
-def test_what_the_verdict_calls_unexplained_is_what_little_evidence_may_put_right(monkeypatch):
+def test_what_the_verdict_calls_unexplained_is_what_little_evidence_may_put_right(asked):
     """Fewer simulated sensors would leave both the name and "adequate" out."""
     found = made("a", 0.6 * CERTAIN, 0.9)
 
-    def asked(_held, _state, replicates=REPLICATES):
+    def seen(_held, _state, replicates=REPLICATES):
         return SimpleNamespace(left=["drift"] if replicates == REPLICATES else [])
 
-    monkeypatch.setattr(diagnose, "error_of", lambda *_: 1.0)
-    monkeypatch.setattr(diagnose, "adequacy", asked)
-    monkeypatch.setattr(diagnose, "mends", lambda _held, left, *_: bool(left))
-    monkeypatch.setattr(diagnose, "sobered", lambda *_: found)
+    asked.setattr(diagnose, "adequacy", seen)
+    asked.setattr(diagnose, "mends", lambda _held, left, *_: bool(left))
+    asked.setattr(diagnose, "sobered", lambda *_: found)
     assert diagnose.missing(None, found.state, [found]) is found
 
 

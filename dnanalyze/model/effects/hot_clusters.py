@@ -12,7 +12,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_tail import HotTail, amplitude, tail_of_counts
+from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signal
 
 REACH = 8
 MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
@@ -132,15 +132,11 @@ class HotClusters(HotTail):
         """The tail of the unexplained hot pixels, split into small and large clusters."""
         if not shows(clues, ("hot_pairs", "hot_halo_2")):
             return []
-        found = tail_of_counts(clues)
+        found = hot_signal(clues)
         if found is None:
             return []
-        fraction, amplitude = found
-        fitted = hints.thermal_fit(clues, amplitude / hints.exposure_and_gain(clues), 0.55)
-        if fitted is None:
-            return []
-        scale, ea = fitted
+        fraction = found.pop("fraction")
         return [
-            cls(**hints.clip(cls, density=fraction / m, members=m, radius=r, scale=scale, ea_ev=ea))
+            cls(**hints.clip(cls, density=fraction / m, members=m, radius=r, **found))
             for m, r in ((3.0, 1.2), (8.0, 2.5))
         ]

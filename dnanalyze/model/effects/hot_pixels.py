@@ -12,7 +12,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_tail import HotTail, amplitude, tail_of_counts
+from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signal
 
 
 @dataclass(frozen=True)
@@ -98,15 +98,8 @@ class HotPixels(HotTail):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """Unexplained counts over the threshold: a straight line on a semilog plot."""
+        """What the counts over thresholds tell, at all settings together."""
         if not shows(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
             return []
-        found = tail_of_counts(clues)
-        if found is None:
-            return []
-        fraction, amplitude = found
-        fitted = hints.thermal_fit(clues, amplitude / hints.exposure_and_gain(clues), 0.55)
-        if fitted is None:
-            return []
-        scale, ea = fitted
-        return [cls(**hints.clip(cls, fraction=fraction, scale=scale, ea_ev=ea))]
+        found = hot_signal(clues)
+        return [] if found is None else [cls(**hints.clip(cls, **found))]

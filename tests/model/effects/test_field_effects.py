@@ -148,6 +148,32 @@ def test_cosmic_rays_are_guessed_from_the_transients():
         assert guess.length > 1
 
 
+@pytest.mark.parametrize(("charge", "ends"), [(40.0, False), (400.0, True)])
+def test_the_charge_of_a_hit_is_guessed_from_how_far_frames_differ(charge, ends):
+    """Noise of 3 DN, 2000 hits of an exponential charge; counts end at 64 times the noise."""
+    rng = np.random.default_rng(6)
+    hits = rng.exponential(charge, 2000) * rng.choice([-1.0, 1.0], 2000) / np.sqrt(2.0)
+    differences = rng.normal(0.0, 3.0, 200_000)
+    differences[:2000] += hits
+    n, edges = np.histogram(np.clip(differences, -191.9, 191.9), 8192, (-192.0, 192.0))
+    clues = MadeUpClues(
+        seen={"transient_high": 300.0, "transient_adjacent": 0.0, "temporal_noise_core": 3.0},
+        model={"transient_high": 0.0, "transient_adjacent": 0.0},
+        stands_out=("transient_high",),
+        curves={
+            "difference_hist_x": [(edges[1:] + edges[:-1]) / 2],
+            "difference_hist_n": [n],
+        },
+    )
+    guesses = [g for g in CosmicRays.guess(clues) if g.charge == "track"]
+    assert len(guesses) == (2 if ends else 1)  # what is not counted may lie much farther out
+    a_pixel = guesses[0].energy / 2.0
+    if ends:
+        assert charge / 4 < a_pixel < charge
+    else:  # a thousand lie beyond the cut, with the noise on them
+        assert a_pixel == pytest.approx(charge, rel=5 / np.sqrt(1000))
+
+
 def test_persistence_adds_the_past_with_its_weights():
     effect = Persistence(amplitude=0.2, tau_s=2.0)
     noise = (flat(100.0), DarkShotNoise(dn_per_e=1.0))

@@ -66,6 +66,26 @@ def test_hot_pixels_are_guessed_from_the_counts_over_temperature():
     assert small.radius < large.radius
 
 
+def test_where_only_warm_frames_show_hot_pixels_the_cold_ones_tell_their_energy_too():
+    """At 45 C the mean signal is 1.5 robust sigmas; colder, a few stray pixels stand out."""
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (5.0, 25.0, 45.0, 65.0, 85.0))
+    scale = 12.0 * np.array([arrhenius(t.temperature_c, 45.0, 0.9) for t in points])
+    sigma = np.array([8.0, 8.0, 8.0, 11.0, 50.0])
+    expected = _counts(1e-3, scale, sigma, N)
+    seen = {k: np.random.default_rng(4).poisson(v) for k, v in expected.items()}
+    seen["hot_count_5"][:2] += 3
+    seen["pattern_noise_core"] = sigma
+    model = dict.fromkeys(expected, 0.0)
+    clues = MadeUpClues(points, points[2], SHAPE, seen, model, ("hot_count_16",))
+    (guess,) = HotPixels.guess(clues)
+    # 9 pixels in 100 lie beyond 5 sigma at 65 C: two dozen tell the energy
+    assert guess.ea_ev == pytest.approx(0.9, abs=0.1)
+    assert guess.scale == pytest.approx(12.0, rel=0.3)
+    assert guess.fraction == pytest.approx(1e-3, rel=0.3)
+    clues.seen |= dict.fromkeys(expected, 0.0)
+    assert HotPixels.guess(clues) == []
+
+
 def test_clusters_have_the_mean_and_variance_of_a_neyman_scott_process():
     effect = HotClusters(density=1e-3, members=5.0, radius=1.5, scale=10.0)
     y = np.stack([frames(effect, SHAPE, seed=s)[0] for s in range(6)])
