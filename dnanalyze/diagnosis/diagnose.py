@@ -156,19 +156,18 @@ def beside_everyday(
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     """The effect to add next: the leader, or None where the data do not support it.
 
-    Where one half speaks for the leader and the other does not, both are asked once more, of what
-    its model shows on average: one simulated sensor has its luck of the places of few defects. To
-    take the next in its place would be to choose by the luck of one half.
+    Where one half speaks for the leader and the other hardly, both are asked once more, of what its
+    model shows on average: one simulated sensor has its luck of the places of few defects, and of
+    its clouds. To take the next in its place would be to choose by the luck of one half.
     """
     if not tried:
         return None
     state, leader = _fitted_alike(held, state, tried[0])
     best = _supported(held, state, leader)
-    if best is not None:
-        return best
     least, most = sorted((leader.gain, leader.fitted_gain))
-    if most < CERTAIN * leader.spread or least > DISAGREE * most:
-        return None
+    plain = UNDONE * leader.spread < leader.evidence if best else most < CERTAIN * leader.spread
+    if plain or least > DISAGREE * most:
+        return best
     return _on_average(held, state, leader)
 
 

@@ -14,11 +14,13 @@ from dnanalyze.fitting.from_part import carried, part_for
 from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.evidence import SIGN
 from dnanalyze.model.noise_model import NoiseModel
 
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
 FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
 HOPEFUL = 0.1  # share of the best promise of all from which the rest may come to something
+FAINT = 60.0  # best promise below which other settings may show what these do not
 PLAIN = 1.2  # loss a number from which a part of the field shows what is missing as well
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
@@ -72,12 +74,44 @@ def prospects(
         seen[name] = part if part is not None and effect.even else whole
         found[name] = [p for guess in guesses[name][:FIRST] for p in _at_guess(seen[name], guess)]
     most = max((p.promise for made in found.values() for p in made), default=0.0)
+    if most < FAINT:
+        for name in [n for n, made in found.items() if made]:
+            again = _looked_at_again(bench, state, known[name], guesses[name][:FIRST], few)
+            found[name] = sorted([*found[name], *again], key=lambda p: -p.promise)
     for name, made in found.items():
         if any(p.promise > max(LEAST, HOPEFUL * most) for p in made):
             for guess in guesses[name][FIRST:]:
                 made += _at_guess(seen[name], guess)
     best = [p for made in found.values() for p in _two(made)]
     return sorted(best, key=lambda p: -p.promise)
+
+
+def _looked_at_again(
+    bench: Bench, state: State, effect: type[Effect], guesses: Sequence[Effect], few: list[int]
+) -> list[Prospect]:
+    """Guesses at the two settings where both halves show the effect's fingerprint most plainly.
+
+    None where these are the settings looked at already, or none shows it plainly.
+    """
+    shown = [_both_show(bench, state, name) for name in effect.fingerprint]
+    strength = np.max([np.zeros(len(bench.plan.settings)), *shown], axis=0)
+    settings = sorted(np.argsort(-strength)[:2].tolist())
+    if strength.max() < SIGN or settings == few:
+        return []
+    view = _View.of(bench, state, settings)
+    return [p for guess in guesses for p in _at_guess(view, guess)]
+
+
+def _both_show(bench: Bench, state: State, name: str) -> np.ndarray:
+    """How far a statistic is off on both halves alike, in floors, one a setting."""
+    count = len(bench.plan.settings)
+    sides = []
+    for half, z in ((bench.train, state.train), (bench.test, state.test)):
+        here = half.names == name
+        number = np.bincount(half.setting[here], minlength=count)
+        sides.append(np.bincount(half.setting[here], z[here], count) / np.maximum(number, 1))
+    a, b = sides
+    return np.where(a * b > 0, np.minimum(np.abs(a), np.abs(b)), 0.0)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dnanalyze.model.effect import Effect, Site
 from dnanalyze.model.laws import Law, scaled
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)
-ENERGIES = np.linspace(0.0, 1.5, 31)  # eV
+ENERGIES = np.array([0.55, *np.linspace(0.0, 1.5, 31)])  # eV; the first where none is told
 SCALES, FARTHEST = 60, 500.0  # tried; the largest, robust sigmas
 UNLIKE = 0.1  # share of a count by which no exponential tail is exact
 HEAVY = 0.5  # exponent from which a heavy tail is tried

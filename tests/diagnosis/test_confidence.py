@@ -17,6 +17,7 @@ from dnanalyze.diagnosis.confidence import (
     rivals,
     significant,
 )
+from dnanalyze.diagnosis.diagnose import UNDONE
 from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.model.noise_model import NoiseModel
@@ -133,6 +134,8 @@ def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already(ask
     assert diagnose.missing(None, some.state, [some]) is None
     asked.setattr(diagnose, "mends", lambda _held, names, *_: "drift" in names)
     assert diagnose.missing(None, some.state, [some]) is some
+    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[*"abc", "drift"]))
+    assert diagnose.missing(None, some.state, [some]) is None  # not of the worst
     assert diagnose.missing(None, chance.state, [chance]) is None
 
 
@@ -174,6 +177,7 @@ def test_the_model_without_it_is_fitted_as_well_as_with_it(asked, gain, fell, ag
         (2.0, 300.0, 1.0, 2.0, False),
         (2.0, 300.0, 3.0, 150.0, False),  # beyond chance, but not beyond what is left
         (2.0, 0.9 * CERTAIN, 1.0, 150.0, False),
+        (2.0, 300.0, 1.5, 40.0, False),  # certain, though it puts right what is left
     ],
 )
 def test_where_the_halves_disagree_the_average_sensor_decides(
@@ -181,6 +185,8 @@ def test_where_the_halves_disagree_the_average_sensor_decides(
 ):
     found = dataclasses.replace(made("a", gain, 0.9, spread), fitted_gain=fitted)
     asked.setattr(diagnose, "judged", lambda *_: made("a", average, 0.9))
+    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=["drift"]))
+    asked.setattr(diagnose, "mends", lambda *_: True)
     best = diagnose.missing(None, found.state, [found])
     assert (best is not None) == added
     if best is not None:  # it is told by what the average sensor gains
@@ -188,6 +194,33 @@ def test_where_the_halves_disagree_the_average_sensor_decides(
         assert told == [best]
         assert (best.gain, best.fitted_gain, best.state) == (average, average, found.state)
         assert confidences(told, 1.0)[0] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("gains", "average", "told"),
+    [
+        ((120.0, 14.0), 20.0, None),  # the luck of one sensor's clouds
+        ((14.0, 120.0), 90.0, 90.0),
+        ((60.0, 74.0), 20.0, 67.0),  # both say so
+        ((300.0, 14.0), 20.0, 157.0),  # no luck makes that
+    ],
+)
+def test_what_one_half_hardly_speaks_for_is_asked_of_averages_too(asked, gains, average, told):
+    found = dataclasses.replace(made("a", gains[0], 0.9), fitted_gain=gains[1])
+    answers = iter([found] if found.evidence < UNDONE else [])  # beside the better fit
+    asked.setattr(diagnose, "minimise", lambda *_: SimpleNamespace(loss=1.0, model=None, knobs=[]))
+    asked.setattr(diagnose, "judged", lambda *_: next(answers, made("a", average, 0.9)))
+    best = diagnose.missing(None, SimpleNamespace(loss=2.0), [found])
+    assert (best and best.evidence) == told
+
+
+def test_how_little_evidence_is_goes_by_what_is_left(asked):
+    fits = []
+    asked.setattr(diagnose, "minimise", lambda _, state, steps: fits.append(steps) or state)
+    asked.setattr(diagnose, "judged", lambda _, state, effect, after: made(effect, 150.0, 0.9, 2.0))
+    found = made("a", 150.0, 0.9, 2.0)  # 75 times the misfit left
+    assert diagnose.missing(None, found.state, [found]).evidence == 150.0
+    assert len(fits) == 1
 
 
 def test_what_is_judged_on_average_is_fitted_on_average_first(asked):

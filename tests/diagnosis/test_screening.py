@@ -1,13 +1,24 @@
 """What is simulated of an effect before any refit."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import screening
 from dnanalyze.diagnosis.bend import least_noise
-from dnanalyze.diagnosis.screening import FIRST, HOPEFUL, LEAST, PLAIN, Prospect, _two, prospects
+from dnanalyze.diagnosis.screening import (
+    FAINT,
+    FIRST,
+    HOPEFUL,
+    LEAST,
+    PLAIN,
+    SIGN,
+    Prospect,
+    _two,
+    prospects,
+)
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import converge, minimise, start
@@ -167,6 +178,48 @@ def test_where_much_is_missing_what_every_part_shows_is_looked_for_in_one(
         (free,) = straight(replace(views[1], weight=1.0), guessed["crosstalk"]())[:1]
         (weighed,) = straight(views[1], guessed["crosstalk"]())[:1]
         assert weighed.promise == pytest.approx(weights["crosstalk"] * free.promise)
+
+
+def _shown(train, test):
+    """A bench of three settings, and what it shows of "drift" at each."""
+    half = SimpleNamespace(names=np.array(["drift"] * 3), setting=np.arange(3))
+    held = SimpleNamespace(train=half, test=half, plan=SimpleNamespace(settings=[None] * 3))
+    return held, SimpleNamespace(train=np.array(train), test=np.array(test))
+
+
+@pytest.mark.parametrize(
+    ("train", "test", "few", "again"),
+    [
+        ([0.0, 4.0, 3.0], [1.0, 3.0, 5.0], [0, 2], [1, 2]),
+        ([0.0, 4.0, 3.0], [1.0, 3.0, 5.0], [1, 2], None),  # looked at already
+        ([-4.0, 0.5, -3.0], [-3.0, 0.5, -5.0], [0, 1], [0, 2]),
+        ([0.0, 4.0, 3.0], [1.0, -3.0, 2.0], [0, 1], None),  # one half says more, the other less
+        ([0.0, SIGN - 0.1, 0.0], [9.0, 9.0, 9.0], [0, 2], None),
+    ],
+)
+def test_what_promises_little_is_looked_at_where_both_halves_show_it(
+    monkeypatch, train, test, few, again
+):
+    effect = SimpleNamespace(fingerprint=("drift", "mean"))
+    monkeypatch.setattr(screening._View, "of", lambda held, state, settings: settings)
+    monkeypatch.setattr(screening, "_at_guess", lambda view, guess: [(view, guess)])
+    found = screening._looked_at_again(*_shown(train, test), effect, ["a", "b"], few)
+    assert found == ([] if again is None else [(again, "a"), (again, "b")])
+
+
+@pytest.mark.parametrize(("most", "asked"), [(FAINT - 1.0, ["faint"]), (FAINT + 1.0, [])])
+def test_only_where_nothing_promises_much_is_anything_looked_at_again(
+    held, state, monkeypatch, most, asked
+):
+    name = "heavy_tailed_read_noise"
+    calls = []
+    made = Prospect("faint", state.model, most)
+    monkeypatch.setattr(screening, "_at_guess", lambda view, guess: [made])
+    monkeypatch.setattr(
+        screening, "_looked_at_again", lambda *given: calls.append("faint") or [made]
+    )
+    prospects(held, state, {name: KNOWN[name]})
+    assert calls == asked
 
 
 def test_two_guesses_of_an_effect_are_kept_before_two_ways_to_one(state):

@@ -24,6 +24,14 @@ def test_thermal_fit_recovers_an_arrhenius_law_and_leaves_out_the_unknown():
     assert hints.thermal_fit(clues(*points), amplitude) == pytest.approx((7.0, 0.62))
 
 
+def test_growth_by_arrhenius_is_one_where_a_temperature_is_not_known():
+    told = clues(OperatingPoint(), OperatingPoint(65.0))
+    grown = hints.thermal_growth(told, np.array([0.0, 0.6]))
+    np.testing.assert_allclose(grown, [[1.0, 1.0], [1.0, arrhenius(65.0, 45.0, 0.6)]])
+    unknown = clues(OperatingPoint(65.0), reference=OperatingPoint())
+    assert hints.thermal_growth(unknown, np.array([0.6])) == [[1.0]]
+
+
 def test_thermal_fit_without_a_range_of_temperatures_takes_the_default():
     one = clues(OperatingPoint(45.0), OperatingPoint(45.0))
     assert hints.thermal_fit(one, np.array([4.0, 9.0]), 0.4) == pytest.approx((6.9, 0.4), rel=0.1)

@@ -11,6 +11,8 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, excess, shows
 
+LEAST_CHARGE = 0.05  # share of the noise's variance from which the charge's is told
+
 
 @dataclass(frozen=True)
 class Persistence(Effect):
@@ -72,9 +74,7 @@ class Persistence(Effect):
         """From the correlation of neighbouring frames, for a fast and for a slow release."""
         if not shows(clues, ("temporal_r1",)):
             return []
-        r1 = excess(clues, "temporal_r1")
-        r1 = r1[np.isfinite(r1)]
-        share = float(r1.max()) if r1.size else 0.0
+        share = _of_charge(excess(clues, "temporal_r1"), clues.measured("temporal_noise"))
         if share <= 0:
             return []
         seconds = [1.0 if p.exposure_s is None else p.exposure_s for p in clues.points]
@@ -88,3 +88,17 @@ class Persistence(Effect):
             for frames in (1.0, 8.0)
             for before in ("running", "empty")
         ]
+
+
+def _of_charge(r1: np.ndarray, noise: np.ndarray) -> float:
+    """Correlation of the charge of neighbouring frames, from that of all of the noise.
+
+    What the noise has beyond the quietest setting's is the charge's; where none has, all of it.
+    """
+    known = np.isfinite(r1)
+    if not known.any():
+        return 0.0
+    r1, noise = r1[known], noise[known]
+    part = 1.0 - (noise.min() / noise) ** 2 if np.all(noise > 0) else np.ones_like(r1)
+    part = part if part.max() > LEAST_CHARGE else np.ones_like(r1)
+    return float(np.sum(part * r1) / np.sum(part**2))

@@ -156,22 +156,48 @@ def test_the_charge_of_a_hit_is_guessed_from_how_far_frames_differ(charge, ends)
     differences = rng.normal(0.0, 3.0, 200_000)
     differences[:2000] += hits
     n, edges = np.histogram(np.clip(differences, -191.9, 191.9), 8192, (-192.0, 192.0))
-    clues = MadeUpClues(
-        seen={"transient_high": 300.0, "transient_adjacent": 0.0, "temporal_noise_core": 3.0},
-        model={"transient_high": 0.0, "transient_adjacent": 0.0},
-        stands_out=("transient_high",),
-        curves={
-            "difference_hist_x": [(edges[1:] + edges[:-1]) / 2],
-            "difference_hist_n": [n],
-        },
-    )
-    guesses = [g for g in CosmicRays.guess(clues) if g.charge == "track"]
+    at = (edges[1:] + edges[:-1]) / 2
+    guesses = _of_differences([3.0], [at], [n])
     assert len(guesses) == (2 if ends else 1)  # what is not counted may lie much farther out
     a_pixel = guesses[0].energy / 2.0
     if ends:
         assert charge / 4 < a_pixel < charge
     else:  # a thousand lie beyond the cut, with the noise on them
         assert a_pixel == pytest.approx(charge, rel=5 / np.sqrt(1000))
+        hits = guesses[0].rate * 0.262144 * 8 * 2.0
+        assert hits == pytest.approx(300.0 * np.exp(8 * 3.0 / a_pixel))  # with those not seen
+
+
+def _of_differences(noise, at, counts, points=(HERE,)):
+    """Guesses of tracks from 300 pixels that stand out once, and histograms of differences."""
+    clues = MadeUpClues(
+        points,
+        seen={
+            "transient_high": 300.0,
+            "transient_adjacent": 0.0,
+            "temporal_noise_core": np.array(noise),
+        },
+        model={"transient_high": 0.0, "transient_adjacent": 0.0},
+        stands_out=("transient_high",),
+        curves={"difference_hist_x": at, "difference_hist_n": counts},
+    )
+    return [g for g in CosmicRays.guess(clues) if g.charge == "track"]
+
+
+def test_the_charge_is_read_where_the_noise_is_least_and_is_that_of_the_reference_gain():
+    at = np.array([-30.0, 0.0, 30.0])
+    few, many = np.array([5, 10_000, 5]), np.array([50, 10_000, 50])
+    loud = OperatingPoint(45.0, 1.0, 2.0)
+    (guess,) = _of_differences([3.0, 2.0], [at, at], [many, few], (HERE, loud))
+    assert guess.energy == pytest.approx(2.0 * np.sqrt(2.0) * (30.0 - 6 * 2.0) / 2.0)
+    (guess,) = _of_differences([0.0, 2.0], [at, at], [many, few], (HERE, loud))
+    assert guess.energy == pytest.approx(2.0 * np.sqrt(2.0) * (30.0 - 6 * 2.0) / 2.0)
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_few_differences_tell_no_charge(count):
+    guesses = _of_differences([2.0], [np.array([0.0, 30.0])], [np.array([10_000, count])])
+    assert [g.energy for g in guesses] == pytest.approx([2 * 30 * 2.0, 2 * 300 * 2.0])
 
 
 def test_persistence_adds_the_past_with_its_weights():
@@ -211,6 +237,24 @@ def test_persistence_is_guessed_from_the_correlation_of_frames():
     )
     for guess in Persistence.guess(clues):
         assert guess.amplitude * np.exp(-1 / guess.tau_s) == pytest.approx(0.1)
+
+
+def test_persistence_is_guessed_from_the_part_of_the_noise_that_is_of_charge():
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (5.0, 25.0, 45.0))
+    read, charge = 3.0, np.array([0.0, 2.0, 6.0])
+    variance = read**2 + charge**2
+    clues = MadeUpClues(
+        points,
+        seen={"temporal_r1": 0.05 * charge**2 / variance, "temporal_noise": np.sqrt(variance)},
+        model={"temporal_r1": 0.0},
+        stands_out=("temporal_r1",),
+    )
+    for guess in Persistence.guess(clues):
+        assert guess.amplitude * np.exp(-1 / guess.tau_s) == pytest.approx(0.05)
+    clues.seen["temporal_r1"] = np.array([np.nan, 0.02, 0.02])  # no setting shows charge alone
+    clues.seen["temporal_noise"] = 5.0
+    for guess in Persistence.guess(clues):
+        assert guess.amplitude * np.exp(-1 / guess.tau_s) == pytest.approx(0.02)
 
 
 def test_crosstalk_correlates_shot_noise_by_its_kernel_and_spares_read_noise():

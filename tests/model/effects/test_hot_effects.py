@@ -86,6 +86,44 @@ def test_where_only_warm_frames_show_hot_pixels_the_cold_ones_tell_their_energy_
     assert HotPixels.guess(clues) == []
 
 
+def _hot(expected, sigma, points, model=None):
+    """Clues of these counts over thresholds."""
+    seen = expected | {"pattern_noise_core": sigma}
+    model = model or dict.fromkeys(expected, 0.0)
+    return MadeUpClues(points, points[0], SHAPE, seen, model, ("hot_count_16",))
+
+
+def test_the_hot_signal_is_that_of_the_reference_exposure_and_gain():
+    points = (HERE, OperatingPoint(25.0, 4.0, 1.0), OperatingPoint(25.0, 1.0, 2.0))
+    scale, sigma = np.array([60.0, 240.0, 120.0]), np.array([3.0, 3.0, 6.0])
+    (guess,) = HotPixels.guess(_hot(_counts(2e-3, scale, sigma, N), sigma, points))
+    assert guess.scale == pytest.approx(60.0, rel=0.15)
+    assert guess.fraction == pytest.approx(2e-3, rel=0.15)
+
+
+@pytest.mark.parametrize("temperature_c", [None, 25.0])
+def test_where_no_two_temperatures_tell_the_energy_it_is_the_usual_one(temperature_c):
+    points = tuple(OperatingPoint(temperature_c, t, 1.0) for t in (1.0, 4.0))
+    sigma = np.array([3.0, 3.0])
+    counts = _counts(2e-3, np.array([60.0, 240.0]), sigma, N)
+    (guess,) = HotPixels.guess(_hot(counts, sigma, points))
+    assert guess.ea_ev == 0.55
+    assert guess.scale == pytest.approx(60.0, rel=0.15)
+
+
+@pytest.mark.parametrize("crowd", [8000.0, -30_000.0])
+def test_many_pixels_just_over_the_noise_do_not_hide_a_tail(crowd):
+    """As where a log-normal ends in another way than the model's."""
+    points, sigma = (HERE, WARM), np.array([3.0, 5.0])
+    scale = 150.0 * np.array([1.0, growth(0.6)])
+    counts = _counts(1e-3, scale, sigma, N)
+    counts["hot_count_5"] = counts["hot_count_5"] + np.array([0.0, max(crowd, 0.0)])
+    model = dict.fromkeys(counts, 0.0) | {"hot_count_5": np.array([0.0, max(-crowd, 0.0)])}
+    (guess,) = HotPixels.guess(_hot(counts, sigma, points, model))
+    assert guess.fraction == pytest.approx(1e-3, rel=0.3)
+    assert guess.scale == pytest.approx(150.0, rel=0.3)
+
+
 def test_clusters_have_the_mean_and_variance_of_a_neyman_scott_process():
     effect = HotClusters(density=1e-3, members=5.0, radius=1.5, scale=10.0)
     y = np.stack([frames(effect, SHAPE, seed=s)[0] for s in range(6)])
