@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from dnanalyze.diagnosis.confidence import STANDS_IN
 from dnanalyze.diagnosis.diagnose import Diagnosis, judge
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
+from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.other_way import by_another_way
 from dnanalyze.diagnosis.path import Path, Step
 from dnanalyze.diagnosis.screening import prospects
@@ -138,7 +139,8 @@ def add(
     larger = seen[0].model if seen else before.model.with_effect(effect())
     begun = start(held, larger, knobs_of(larger), like=before)
     after = judged(held, before, name, minimise(held, begun, 8))
-    steps = [Step(None, error_of(held, before)), Step(name, after.error)]
+    why = evidence_for(held, before, after.state, effect)
+    steps = [Step(None, error_of(held, before)), Step(name, after.error, None, why)]
     found = judge(captures.name, held, after.state, [], known, limits=False)
     state = after.state
     return Refinement(

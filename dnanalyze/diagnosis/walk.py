@@ -9,6 +9,7 @@ from dnanalyze.diagnosis.background import along_background
 from dnanalyze.diagnosis.bend import along_bend
 from dnanalyze.diagnosis.confidence import confidences, rivals, significant
 from dnanalyze.diagnosis.diagnose import missing, retold
+from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.needless import needless
 from dnanalyze.diagnosis.path import Fork, Path, Step
@@ -55,8 +56,10 @@ class Walk:
     keep: Callable[[NoiseModel], None] = lambda _: None
 
     def note(self, path: Path, state: State, name: str | None, sure: float | None = None) -> Path:
-        """The path, gone on to a state."""
-        step = Step(name, error_of(self.held, state), sure)
+        """The path, gone on to a state; why, where the data had to speak for what was added."""
+        effect = None if name is None or sure is None else state.model.get(name)
+        why = [] if effect is None else evidence_for(self.held, path.state, state, type(effect))
+        step = Step(name, error_of(self.held, state), sure, why)
         self.tell(step)
         return replace(path, state=state, steps=(*path.steps, step))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import walk as module
+from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import Exchange
 from dnanalyze.diagnosis.path import Path, Step
 from dnanalyze.diagnosis.trial import error_of
@@ -81,6 +82,12 @@ def test_what_is_needless_with_an_addition_goes_and_does_not_come_back(
     ]  # fmt: skip
     assert found.state is ordinary.state
     assert found.dropped == ("row_noise",)
+    begun, added, gone = (s.evidence for s in found.steps)
+    assert added == evidence_for(
+        ordinary.bench, ordinary.state, state, type(state.model.get("row_fpn"))
+    )
+    assert any("row_fpn in" in words for words in added)
+    assert begun == gone == []
 
 
 def test_an_exchange_is_told_as_a_removal_and_an_addition(ordinary, completed_at_once, monkeypatch):
