@@ -165,10 +165,11 @@ def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     state, leader = _fitted_alike(held, state, tried[0])
     best = _supported(held, state, leader)
     least, most = sorted((leader.gain, leader.fitted_gain))
-    plain = UNDONE * leader.spread < leader.evidence if best else most < CERTAIN * leader.spread
-    if plain or least > DISAGREE * most:
-        return best
-    return _on_average(held, state, leader)
+    if best is None:
+        open_yet = most > CERTAIN * leader.spread
+    else:
+        open_yet = leader.evidence < UNDONE * leader.spread
+    return _on_average(held, state, leader) if open_yet and least < DISAGREE * most else best
 
 
 def _on_average(held: Bench, state: State, leader: Trial) -> Trial | None:

@@ -13,7 +13,7 @@ from dnanalyze.model.laws import Law, scaled
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)
 ENERGIES = np.array([0.55, *np.linspace(0.0, 1.5, 31)])  # eV; the first where none is told
-SCALES, FARTHEST = 60, 500.0  # tried; the largest, robust sigmas
+REACHES = 0.3, 500.0, 60  # robust sigmas that the mean signal may be of, where it shows most
 UNLIKE = 0.1  # share of a count by which no exponential tail is exact
 HEAVY = 0.5  # exponent from which a heavy tail is tried
 
@@ -65,13 +65,15 @@ def hot_signal(clues: Clues) -> dict[str, float] | None:
     growth = hints.thermal_growth(clues, ENERGIES) * hints.exposure_and_gain(clues)
     extra, variance = _between(clues)
     told = np.isfinite(sigma) & (sigma > 0) & np.isfinite(growth).all(axis=0)
-    told &= np.isfinite(extra).all(axis=0)
+    told &= np.isfinite(extra).any(axis=0)
     if not told.any():
         return None
     extra, variance, sigma, growth = extra[:, told], variance[:, told], sigma[told], growth[:, told]
-    scales = np.geomspace(0.3 * np.min(sigma / growth), FARTHEST * np.max(sigma / growth), SCALES)
+    variance, extra = np.where(np.isfinite(extra), variance, np.inf), np.nan_to_num(extra)
+    plainest = int(np.argmax(np.sum(extra / np.sqrt(variance), axis=0)))
+    scales = np.geomspace(*REACHES) * sigma[plainest] / growth[:, [plainest]]
     beyond = np.exp(-np.array([*THRESHOLDS, np.inf])[:, None] * sigma
-                    / (scales[:, None, None] * growth[:, None, None, :]))  # fmt: skip
+                    / (scales[..., None, None] * growth[:, None, None, :]))  # fmt: skip
     share = beyond[..., :-1, :] - beyond[..., 1:, :]  # (energies, scales, thresholds, settings)
     along = np.sum(share * extra / variance, axis=(-2, -1))
     square = np.maximum(np.sum(share**2 / variance, axis=(-2, -1)), 1e-30)
@@ -80,7 +82,11 @@ def hot_signal(clues: Clues) -> dict[str, float] | None:
     if pixels <= 0:
         return None
     fraction = pixels / float(np.prod(clues.shape))
-    return {"fraction": fraction, "scale": float(scales[scale]), "ea_ev": float(ENERGIES[energy])}
+    return {
+        "fraction": fraction,
+        "scale": float(scales[energy, scale]),
+        "ea_ev": float(ENERGIES[energy]),
+    }
 
 
 def _between(clues: Clues) -> tuple[np.ndarray, np.ndarray]:

@@ -97,8 +97,12 @@ def test_the_hot_signal_is_that_of_the_reference_exposure_and_gain():
     points = (HERE, OperatingPoint(25.0, 4.0, 1.0), OperatingPoint(25.0, 1.0, 2.0))
     scale, sigma = np.array([60.0, 240.0, 120.0]), np.array([3.0, 3.0, 6.0])
     (guess,) = HotPixels.guess(_hot(_counts(2e-3, scale, sigma, N), sigma, points))
-    assert guess.scale == pytest.approx(60.0, rel=0.15)
-    assert guess.fraction == pytest.approx(2e-3, rel=0.15)
+    assert guess.scale == pytest.approx(60.0, rel=0.1)
+    assert guess.fraction == pytest.approx(2e-3, rel=0.1)
+    counts = _counts(2e-3, scale, sigma, N)
+    counts["hot_count_64"][[0, 2]] = np.nan
+    (guess,) = HotPixels.guess(_hot(counts, sigma, points))  # a count that is not known is left out
+    assert guess.scale == pytest.approx(60.0, rel=0.1)
 
 
 @pytest.mark.parametrize("temperature_c", [None, 25.0])
@@ -108,7 +112,7 @@ def test_where_no_two_temperatures_tell_the_energy_it_is_the_usual_one(temperatu
     counts = _counts(2e-3, np.array([60.0, 240.0]), sigma, N)
     (guess,) = HotPixels.guess(_hot(counts, sigma, points))
     assert guess.ea_ev == 0.55
-    assert guess.scale == pytest.approx(60.0, rel=0.15)
+    assert guess.scale == pytest.approx(60.0, rel=0.1)  # tried in steps of an eighth
 
 
 @pytest.mark.parametrize("crowd", [8000.0, -30_000.0])
