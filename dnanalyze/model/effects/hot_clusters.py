@@ -12,7 +12,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signal
+from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signals
 
 REACH = 8
 MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
@@ -132,11 +132,9 @@ class HotClusters(HotTail):
         """The tail of the unexplained hot pixels, split into small and large clusters."""
         if not shows(clues, ("hot_pairs", "hot_halo_2")):
             return []
-        found = hot_signal(clues)
-        if found is None:
-            return []
-        fraction = found.pop("fraction")
         return [
-            cls(**hints.clip(cls, density=fraction / m, members=m, radius=r, **found))
+            cls(**hints.clip(cls, density=found["fraction"] / m, members=m, radius=r,
+                             scale=found["scale"], ea_ev=found["ea_ev"]))
+            for found in hot_signals(clues)
             for m, r in ((3.0, 1.2), (8.0, 2.5))
-        ]
+        ]  # fmt: skip

@@ -12,7 +12,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signal
+from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signals
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,7 @@ class HotPixels(HotTail):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """What the counts over thresholds tell, at all settings together."""
+        """What the counts over thresholds tell, of all settings together and of each."""
         if not shows(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
             return []
-        found = hot_signal(clues)
-        return [] if found is None else [cls(**hints.clip(cls, **found))]
+        return [cls(**hints.clip(cls, **found)) for found in hot_signals(clues)]
