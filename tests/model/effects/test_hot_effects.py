@@ -107,6 +107,18 @@ def test_the_hot_signal_is_that_of_the_reference_exposure_and_gain():
     assert guess.scale == pytest.approx(60.0, rel=0.1)
 
 
+def test_where_a_correction_took_those_of_cold_frames_each_setting_is_read_by_itself():
+    points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
+    scale = 60.0 * np.array([arrhenius(t.temperature_c, 25.0, 0.5) for t in points])
+    sigma = np.array([3.0, 5.0, 9.0])
+    left = np.array([0.0, 1.0, 1.0])
+    counts = {k: n * left for k, n in _counts(2e-3, scale, sigma, N).items()}
+    together, each = HotPixels.guess(_hot(counts, sigma, points))
+    assert each.ea_ev == pytest.approx(0.5, abs=0.02)
+    assert each.scale == pytest.approx(60.0, rel=0.05)
+    assert together.ea_ev > 1.0  # none may reach there
+
+
 @pytest.mark.parametrize("temperature_c", [None, 25.0])
 def test_where_no_two_temperatures_tell_the_energy_it_is_the_usual_one(temperature_c):
     points = tuple(OperatingPoint(temperature_c, t, 1.0) for t in (1.0, 4.0))
