@@ -89,14 +89,6 @@ def sobered(bench: Bench, before: State, found: Trial) -> Trial:
     return replace(found, gain=gain, fitted_gain=fitted_gain)
 
 
-def averaged(bench: Bench, state: State, replicates: int = FEW) -> State:
-    """The state with what its model's statistics are on average over sensors of its make.
-
-    Where few tracks or defects make most of a statistic, that of one simulated sensor is luck.
-    """
-    return on_average(bench, state, replicates)[1]
-
-
 def on_average(bench: Bench, state: State, replicates: int = FEW) -> tuple[Bench, State]:
     """A bench where the luck of the state's simulated sensor is the measured one's too; the state.
 

@@ -33,7 +33,7 @@ from dnanalyze.model.registry import BASE, catalogue
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
-UNDONE = 120.0  # evidence, in units of the misfit left, beyond what such a fit may still gain
+UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
 PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dnanalyze.diagnosis.adequacy import averaged
+from dnanalyze.diagnosis.adequacy import on_average
 from dnanalyze.diagnosis.confidence import CERTAIN, LUCK, NOTHING
 from dnanalyze.diagnosis.trial import error_of, judged, removal
 from dnanalyze.fitting.least_squares import State
@@ -40,5 +40,6 @@ def _idle(held: Bench, without: State, state: State, name: str) -> bool:
     if error_of(held, without) > (1.0 + LUCK) * found.error:
         return False
     if found.gain < NOTHING / 2 and found.fitted_gain > CERTAIN:
-        found = judged(held, averaged(held, without), name, averaged(held, state))
+        before, after = (on_average(held, s)[1] for s in (without, state))
+        found = judged(held, before, name, after)
     return found.gain < NOTHING / 2

@@ -10,7 +10,6 @@ import pytest
 from dnanalyze.diagnosis.adequacy import (
     Adequacy,
     adequacy,
-    averaged,
     farthest,
     mends,
     on_average,
@@ -111,7 +110,7 @@ def test_the_farthest_are_told_worst_first(held):
 
 def test_an_average_sensor_is_the_mean_of_some_and_scatters_less(held):
     model = _model(OffsetDrift(1.0), seed=2)
-    own, calm = _at(held, model), averaged(held, _at(held, model), 3)
+    own, calm = _at(held, model), on_average(held, _at(held, model), 3)[1]
     drawn = [held.replicate(model, r) for r in range(3)]
     for side, half, single, mean in (
         (0, held.train, own.train, calm.train),

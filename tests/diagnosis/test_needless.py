@@ -34,7 +34,7 @@ def test_an_addition_that_only_led_the_others_to_their_place_goes_again(ordinary
 def test_what_the_average_sensor_or_the_error_shows_to_be_needed_stays(
     monkeypatch, gain, fitted, average, without, idle
 ):
-    monkeypatch.setattr(module, "averaged", lambda _, state: f"average {state}")
+    monkeypatch.setattr(module, "on_average", lambda _, state: (None, f"average {state}"))
     monkeypatch.setattr(
         module,
         "judged",

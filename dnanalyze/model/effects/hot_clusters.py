@@ -12,7 +12,8 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signals
+from dnanalyze.model.hot_counts import hot_signals
+from dnanalyze.model.hot_tail import HotTail, amplitude
 
 REACH = 8
 MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds

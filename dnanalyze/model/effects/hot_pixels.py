@@ -12,7 +12,8 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_tail import HotTail, amplitude, hot_signals
+from dnanalyze.model.hot_counts import hot_signals
+from dnanalyze.model.hot_tail import HotTail, amplitude
 
 
 @dataclass(frozen=True)
