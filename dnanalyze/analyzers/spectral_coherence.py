@@ -79,7 +79,7 @@ def _largest(amplitudes: np.ndarray) -> float:
     for _ in range(_STEPS):
         tried = np.linspace(-reach, reach, _GRID)
         turns = [np.exp(-1j * np.outer(centre + tried, np.arange(BLOCKS))) for centre in at]
-        sums = np.einsum("ay,nyx,bx->nab", turns[0], amplitudes, turns[1], optimize=True)
+        sums = turns[0] @ amplitudes @ turns[1].T
         power = np.sum(np.abs(sums) ** 2, axis=0)
         a, b = np.unravel_index(int(np.argmax(power)), power.shape)
         at, best = at + np.array([tried[a], tried[b]]), float(power[a, b])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,6 +54,7 @@ class Stream:
         return np.random.Generator(np.random.Philox(key=self.key))
 
 
+@lru_cache(maxsize=1 << 14, typed=True)  # the same streams are asked for frame by frame
 def _hash(key: int, *names: object) -> int:
     text = "/".join([f"{key:016x}", *map(str, names)])
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -48,6 +49,17 @@ def test_a_small_capture_set_is_looked_at_whole():
     assert plan.train.shape == (32, 48)
     assert plan.test.bottom == 64
     assert [count for _, count in plan.settings] == [4, 4, 4]
+
+
+@pytest.mark.parametrize(
+    ("side", "frames", "kept", "share"),
+    [(512, 12, 8, 1.0), (650, 8, 5, 1.0), (650, 3, 3, 1.0), (2000, 8, 3, 0.2)],
+)
+def test_frames_are_spared_before_area(side, frames, kept, share):
+    """Never more than eight, nor fewer than three: 2000 x 2000 x 3 x 5 is 60 million."""
+    plan = design(captures((side, side), 5, frames))
+    assert [count for _, count in plan.settings] == [kept] * 5
+    assert 2 * np.prod(plan.train.shape) / side**2 == pytest.approx(share, abs=0.01)
 
 
 @settings(deadline=None)
