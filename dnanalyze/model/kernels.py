@@ -186,24 +186,45 @@ def replace_by_counts(key, top, left, width, k, signal):
     """signal = k Pois(max(signal, 0)/k) + min(signal, 0), in place."""
     columns = signal.shape[1]
     words = np.empty(columns, np.int32)
-    mean = np.empty(columns, np.float32)
-    count = np.empty(columns, np.float32)
+    mean = np.empty(_BLOCK, np.float32)
+    count = np.empty(_BLOCK, np.float32)
+    at = np.empty(_BLOCK, np.int32)
+    word, lam = np.empty(_BLOCK, np.int32), np.empty(_BLOCK, np.float32)
     work = np.empty((4, _BLOCK))
     for r in range(signal.shape[0]):
         _row_of_words(key, top + r, left, width, words)
-        line = signal[r]
-        few = 0
-        for c in range(columns):
-            mean[c] = line[c] / k if line[c] > 0 else F(0)
-            few += mean[c] < FEW
-        if few < columns:
-            _many(words, mean, count)
-        if few > 0:
-            for start in range(0, columns, _BLOCK):
-                stop = min(start + _BLOCK, columns)
-                _few(words[start:stop], mean[start:stop], count[start:stop], work)
-        for c in range(columns):
-            line[c] = k * count[c] + (line[c] if line[c] < 0 else F(0))
+        for start in range(0, columns, _BLOCK):
+            line, here = signal[r, start : start + _BLOCK], words[start : start + _BLOCK]
+            n = line.size
+            few = 0
+            for c in range(n):
+                mean[c] = line[c] / k if line[c] > 0 else F(0)
+                few += mean[c] < FEW
+            if few == 0:
+                _many(here, mean[:n], count)
+            elif few == n:
+                _few(here, mean[:n], count, work)
+            else:
+                _sorted(here, mean[:n], few, at, word, lam)
+                _few(word[:few], lam[:few], count, work)
+                _many(word[few:n], lam[few:n], count[few:])
+                for j in range(n):
+                    mean[at[j]] = count[j]
+                count, mean = mean, count
+            for c in range(n):
+                line[c] = k * count[c] + (line[c] if line[c] < 0 else F(0))
+
+
+@_inlined
+def _sorted(words, mean, few, at, word, lam):
+    """Those of few electrons first: pixels, words and means of the block, in their order."""
+    low, high = 0, few
+    for c in range(mean.size):
+        is_few = mean[c] < FEW
+        to = low if is_few else high
+        at[to], word[to], lam[to] = c, words[c], mean[c]
+        low += is_few
+        high += not is_few
 
 
 @_inlined
@@ -215,7 +236,7 @@ def _many(words, mean, count):
     """
     for c in range(words.size):
         z = _normal(words[c])
-        lam = mean[c] if mean[c] > FEW else FEW
+        lam = mean[c]
         s2 = lam - F(1 / 12)
         s = np.sqrt(s2)
         g1 = lam / (s2 * s)
@@ -236,7 +257,7 @@ def _few(words, mean, count, work):
     lam, p, above, tail = work[0], work[1], work[2], work[3]
     n = words.size
     for j in range(n):
-        lam[j] = mean[j] if mean[j] < FEW else 0.0
+        lam[j] = mean[j]
         x = lam[j] * (-1.0 / 16)
         e = 1.0 + x * (
             1 / 12
@@ -259,8 +280,7 @@ def _few(words, mean, count, work):
         p[j] = e
         above[j] = 1.0 - e
         tail[j] = (np.float64(~np.uint32(words[j])) + 0.5) * 2.0**-32
-        if mean[j] < FEW:
-            count[j] = 0
+        count[j] = 0
     for k in range(1, 64):
         more = 0
         inverse = 1.0 / k

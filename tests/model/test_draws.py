@@ -206,6 +206,22 @@ def test_counts_have_poisson_cumulants(mean):
     assert abs(third - mean) < 5 * np.sqrt((6 * mean**3 + 18 * mean**2 + mean) / n.size)
 
 
+def test_a_count_does_not_depend_on_how_many_electrons_its_neighbours_have():
+    rng = np.random.default_rng(6)
+    mean = (10.0 * np.exp(rng.normal(0.0, 1.5, (7, 700)))).astype(np.float32)
+    few = mean < kernels.FEW
+    assert 0.2 < few.mean() < 0.8
+    window = Window(3, 10, 5, 705)
+
+    def counted(m):
+        return draws.counts(m.copy(), 0.7, 11, window, 900) / 0.7
+
+    mixed = counted(0.7 * mean)
+    alone = [counted(np.float32(0.7) * np.where(few == low, mean, mean[few == low][0]))
+             for low in (True, False)]  # fmt: skip
+    np.testing.assert_array_equal(mixed, np.where(few, *alone))
+
+
 def test_counts_rise_with_the_mean_and_leave_negative_signal():
     window = Window(0, 100, 0, 1000)
     means = (0.0, 1.0, 5.0, 9.9, 10.1, 11.0, 40.0)
