@@ -12,7 +12,6 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.moments import Moments, temperature_knots
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.effects.convolved_lognormal import NONE
 from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
@@ -91,7 +90,7 @@ def ordinary_model(
     )
     rate = m.signal / ratio
     mu = np.log(np.maximum(rate, 1e-4)) - delta**2 / 2
-    base = _base(m, mu=_by_temperature(m.points, mu, lit), delta=delta, phi=1e-3, sigma=NONE)
+    base = _base(m, mu=_by_temperature(m.points, mu, lit), delta=delta, phi=1e-3, sigma=1e-6)
     effects = (
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
@@ -150,7 +149,7 @@ def partly_named(
         base,
         mu=_table(m.points, np.log(signal) - spread**2 / 2),
         delta=_table(m.points, np.clip(spread, 1e-4, 4.0)),
-        sigma=_table(m.points, np.clip(sigma, NONE, 1e5)),
+        sigma=_table(m.points, np.clip(sigma, 1e-6, 1e5)),
         exposure="none",
     )
     return replace(paper, effects=(rest, *named), pedestal=pedestal)

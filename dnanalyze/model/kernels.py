@@ -209,7 +209,7 @@ def replace_by_counts(key, top, left, width, k, signal):
                 _few(word[:few], lam[:few], count, work)
                 _many(word[few:n], lam[few:n], count[few:])
                 for j in range(n):
-                    mean[at[j]] = count[j]
+                    mean[at[j]] = count[j]  # back to its place
                 count, mean = mean, count
             for c in range(n):
                 line[c] = k * count[c] + (line[c] if line[c] < 0 else F(0))

@@ -13,8 +13,6 @@ from dnanalyze.model import draws
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 
-NONE = 1e-6  # spread of a kernel that does not vary
-
 
 @dataclass(frozen=True)
 class ConvolvedLognormal(Effect):
@@ -82,9 +80,7 @@ class ConvolvedLognormal(Effect):
     phi: float = parameter(
         1e-3, "1", 0.0, 0.125, "kernel weight of each of the 8 neighbours", "linear"
     )
-    sigma: float = parameter(
-        0.01, "1", NONE, 1e6, "spread of each random kernel tap; at its least there is none"
-    )
+    sigma: float = parameter(0.01, "1", 1e-6, 1e6, "spread of each random kernel tap")
     seed: str = choice("fixed", "seed in the silicon, or redrawn each frame", "fixed", "redrawn")
     exposure: str = choice("proportional", "signal over exposure", "proportional", "none")
 
@@ -97,9 +93,6 @@ class ConvolvedLognormal(Effect):
             mean, norm = site.keep(
                 "seed", lambda: draws.lognormal(key, mu, delta, phi, site.window, site.shape[1])
             )
-            if sigma <= NONE:
-                signal += mean
-                return signal
             return draws.add_scaled_normal(
                 signal, mean, norm, sigma, taps, site.window, site.shape[1]
             )
