@@ -184,6 +184,5 @@ def smoothed(counts: np.ndarray, width: int) -> np.ndarray:
 @cache
 def _savitzky_golay(width: int) -> np.ndarray:
     """Cubic smoothing kernel: the first row of the pseudo-inverse of the powers 0 to 3."""
-    from scipy.signal import savgol_coeffs
-
-    return np.asarray(savgol_coeffs(width, 3))
+    at = np.linspace(-1.0, 1.0, width)
+    return np.asarray(np.linalg.pinv(np.vander(at, 4, increasing=True))[0])

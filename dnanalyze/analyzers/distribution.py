@@ -289,10 +289,17 @@ def _powers(distance: float, start: float) -> int:
 def peaks(counts: np.ndarray) -> int:
     """Maxima of a histogram that stand 5 standard errors above the valley to the next one."""
     from scipy.ndimage import gaussian_filter1d
-    from scipy.signal import find_peaks
 
-    smooth = 2 * np.sqrt(
-        np.concatenate(([0.0], gaussian_filter1d(counts.astype(float), 3.0), [0.0]))
-    )
-    found, _ = find_peaks(smooth, prominence=5.0 / math.sqrt(2 * 3.0 * math.sqrt(math.pi)))
-    return len(found)
+    smooth = 2 * np.sqrt(gaussian_filter1d(counts.astype(float), 3.0))
+    return summits(smooth, 5.0 / math.sqrt(2 * 3.0 * math.sqrt(math.pi)))
+
+
+def summits(curve: np.ndarray, prominence: float) -> int:
+    """Maxima of at least this topographic prominence in a curve >= 0 that is 0 beyond its ends."""
+    found, climbing, turn = 0, False, 0.0
+    for height in (*curve.tolist(), 0.0):
+        turn = max(turn, height) if climbing else min(turn, height)
+        if abs(height - turn) >= prominence:
+            found += climbing
+            climbing, turn = not climbing, height
+    return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import theilslopes
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint
@@ -49,6 +48,8 @@ def gain_over_field(measured: Sequence[Statistics], reference: OperatingPoint) -
 
 def _slope(parts: Sequence[SettingStatistics]) -> tuple[float, float] | None:
     """Slope of a setting, DN, and its standard error."""
+    from scipy.stats import theilslopes
+
     if not all({"block_means", "noise_blocks"} <= set(p.curves) for p in parts):
         return None
     level, noise = (

@@ -18,12 +18,14 @@ from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.fitting.simulated import THREADS, Job, Part, room
+from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import Memo
 
 MOST = 7  # helpers
 PATIENCE_S = 5.0  # with a helper at the end
+WARM = 64, 64  # pixels of what a helper simulates before it is asked
 WORTH = 3_000_000  # pixels of a simulation from which a helper is worth its start
 
 
@@ -92,6 +94,7 @@ def _serve(pipe: Connection, shares: int) -> None:
     """What a helper does until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom it helps decides
     memo = room(shares)
+    _warm()
     with suppress(EOFError, OSError):
         while True:
             job, parts, kept = pipe.recv()
@@ -100,6 +103,15 @@ def _serve(pipe: Connection, shares: int) -> None:
             except Exception:  # met again, and told, by the process that asked
                 found = None
             pipe.send(found)
+
+
+def _warm() -> None:
+    """All that is imported and compiled when first used is, while the captures are being read."""
+    model = NoiseModel(tuple(effect() for effect in built_in().values()))
+    rows, columns = WARM
+    halves = Window(0, rows // 2, 0, columns), Window(rows // 2, rows, 0, columns)
+    job = Job(model, Sensor(WARM), halves, [(OperatingPoint(60.0, 0.1), 2)])
+    job.statistics(job.parts(), Memo(0))
 
 
 def _close(pipes: list[Connection], workers: list[SpawnProcess]) -> None:

@@ -15,6 +15,7 @@ from dnanalyze.model.simulate import Memo, simulate
 THREADS = 2  # parts taken at a time
 FIELD_BYTES = 1 << 30
 CHARGE_BYTES = 1 << 28  # a few models' frames
+WANTED, SHADING = 5, 2  # about what a frame of a half costs, and one of which only that is asked
 
 Part = tuple[int, int]  # a setting, and a half of the field
 
@@ -51,9 +52,18 @@ class Job:
     half: int | None = None
 
     def parts(self, share: int = 0, shares: int = 1) -> list[Part]:
-        """The parts of one of several shares: halves in turn, so that all have as much to do."""
+        """The parts of one of several shares, all of which have as much to do."""
         every = [(s, h) for s in range(len(self.settings)) for h in range(len(self.windows))]
-        return [(s, h) for s, h in every if (s + h) % shares == share]
+        # the dearest first, each to whom has least; halves in turn
+        every.sort(key=lambda part: (-self._cost(part), part[0], sum(part) % 2))
+        taken: list[list[Part]] = [[] for _ in range(shares)]
+        for part in every:
+            min(taken, key=lambda own: sum(map(self._cost, own))).append(part)
+        return sorted(taken[share])
+
+    def _cost(self, part: Part) -> int:
+        setting, half = part
+        return self.settings[setting][1] * (WANTED if self.half in (None, half) else SHADING)
 
     def statistics(
         self, parts: Iterable[Part], memo: Memo, threads: int = 1

@@ -3,10 +3,12 @@ import math
 import numpy as np
 import pytest
 from dark_frames import dark_frames
-from scipy import stats
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import signal, stats
 
 from dnanalyze.analyzers import distribution, level
-from dnanalyze.analyzers.distribution import lognormal_through, peaks
+from dnanalyze.analyzers.distribution import lognormal_through, peaks, summits
 from dnanalyze.analyzers.quantiles import Ordered
 from dnanalyze.analyzers.steps import pattern_steps
 from dnanalyze.analyzers.streaming import accumulate
@@ -155,6 +157,15 @@ def test_peaks_of_a_histogram():
     two = one + np.random.default_rng(20).poisson(300 * np.exp(-(((x - 150) / 8) ** 2)))
     assert peaks(one) == 1
     assert peaks(two) == 2
+
+
+@given(st.lists(st.integers(0, 40), min_size=1, max_size=60, unique=True), st.integers(1, 30))
+def test_summits_are_maxima_of_some_prominence(heights, least):
+    """As many as by the definition, which looks left and right of each maximum."""
+    curve = np.array(heights, float)
+    padded = np.concatenate(([0.0], curve + 1e-6, [0.0]))
+    found, _ = signal.find_peaks(padded, prominence=least)
+    assert summits(curve + 1e-6, least) == len(found)
 
 
 def test_curves_count_every_pixel():

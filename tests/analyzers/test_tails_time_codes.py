@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 from dark_frames import dark_frames
-from scipy import ndimage
+from scipy import ndimage, signal
 
 from dnanalyze.analyzers import codes, tails, time
 from dnanalyze.analyzers.streaming import accumulate
@@ -235,3 +235,10 @@ def test_lattice_and_entropy():
     assert "whole codes" in loose.missing["code_comb"]
     flat = [np.random.default_rng(17).integers(0, 16, SHAPE).astype(np.uint16)]
     assert values_of(codes, flat)["effective_bits"].value == pytest.approx(4.0, abs=0.01)
+
+
+@pytest.mark.parametrize("width", [5, 33, 129])
+def test_a_histogram_is_smoothed_by_the_filter_of_savitzky_and_golay(width):
+    counts = np.random.default_rng(4).poisson(50, 300).astype(float)
+    expected = signal.savgol_filter(counts, width, 3, mode="constant")
+    np.testing.assert_allclose(codes.smoothed(counts, width), np.maximum(expected, 0.5), rtol=1e-9)
