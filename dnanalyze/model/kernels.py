@@ -365,6 +365,22 @@ def _kernel_row(up, here, down, phi, column, square, mean, norm):
 
 
 @_compiled
+def replace_by_rank(levels, near, signal):
+    """signal = how many of the ascending ``levels`` it reaches, in place; (pixels,).
+
+    Level k lies not far from ``near`` + k, where the search begins.
+    """
+    for i in range(signal.size):
+        x = signal[i]
+        k = min(max(np.int64(x) - near, 0), levels.size)
+        while k < levels.size and levels[k] <= x:
+            k += 1
+        while k > 0 and levels[k - 1] > x:
+            k -= 1
+        signal[i] = k
+
+
+@_compiled
 def fill_lognormal(key, top, left, width, mu, delta, phi, mean, norm):
     """Mean and norm of the paper's random kernel on a log-normal seed; the edges are repeated."""
     rows, columns = mean.shape

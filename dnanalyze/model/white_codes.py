@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 
 FIELD = 96  # pixels a side
 TIMES = 0.5, 6.0, 14  # that noise before may be of noise left: the step of a code adds to it
+
+
+@cache
+def _white() -> np.ndarray:
+    return np.random.default_rng(1).standard_normal((FIELD, FIELD), np.float32)
 
 
 def left_of(smooth: Callable[[np.ndarray], np.ndarray], sigma: float) -> np.ndarray:
@@ -28,16 +34,31 @@ def left_of(smooth: Callable[[np.ndarray], np.ndarray], sigma: float) -> np.ndar
     ndarray
         (FIELD, FIELD), DN.
     """
-    white = np.random.default_rng(1).standard_normal((FIELD, FIELD), np.float32)
+    white = _white()
     mean = np.linspace(-0.5, 0.5, FIELD, dtype=np.float32)
     return np.asarray(smooth(np.rint(np.float32(sigma) * white + mean)) - mean)
 
 
 def noise_before(smooth: Callable[[np.ndarray], np.ndarray], noise: float) -> float:
     """Standard deviation of white noise, DN, of which ``noise`` is left, codes' own with it."""
-    tried = noise * np.geomspace(*TIMES)
-    left = [math.sqrt(float(np.mean(left_of(smooth, s) ** 2))) for s in tried]
-    return float(np.interp(noise, np.maximum.accumulate(left), tried))
+    return reached(
+        noise,
+        lambda sigma: math.sqrt(float(np.mean(left_of(smooth, sigma) ** 2))),
+        noise * np.geomspace(*TIMES),
+    )
+
+
+def reached(level: float, rise: Callable[[float], float], tried: Sequence[float]) -> float:
+    """Where a rise first exceeds a level, between two of the ascending numbers that are tried.
+
+    The last of them where it does not; it is not asked of any beyond.
+    """
+    found: list[float] = []
+    for x in tried:
+        found.append(rise(x))
+        if found[-1] > level:
+            break
+    return float(np.interp(level, np.maximum.accumulate(found), tried[: len(found)]))
 
 
 def likeness(field: np.ndarray) -> float:

@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from dnanalyze.model.white_codes import FIELD, left_of, likeness, noise_before
+from dnanalyze.model.white_codes import FIELD, left_of, likeness, noise_before, reached
 
 
 @pytest.mark.parametrize("sigma", [0.6, 5.0])
@@ -27,3 +29,17 @@ def test_of_a_mean_of_two_half_the_variance_is_left_and_neighbours_are_half_alik
 def test_what_takes_all_away_has_the_most_noise_before_that_is_tried():
     assert noise_before(np.zeros_like, 1.0) == pytest.approx(6.0)
     assert likeness(np.zeros((8, 8))) == 0.0
+
+
+@given(st.lists(st.floats(-5, 5), min_size=1, max_size=12), st.floats(-6, 6))
+def test_a_level_is_reached_where_the_highest_so_far_exceeds_it(heights, level):
+    """As found with all of them known; none is asked for beyond."""
+    asked, places = [], 10.0 * np.arange(len(heights))
+
+    def rise(place):
+        asked.append(place)
+        return heights[int(place / 10)]
+
+    found = reached(level, rise, places)
+    assert found == np.interp(level, np.maximum.accumulate(heights), places)
+    assert not any(heights[int(p / 10)] > level for p in asked[:-1])

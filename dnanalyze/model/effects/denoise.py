@@ -12,7 +12,7 @@ import numpy as np
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, quietest, shows, typical
-from dnanalyze.model.white_codes import left_of, likeness, noise_before
+from dnanalyze.model.white_codes import left_of, likeness, noise_before, reached
 
 _GAUSSIAN_RADIUS = 6
 _BILATERAL_RADIUS = 2
@@ -201,10 +201,13 @@ def _with_range(shape: Denoise, noise: float, alike: float, spacing: int) -> Den
 
     Found on a field of codes: what is left of few codes follows no formula.
     """
-    tried = [replace(shape, range=bounded(Denoise, "range", noise * r)) for r in _RANGES]
-    lag1 = [likeness(left_of(t.filtered, _before(t, noise))) for t in tried]
-    found = np.interp(alike, np.maximum.accumulate(lag1), [t.range for t in tried])
-    return replace(shape, range=float(found), spacing=spacing)
+
+    def lag1(range_dn: float) -> float:
+        tried = replace(shape, range=range_dn)
+        return likeness(left_of(tried.filtered, _before(tried, noise)))
+
+    tried = [bounded(Denoise, "range", noise * r) for r in _RANGES]
+    return replace(shape, range=reached(alike, lag1, tried), spacing=spacing)
 
 
 @lru_cache(maxsize=64)

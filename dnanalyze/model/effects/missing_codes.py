@@ -76,13 +76,14 @@ class MissingCodes(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """The code of every pixel."""
+        from dnanalyze.model import kernels
+
         seen = np.clip(signal.reshape(-1), -_FARTHEST, _FARTHEST)
         first = math.floor(float(seen.min()) / _BLOCK) - 1
         last = math.floor(float(seen.max()) / _BLOCK) + 1
-        levels = self._levels(site, first, last)
-        codes = np.searchsorted(levels, seen, side="right")
-        codes += first * _BLOCK - 1
-        return codes.astype(np.float32).reshape(signal.shape)
+        kernels.replace_by_rank(self._levels(site, first, last), first * _BLOCK, seen)
+        seen += np.float32(first * _BLOCK - 1)
+        return seen.reshape(signal.shape)
 
     def _levels(self, site: Site, first: int, last: int) -> np.ndarray:
         """Lower ends T_k of the codes of blocks ``first`` to ``last``, float32."""

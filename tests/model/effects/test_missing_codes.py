@@ -4,6 +4,7 @@ from readout_bench import Given, Ramp, frames
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model import kernels
 from dnanalyze.model.effects.missing_codes import MissingCodes
 
 SHAPE = (512, 512)
@@ -64,6 +65,19 @@ def test_the_codes_are_the_same_at_any_temperature_and_below_zero():
     assert np.abs(warm - cold).max() < 6 * np.sqrt(2) * se * 1.6
     below = frames(Ramp(50.0), MissingCodes(0.1), pedestal=-100.0)
     assert abs(below.mean() + 75.0) < 0.5
+
+
+@pytest.mark.parametrize("scatter", [0.0, 2.0, 60.0])
+def test_a_code_is_the_number_of_levels_that_are_reached(scatter):
+    rng = np.random.default_rng(3)
+    at = np.arange(-200, 200)
+    levels = np.sort(at + rng.normal(0, scatter, at.size)).astype(np.float32)
+    levels[7] = levels[8]  # a code that is never given
+    signal = rng.uniform(-300, 300, 5000).astype(np.float32)
+    signal[: levels.size] = levels
+    expected = np.searchsorted(levels, signal, side="right")
+    kernels.replace_by_rank(levels, -200, signal)
+    np.testing.assert_array_equal(signal, expected)
 
 
 @pytest.mark.parametrize("kind", ["random", "periodic"])
