@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from dnanalyze.diagnosis.confidence import CERTAIN
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effect import Effect, ParameterInfo
 from dnanalyze.model.noise_model import NoiseModel
 
 NOISE = 5.0  # loss below which a trial strength is called unseen
@@ -58,32 +59,54 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
     calm, warm = int(np.nanargmin(noise)), int(np.nanargmax(level))
     quiet, both = (_View.of(held, state, sorted(where)) for where in ({calm}, {calm, warm}))
-    limits = {}
+    asked = {}
     for name, effect in known.items():
         strength = _strength(effect, float(np.nanmin(noise)))
         if state.model.get(name) is None and strength is not None:
-            parameter, first = strength
-            unit = effect.parameters()[parameter].unit
-            view = quiet if unit.startswith("DN") else both
-            value = _least_shown(view, state.model, effect, parameter, first)
-            limits[name] = str(Limit(name, parameter, value, unit))
-    return limits
+            asked[name] = _Asked(effect, *strength)
+    readout = {name: a for name, a in asked.items() if a.info.unit.startswith("DN")}
+    charge = {name: a for name, a in asked.items() if name not in readout}
+    least = _least_shown(quiet, state.model, readout) | _least_shown(both, state.model, charge)
+    return {
+        name: str(Limit(name, a.parameter, least[name], a.info.unit)) for name, a in asked.items()
+    }
 
 
-def _least_shown(
-    view: _View, model: NoiseModel, effect: type[Effect], parameter: str, first: float
-) -> float:
-    """Strength that would be called missing, from one that shows; NaN where 100 times does not."""
-    info = effect.parameters()[parameter]
-    power = 4.0 if info.unit.startswith("DN") else 2.0
-    for tried in (first, 10.0 * first, 100.0 * first):
-        if tried > info.upper:
-            break
-        made = model.with_effect(replace(effect(), **{parameter: tried}))
-        gain = view.gain(made)
-        if gain > NOISE:
-            return min(tried * (CERTAIN / gain) ** (1.0 / power), info.upper)
-    return float("nan")
+@dataclass(frozen=True)
+class _Asked:
+    """An effect, the parameter that says how strong it is, and a strength that shows."""
+
+    effect: type[Effect]
+    parameter: str
+    first: float
+
+    @property
+    def info(self) -> ParameterInfo:
+        return self.effect.parameters()[self.parameter]
+
+    def at(self, strength: float) -> Effect:
+        return replace(self.effect(), **{self.parameter: strength})
+
+    def limit(self, strength: float, gain: float) -> float:
+        """Where the gain would be what is asked of an effect."""
+        power = 4.0 if self.info.unit.startswith("DN") else 2.0
+        return float(min(strength * (CERTAIN / gain) ** (1.0 / power), self.info.upper))
+
+
+def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) -> dict[str, float]:
+    """Strengths that would be called missing, from such as show; NaN where 100 times do not."""
+    least = dict.fromkeys(asked, float("nan"))
+    for times in (1.0, 10.0, 100.0):
+        tried = {
+            name: times * a.first
+            for name, a in asked.items()
+            if np.isnan(least[name]) and times * a.first <= a.info.upper
+        }
+        gains = view.gains([model.with_effect(asked[n].at(s)) for n, s in tried.items()])
+        for (name, strength), gain in zip(tried.items(), gains, strict=True):
+            if gain > NOISE:
+                least[name] = asked[name].limit(strength, gain)
+    return least
 
 
 @dataclass(frozen=True)
@@ -102,9 +125,11 @@ class _View:
         free = [np.linalg.qr(part)[0] for part in usable]
         return cls(bench, bench.fitted_coordinates(state.model), free)
 
-    def gain(self, model: NoiseModel) -> float:
-        """Loss of the model without the effect, were this one the truth; where it is largest."""
-        moved = self.bench.fitted_coordinates(model)
+    def gains(self, models: Sequence[NoiseModel]) -> list[float]:
+        """Loss of the model without the effect, were each the truth; where it is largest."""
+        return [self._gain(moved) for moved in self.bench.several(models)]
+
+    def _gain(self, moved: np.ndarray) -> float:
         shift = np.nan_to_num((moved - self.base) / self.bench.train.floor)
         parts = [shift[self.bench.train.setting == s] for s in range(len(self.free))]
         return max(loss(z - f @ (f.T @ z)) for z, f in zip(parts, self.free, strict=True))

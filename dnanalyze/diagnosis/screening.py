@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,7 +73,7 @@ def prospects(
         tell(name)
         guesses[name] = effect.guess(clues)
         seen[name] = part if part is not None and effect.even else whole
-        found[name] = [p for guess in guesses[name][:FIRST] for p in _at_guess(seen[name], guess)]
+        found[name] = _at_guesses(seen[name], guesses[name][:FIRST])
     most = max((p.promise for made in found.values() for p in made), default=0.0)
     if most < FAINT:
         for name in [n for n, made in found.items() if made]:
@@ -80,8 +81,7 @@ def prospects(
             found[name] = sorted([*found[name], *again], key=lambda p: -p.promise)
     for name, made in found.items():
         if any(p.promise > max(LEAST, HOPEFUL * most) for p in made):
-            for guess in guesses[name][FIRST:]:
-                made += _at_guess(seen[name], guess)
+            made += _at_guesses(seen[name], guesses[name][FIRST:])
     best = [p for made in found.values() for p in _two(made)]
     return sorted(best, key=lambda p: -p.promise)
 
@@ -98,8 +98,7 @@ def _looked_at_again(
     settings = sorted(np.argsort(-strength)[:2].tolist())
     if strength.max() < SIGN or settings == few:
         return []
-    view = _View.of(bench, state, settings)
-    return [p for guess in guesses for p in _at_guess(view, guess)]
+    return _at_guesses(_View.of(bench, state, settings), guesses)
 
 
 def _both_show(bench: Bench, state: State, name: str) -> np.ndarray:
@@ -183,19 +182,23 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
     )
 
 
-def _at_guess(view: _View, guess: Effect) -> list[Prospect]:
-    """The guess in the model as it is, and in one whose numbers no longer make up for it."""
+def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Prospect]:
+    """Each guess in the model as it is, and in one whose numbers no longer make up for it."""
     bench, state = view.bench, view.state
-    right = unbent(state.model, guess, view.noise)
-    models = [state.model] if right is None else [state.model, right]
+    made = []
+    for guess in guesses:
+        right = unbent(state.model, guess, view.noise)
+        for model in [state.model] if right is None else [state.model, right]:
+            with suppress(InputError):
+                made.append((guess, model.with_effect(guess)))
+    here = [guess.lies_in(bench.plan.windows[0]) for guess, _ in made]
+    moved = iter(
+        bench.several([larger for (_, larger), seen in zip(made, here, strict=True) if seen])
+    )
     found = []
-    for model in models:
-        try:
-            larger = model.with_effect(guess)
-        except InputError:
-            continue
-        if guess.lies_in(bench.plan.windows[0]):
-            promise = view.idle - _reachable(state, bench.fitted_z(larger))
+    for (guess, larger), seen in zip(made, here, strict=True):
+        if seen:
+            promise = view.idle - _reachable(state, bench.train.z(next(moved)))
         else:  # the fitted half has none of it
             promise = loss(state.test) - loss(bench.judged_z(larger))
         found.append(Prospect(guess.name, larger, view.weight * promise))

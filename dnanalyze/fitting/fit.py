@@ -105,7 +105,9 @@ def paper_start(held: Bench) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best."""
     m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
     seen = held.part or held
-    return min(paper_models(m), key=lambda model: loss(seen.fitted_z(model)))
+    models = paper_models(m)
+    losses = [loss(seen.train.z(found)) for found in seen.several(models)]
+    return models[int(np.argmin(losses))]
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:

@@ -116,43 +116,61 @@ def derive(
     for i, knob in enumerate(state.knobs):
         if (anew or np.isnan(jacobian[:, i]).any()) and only(knob):
             groups.setdefault(knob.group, []).append(i)
+    seen = []
     for members in groups.values():
         effect = state.model.get(state.knobs[members[0]].effect)
-        seen = effect is None or effect.lies_in(bench.plan.windows[0])
-        jacobian[:, members] = _difference(bench, state, members, smallest) if seen else 0.0
+        if effect is None or effect.lies_in(bench.plan.windows[0]):
+            seen.append(members)
+        else:
+            jacobian[:, members] = 0.0
+    for i, column in _differences(bench, state, seen, smallest).items():
+        jacobian[:, i] = column
     return replace(state, jacobian=jacobian)
 
 
-def _difference(bench: Bench, state: State, members: list[int], smallest: float) -> np.ndarray:
-    """Columns of one group, by a one-sided step that is sized to be seen but not large."""
+def _differences(
+    bench: Bench, state: State, groups: list[list[int]], smallest: float
+) -> dict[int, np.ndarray]:
+    """Columns of groups of knobs, by one-sided steps that are sized to be seen but not large."""
     here = positions(state.model, state.knobs)
-    first = np.array([_first_step(state.knobs[i], here[i]) for i in members])
-    known = np.linalg.norm(state.jacobian[:, members], axis=0)  # NaN where not known
-    masks = [
-        settings_of(state.knobs[i], state.model, bench.plan.settings)[bench.train.setting]
-        for i in members
-    ]
-    columns = np.zeros((len(state.train), len(members)))
+    first = np.array([_first_step(k, x) for k, x in zip(state.knobs, here, strict=True)])
+    known = np.linalg.norm(state.jacobian, axis=0)  # NaN where not known
     step = first * np.where(np.isnan(known), 1.0, _rescaled(known * first, smallest))
+    columns: dict[int, np.ndarray] = {}
     for least in (smallest, SMALLEST / 4, SMALLEST / 8):
-        there = here.copy()
-        for i, h in zip(members, step, strict=True):
-            there[i] = state.knobs[i].inside(here[i] + h)
-            if there[i] == here[i]:  # at its upper bound: step down
-                there[i] = state.knobs[i].inside(here[i] - h)
-        change = bench.fitted_z(turned(state.model, state.knobs, there)) - state.train
-        size = np.array([np.linalg.norm(change[m]) for m in masks])
-        taken = there[members] - here[members]
-        for j, mask in enumerate(masks):
-            columns[:, j] = np.where(mask, change, 0) / (taken[j] or 1.0)
-        longer = np.minimum(step * _rescaled(size, least), GROWTH**2 * first)
-        if np.all(longer == step):
+        if not groups:
             break
-        step = longer
+        there = [_moved(state.knobs, here, step, members) for members in groups]
+        found = bench.several([turned(state.model, state.knobs, x) for x in there])
+        masks = [settings_of(k, state.model, bench.plan.settings) for k in state.knobs]
+        again = []
+        for members, x, coordinates in zip(groups, there, found, strict=True):
+            change = bench.train.z(coordinates) - state.train
+            for i in members:
+                moved = masks[i][bench.train.setting]
+                columns[i] = np.where(moved, change, 0) / (x[i] - here[i] or 1.0)
+                size = float(np.linalg.norm(change[moved]))
+                longer = min(step[i] * float(_rescaled(size, least)), GROWTH**2 * first[i])
+                if longer != step[i] and members not in again:
+                    again.append(members)
+                step[i] = longer
+        groups = again
     return columns
 
 
-def _rescaled(size: np.ndarray, least: float) -> np.ndarray:
+def _moved(
+    knobs: Sequence[Knob], here: np.ndarray, step: np.ndarray, members: Sequence[int]
+) -> np.ndarray:
+    """Positions with those of a group a step further, within their bounds."""
+    there = here.copy()
+    for i in members:
+        there[i] = knobs[i].inside(here[i] + step[i])
+        if there[i] == here[i]:  # at its upper bound: step down
+            there[i] = knobs[i].inside(here[i] - step[i])
+    return there
+
+
+def _rescaled(size: np.ndarray | float, least: float) -> np.ndarray:
     """Factor for steps that moved the numbers by ``size`` floors; 1 where that is right."""
     longer = np.clip(1.5 * least / np.maximum(size, 1e-9), 2.0, GROWTH)
     return np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -33,6 +34,8 @@ class Bench:
         Processes that share them; none by default.
     part : Bench, optional
         The same of a part of the field, where a fit may begin.
+    even : bool
+        Whether only models are simulated that every part of the field shows alike.
     """
 
     plan: Design
@@ -42,6 +45,7 @@ class Bench:
     memo: Memo = field(default_factory=room)
     helpers: Helpers = field(default_factory=Helpers)
     part: Bench | None = None
+    even: bool = False
 
     def statistics(
         self, model: NoiseModel, errors: bool = False, half: int | None = None
@@ -50,18 +54,30 @@ class Bench:
 
         ``half``: the one that is wanted, with the shading of the other; both by default.
         """
+        return self._simulated([self._job(model, half, errors)])[0]
+
+    def _job(self, model: NoiseModel, half: int | None, errors: bool = False) -> Job:
         plan = self.plan
-        job = Job(model, plan.captures.sensor, plan.windows, plan.settings, errors, half)
-        return job.together(self.helpers.statistics(job, self.memo))
+        sensor = plan.captures.sensor
+        return Job(model, sensor, plan.windows, plan.settings, errors, half, self.even)
+
+    def _simulated(self, jobs: Sequence[Job]) -> list[list[Statistics]]:
+        made = self.helpers.statistics(jobs, self.memo)
+        return [job.together(found) for job, found in zip(jobs, made, strict=True)]
 
     def coordinates(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
         """Predicted coordinates of (train, test)."""
         made = self.statistics(model)
         return prediction(made, 0, self.train), prediction(made, 1, self.test)
 
+    def several(self, models: Sequence[NoiseModel]) -> list[np.ndarray]:
+        """`fitted_coordinates` of several models, which the processes share as one."""
+        made = self._simulated([self._job(model, half=0) for model in models])
+        return [prediction(seen, 0, self.train) for seen in made]
+
     def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
         """Predicted coordinates of train alone: all that a step of a fit goes by."""
-        return prediction(self.statistics(model, half=0), 0, self.train)
+        return self.several([model])[0]
 
     def fitted_z(self, model: NoiseModel) -> np.ndarray:
         """Differences in floors, of train alone."""
@@ -101,6 +117,6 @@ def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
     def of(number: int, part: Bench | None = None) -> Bench:
         halves = measured[2 * number : 2 * number + 2]
         sides = target(halves, 0), target(halves, 1)
-        return Bench(plans[number], halves, *sides, memo, helpers, part)
+        return Bench(plans[number], halves, *sides, memo, helpers, part, even=number > 0)
 
     return of(0, of(1) if plan.part else None)

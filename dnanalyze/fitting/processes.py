@@ -11,13 +11,14 @@ import multiprocessing
 import os
 import signal
 import weakref
+from collections.abc import Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics
-from dnanalyze.fitting.simulated import THREADS, Job, Part, room
+from dnanalyze.fitting.simulated import THREADS, Job, Part, room, shared
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
@@ -51,22 +52,24 @@ class Helpers:
             self.workers.append(worker)
         self.close = weakref.finalize(self, _close, self._pipes, self.workers)
 
-    def statistics(self, job: Job, memo: Memo) -> dict[Part, list[SettingStatistics]]:
-        """All parts of a job; those of a helper that failed, or is no more, are taken here."""
-        if not self._pipes or not _travels(job.model):
-            parts = job.parts()
-            return dict(zip(parts, job.statistics(parts, memo, THREADS), strict=True))
-        *shares, own = (job.parts(n, len(self._pipes) + 1) for n in range(len(self._pipes) + 1))
+    def statistics(
+        self, jobs: Sequence[Job], memo: Memo
+    ) -> list[dict[Part, list[SettingStatistics]]]:
+        """All parts of some jobs; those of a helper that failed, or is no more, are taken here."""
+        if not self._pipes or not all(_travels(job.model) for job in jobs):
+            return _taken(jobs, [job.parts() for job in jobs], memo, THREADS)
+        *shares, own = shared(jobs, len(self._pipes) + 1)
         for pipe, share in zip(self._pipes, shares, strict=True):
             with suppress(OSError):
-                pipe.send((job, share, memo.limit_bytes > 0))
+                pipe.send((jobs, share, memo.limit_bytes > 0))
         try:
-            found = dict(zip(own, job.statistics(own, memo), strict=True))
-        finally:  # what is not taken now would be taken for the next job's
+            found = _taken(jobs, own, memo)
+        finally:  # what is not taken now would be taken for the next jobs'
             answers = [self._answer(pipe) for pipe in list(self._pipes)]
         for answer, share in zip(answers, shares, strict=True):
-            taken = job.statistics(share, memo) if answer is None else answer
-            found |= zip(share, taken, strict=True)
+            taken = _taken(jobs, share, memo) if answer is None else answer
+            for all_of_it, more in zip(found, taken, strict=True):
+                all_of_it |= more
         return found
 
     def _answer(self, pipe: Connection) -> Any:
@@ -84,6 +87,16 @@ def helpers_for(pixels: int) -> Helpers:
     return Helpers(min(len(os.sched_getaffinity(0)) - 1, MOST) if pixels >= WORTH else 0)
 
 
+def _taken(
+    jobs: Sequence[Job], share: Sequence[Sequence[Part]], memo: Memo, threads: int = 1
+) -> list[dict[Part, list[SettingStatistics]]]:
+    """Some parts of each job."""
+    return [
+        dict(zip(parts, job.statistics(parts, memo, threads), strict=True))
+        for job, parts in zip(jobs, share, strict=True)
+    ]
+
+
 def _travels(model: NoiseModel) -> bool:
     """Whether another process knows all of its effects; one from a user's file it does not."""
     known = built_in()
@@ -97,9 +110,9 @@ def _serve(pipe: Connection, shares: int) -> None:
     _warm()
     with suppress(EOFError, OSError):
         while True:
-            job, parts, kept = pipe.recv()
+            jobs, share, kept = pipe.recv()
             try:
-                found = job.statistics(parts, memo if kept else Memo(0))
+                found = _taken(jobs, share, memo if kept else Memo(0))
             except Exception:  # met again, and told, by the process that asked
                 found = None
             pipe.send(found)

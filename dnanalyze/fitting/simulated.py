@@ -17,6 +17,7 @@ FIELD_BYTES = 1 << 30
 CHARGE_BYTES = 1 << 28  # a few models' frames
 WANTED, SHADING = 5, 2  # about what a frame of a half costs, and one of which only that is asked
 
+BLOCKS = "block_means", "noise_blocks"  # curves over the field, (rows, columns) of blocks
 Part = tuple[int, int]  # a setting, and a half of the field
 
 
@@ -42,6 +43,9 @@ class Job:
     half : int, optional
         The half that is wanted, with the shading of the other, over the whole field; both by
         default.
+    even : bool
+        Whether every part of the field shows the model alike: then nothing is simulated of the
+        half that is not wanted.
     """
 
     model: NoiseModel
@@ -50,20 +54,20 @@ class Job:
     settings: Sequence[tuple[OperatingPoint, int]]
     errors: bool = False
     half: int | None = None
+    even: bool = False
 
-    def parts(self, share: int = 0, shares: int = 1) -> list[Part]:
-        """The parts of one of several shares, all of which have as much to do."""
+    def parts(self) -> list[Part]:
+        """Settings and halves, the dearest first, halves in turn."""
         every = [(s, h) for s in range(len(self.settings)) for h in range(len(self.windows))]
-        # the dearest first, each to whom has least; halves in turn
-        every.sort(key=lambda part: (-self._cost(part), part[0], sum(part) % 2))
-        taken: list[list[Part]] = [[] for _ in range(shares)]
-        for part in every:
-            min(taken, key=lambda own: sum(map(self._cost, own))).append(part)
-        return sorted(taken[share])
+        made = [part for part in every if self._wanted(part) or not self.even]
+        return sorted(made, key=lambda part: (-self.cost(part), part[0], sum(part) % 2))
 
-    def _cost(self, part: Part) -> int:
-        setting, half = part
-        return self.settings[setting][1] * (WANTED if self.half in (None, half) else SHADING)
+    def cost(self, part: Part) -> int:
+        """Of one part, in about the same unit for all."""
+        return self.settings[part[0]][1] * (WANTED if self._wanted(part) else SHADING)
+
+    def _wanted(self, part: Part) -> bool:
+        return self.half in (None, part[1])
 
     def statistics(
         self, parts: Iterable[Part], memo: Memo, threads: int = 1
@@ -76,7 +80,7 @@ class Job:
         def one(part: Part) -> list[SettingStatistics]:
             setting, half = part
             alone = replace(made, settings=(made.settings[setting],))
-            families = () if self.half in (None, half) else ("shading",)
+            families = () if self._wanted(part) else ("shading",)
             (seen,) = analyze_windows(
                 alone, [self.windows[half]], workers=1, errors=self.errors, families=families
             )
@@ -93,7 +97,37 @@ class Job:
             Statistics(
                 "simulation",
                 self.sensor,
-                tuple(s for n in range(len(self.settings)) for s in found[n, half]),
+                tuple(s for n in range(len(self.settings)) for s in self._of(found, (n, half))),
             )
             for half in range(len(self.windows))
         ]
+
+    def _of(
+        self, found: dict[Part, list[SettingStatistics]], part: Part
+    ) -> list[SettingStatistics]:
+        if part in found:
+            return found[part]
+        setting, half = part
+        return [mirrored(s) for s in found[setting, 1 - half]]
+
+
+def mirrored(seen: SettingStatistics) -> SettingStatistics:
+    """What stands for the shading of the half below one that shows it alike: its mirror image.
+
+    Of a checkerboard of blocks the image has the colour that is left over of the half itself, so
+    that of either colour all blocks of the field are other draws.
+    """
+    curves = {name: seen.curves[name][::-1] for name in BLOCKS if name in seen.curves}
+    return replace(seen, curves=seen.curves | curves)
+
+
+def shared(jobs: Sequence[Job], shares: int) -> list[list[list[Part]]]:
+    """Of each of several shares the parts of every job; all have as much to do."""
+    taken: list[list[list[Part]]] = [[[] for _ in jobs] for _ in range(shares)]
+    load = [0] * shares
+    for number, job in enumerate(jobs):
+        for part in job.parts():
+            least = load.index(min(load))
+            taken[least][number].append(part)
+            load[least] += job.cost(part)
+    return taken

@@ -44,7 +44,7 @@ def noise_before(smooth: Callable[[np.ndarray], np.ndarray], noise: float) -> fl
     return reached(
         noise,
         lambda sigma: math.sqrt(float(np.mean(left_of(smooth, sigma) ** 2))),
-        noise * np.geomspace(*TIMES),
+        (noise * np.geomspace(*TIMES)).tolist(),
     )
 
 

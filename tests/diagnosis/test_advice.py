@@ -50,9 +50,9 @@ def test_several_settings_show_what_the_best_of_them_shows(state):
         (OF_READOUT, {"sigma": 1.0}, 0), (OF_CHARGE, {"alpha": 0.03}, 1),
     ):  # fmt: skip
         model = with_effect(fitted, name, **numbers)
-        gains = [view.gain(model) for view in alone]
+        gains = [view.gains([model])[0] for view in alone]
         assert int(np.argmax(gains)) == best
-        assert both.gain(model) == pytest.approx(gains[best])
+        assert both.gains([model])[0] == pytest.approx(gains[best])
 
 
 def test_what_the_models_own_numbers_absorb_is_not_seen(state):
@@ -61,7 +61,7 @@ def test_what_the_models_own_numbers_absorb_is_not_seen(state):
     noise = fitted.model.get("read_noise")
     moved = fitted.model.with_effect(replace(noise, sigma=noise.sigma * 1.05))
     shift = (held.only([0]).fitted_coordinates(moved) - view.base) / view.bench.train.floor
-    assert view.gain(moved) < 0.3 * float(np.nansum(shift**2))
+    assert view.gains([moved])[0] < 0.3 * float(np.nansum(shift**2))
 
 
 @pytest.mark.parametrize(("name", "parameter"), [(OF_READOUT, "sigma"), (OF_CHARGE, "alpha")])
@@ -70,7 +70,7 @@ def test_at_its_limit_an_effect_gains_about_what_is_asked(state, name, parameter
     text = detection_limits(held, fitted, {name: KNOWN[name]})[name]
     limit = float(text.split("below ")[1].split()[0])
     view = _View.of(held, fitted, [0, 2])
-    gains = [view.gain(with_effect(fitted, name, **{parameter: limit * f})) for f in (0.3, 1, 3)]
+    gains = view.gains([with_effect(fitted, name, **{parameter: limit * f}) for f in (0.3, 1, 3)])
     # a power law carries the limit from where the effect shows plainly
     assert CERTAIN / 5 < gains[1] < 5 * CERTAIN
     assert gains[0] < CERTAIN / 2
@@ -85,13 +85,13 @@ def test_what_is_in_the_model_or_has_no_strength_has_no_limit(state):
 
 def test_what_is_of_so_many_dn_is_looked_for_where_the_noise_is_least(state, monkeypatch):
     held, fitted = state
-    seen, whole = {}, Bench.fitted_coordinates
+    seen, whole = {}, Bench.several
 
-    def simulated(self, model):
-        for name in set(model.names) - set(fitted.model.names):
+    def simulated(self, models):
+        for name in {n for m in models for n in m.names} - set(fitted.model.names):
             seen[name] = [p for p, _ in self.plan.settings]
-        return whole(self, model)
+        return whole(self, models)
 
-    monkeypatch.setattr(Bench, "fitted_coordinates", simulated)
+    monkeypatch.setattr(Bench, "several", simulated)
     detection_limits(held, fitted, {n: KNOWN[n] for n in (OF_READOUT, OF_CHARGE)})
     assert seen == {OF_READOUT: [POINTS[0]], OF_CHARGE: [POINTS[0], POINTS[2]]}

@@ -110,11 +110,11 @@ def test_later_guesses_are_simulated_only_where_an_early_one_promises(
 
     tried = []
 
-    def at_guess(view, guess):
-        tried.append(guess.sigma)
-        return [Prospect(guess.name, state.model, promise)]
+    def at_guesses(view, guesses):
+        tried.extend(guess.sigma for guess in guesses)
+        return [Prospect(guess.name, state.model, promise) for guess in guesses]
 
-    monkeypatch.setattr(screening, "_at_guess", at_guess)
+    monkeypatch.setattr(screening, "_at_guesses", at_guesses)
     prospects(held, state, {"row_noise": Many})
     assert len(tried) == seen
 
@@ -132,11 +132,11 @@ def test_later_guesses_wait_for_what_all_effects_promise(held, state, monkeypatc
 
     tried = []
 
-    def at_guess(view, guess):
-        tried.append(guess.name)
-        return [Prospect(guess.name, state.model, promised[guess.name])]
+    def at_guesses(view, guesses):
+        tried.extend(guess.name for guess in guesses)
+        return [Prospect(guess.name, state.model, promised[guess.name]) for guess in guesses]
 
-    monkeypatch.setattr(screening, "_at_guess", at_guess)
+    monkeypatch.setattr(screening, "_at_guesses", at_guesses)
     seen = prospects(held, state, {name: many(name) for name in promised})
     assert {name: tried.count(name) for name in promised} == {
         "row_noise": FIRST + 2, "row_fpn": FIRST + 2, "column_fpn": FIRST,
@@ -153,13 +153,13 @@ def test_where_much_is_missing_what_every_part_shows_is_looked_for_in_one(
     whole = replace(held, part=part)
     size = np.sqrt(loss)  # a number's loss, so far below where it bends
     off = replace(state, train=np.full(len(state.train), size))
-    seen, straight = {}, screening._at_guess
+    seen, straight = {}, screening._at_guesses
 
-    def at_guess(view, guess):
-        seen[guess.name] = view
-        return straight(view, guess)
+    def at_guesses(view, guesses):
+        seen.update((guess.name, view) for guess in guesses)
+        return straight(view, guesses)
 
-    monkeypatch.setattr(screening, "_at_guess", at_guess)
+    monkeypatch.setattr(screening, "_at_guesses", at_guesses)
     monkeypatch.setattr(screening, "carried", lambda s, *_: replace(s, train=0.5 * s.train))
     names = ("crosstalk", "row_noise")
     guessed = {
@@ -175,8 +175,8 @@ def test_where_much_is_missing_what_every_part_shows_is_looked_for_in_one(
     if in_part:
         views = [seen[n] for n in ("row_noise", "crosstalk")]
         assert weights["crosstalk"] == pytest.approx(views[0].idle / views[1].idle)
-        (free,) = straight(replace(views[1], weight=1.0), guessed["crosstalk"]())[:1]
-        (weighed,) = straight(views[1], guessed["crosstalk"]())[:1]
+        (free,) = straight(replace(views[1], weight=1.0), [guessed["crosstalk"]()])[:1]
+        (weighed,) = straight(views[1], [guessed["crosstalk"]()])[:1]
         assert weighed.promise == pytest.approx(weights["crosstalk"] * free.promise)
 
 
@@ -202,7 +202,9 @@ def test_what_promises_little_is_looked_at_where_both_halves_show_it(
 ):
     effect = SimpleNamespace(fingerprint=("drift", "mean"))
     monkeypatch.setattr(screening._View, "of", lambda held, state, settings: settings)
-    monkeypatch.setattr(screening, "_at_guess", lambda view, guess: [(view, guess)])
+    monkeypatch.setattr(
+        screening, "_at_guesses", lambda view, guesses: [(view, g) for g in guesses]
+    )
     found = screening._looked_at_again(*_shown(train, test), effect, ["a", "b"], few)
     assert found == ([] if again is None else [(again, "a"), (again, "b")])
 
@@ -214,7 +216,7 @@ def test_only_where_nothing_promises_much_is_anything_looked_at_again(
     name = "heavy_tailed_read_noise"
     calls = []
     made = Prospect("faint", state.model, most)
-    monkeypatch.setattr(screening, "_at_guess", lambda view, guess: [made])
+    monkeypatch.setattr(screening, "_at_guesses", lambda view, guesses: [made])
     monkeypatch.setattr(
         screening, "_looked_at_again", lambda *given: calls.append("faint") or [made]
     )

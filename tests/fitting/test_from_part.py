@@ -48,10 +48,13 @@ def held():
 @pytest.fixture
 def simulated(monkeypatch):
     """What of a bench is simulated, in order."""
-    made, whole = [], Bench.fitted_z
-    monkeypatch.setattr(
-        Bench, "fitted_z", lambda self, m: made.append(self.part is not None) or whole(self, m)
-    )
+    made, whole = [], Bench.several
+
+    def several(self, models):
+        made.extend([self.part is not None] * len(models))
+        return whole(self, models)
+
+    monkeypatch.setattr(Bench, "several", several)
     return made
 
 

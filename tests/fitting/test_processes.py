@@ -109,7 +109,7 @@ def test_the_error_of_either_process_is_told_and_the_next_job_is_its_own(held, w
     job = Job(small.model(), plan.captures.sensor, tuple(windows), plan.settings[:1])
     with helped(held) as made:
         with pytest.raises(InputError):
-            made.helpers.statistics(job, room())
+            made.helpers.statistics([job], room())
         assert values(made.statistics(small.model())) == values(held.statistics(small.model()))
 
 

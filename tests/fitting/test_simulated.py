@@ -1,19 +1,23 @@
-"""A simulation in shares."""
+"""A simulation in shares, and of a half."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.fitting.simulated import SHADING, WANTED, Job
+from dnanalyze.fitting.simulated import SHADING, WANTED, Job, shared
 from dnanalyze.loaders.captures import Sensor, Window
 
+SENSORS = 40
 HALVES = (Window(0, 48, 0, 80), Window(48, 96, 0, 80))
 
 
 @pytest.mark.parametrize("shares", [1, 2, 3, 7])
 def test_shares_are_all_parts_once_and_nearly_alike(shares):
     job = Job(small.model(), Sensor(small.SHAPE), HALVES, [(p, 4) for p in small.POINTS])
-    parts = [job.parts(n, shares) for n in range(shares)]
-    assert sorted(p for share in parts for p in share) == job.parts()
+    parts = [own for (own,) in shared([job], shares)]
+    assert sorted(p for share in parts for p in share) == sorted(job.parts())
     assert len(job.parts()) == 2 * len(small.POINTS)
     if shares == 2:
         assert [len(p) for p in parts] == [len(small.POINTS)] * 2
@@ -21,12 +25,51 @@ def test_shares_are_all_parts_once_and_nearly_alike(shares):
             assert {half for _, half in share} == {0, 1}
 
 
-@pytest.mark.parametrize("settings", [4, 5, 8])
+@pytest.mark.parametrize("settings", [1, 4, 5, 8])
 @pytest.mark.parametrize("half", [0, 1])
-def test_shares_weigh_that_of_one_half_little_is_wanted(settings, half):
+@pytest.mark.parametrize("even", [False, True])
+def test_shares_of_several_jobs_weigh_that_of_one_half_little_is_wanted(settings, half, even):
     points = [(p, 4) for p in (small.POINTS * 4)[:settings]]
-    job = Job(small.model(), Sensor(small.SHAPE), HALVES, points, half=half)
+    job = Job(small.model(), Sensor(small.SHAPE), HALVES, points, half=half, even=even)
     weight = {half: WANTED, 1 - half: SHADING}
-    loads = [sum(weight[h] for _, h in job.parts(n, 2)) for n in range(2)]
-    assert sum(loads) == settings * (WANTED + SHADING)
+    taken = shared([job] * 4, 2)
+    loads = [sum(weight[h] for own in share for _, h in own) for share in taken]
+    assert sum(loads) == 4 * settings * (WANTED + (0 if even else SHADING))
     assert abs(loads[0] - loads[1]) <= SHADING
+    for number in range(4):
+        assert sorted(p for share in taken for p in share[number]) == sorted(job.parts())
+
+
+def test_the_mirror_image_of_a_half_shows_the_shading_of_even_fields():
+    """By its law: as far from none, and as often to either side, as a half that is drawn."""
+    held, drawn = small.bench_of(), {}
+    rows = [k.name.startswith("shading_") and k.name[-1].isdigit() for k in held.train.keys]
+    for even in (False, True):
+        bench = replace(held, even=even)
+        made = [replace(small.model(), seed=n) for n in range(SENSORS)]
+        drawn[even] = np.array(bench.several(made))[:, rows]
+    assert not np.array_equal(drawn[False], drawn[True])
+    power = {even: np.log(np.mean(found**2, axis=0)) for even, found in drawn.items()}
+    number = sum(rows)
+    difference = power[True] - power[False]
+    # each the logarithm of a chi square of so many sensors over their number
+    assert abs(np.mean(difference)) < 5 * np.sqrt(4 / SENSORS / number)
+    assert np.mean(difference**2) < (1 + 5 * np.sqrt(2 / number)) * 4 / (SENSORS - 2)
+    shift = np.mean(drawn[True], axis=0) / np.std(drawn[True], axis=0, ddof=1) * np.sqrt(SENSORS)
+    assert np.max(np.abs(shift)) < 5
+
+
+def test_of_even_models_nothing_of_the_other_half_is_simulated(monkeypatch):
+    parts, whole = [], Job.statistics
+
+    def counted(self, taken, *more):
+        parts.extend(taken)
+        return whole(self, taken, *more)
+
+    monkeypatch.setattr(Job, "statistics", counted)
+    held = replace(small.bench_of(), even=True)
+    held.fitted_z(small.model())
+    assert parts == [(n, 0) for n in range(len(small.POINTS))]
+    parts.clear()
+    held.coordinates(small.model())
+    assert len(parts) == 2 * len(small.POINTS)
