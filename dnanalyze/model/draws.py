@@ -168,6 +168,15 @@ def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.
     return out
 
 
+def rank(values: np.ndarray, levels: np.ndarray, near: int) -> np.ndarray:
+    """How many of the ascending ``levels`` each value reaches; level k lies near ``near`` + k."""
+    from dnanalyze.model import kernels
+
+    out = values.astype(np.float32)
+    kernels.replace_by_rank(levels, near, out)
+    return out
+
+
 def _ready(signal: np.ndarray) -> np.ndarray:
     """As the kernels are compiled for: float32, rows one after another."""
     return np.ascontiguousarray(signal, np.float32)

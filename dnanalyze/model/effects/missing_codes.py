@@ -10,6 +10,7 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
+from dnanalyze.model import draws
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.code_widths import code_widths
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
@@ -76,14 +77,12 @@ class MissingCodes(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """The code of every pixel."""
-        from dnanalyze.model import kernels
-
         seen = np.clip(signal.reshape(-1), -_FARTHEST, _FARTHEST)
         first = math.floor(float(seen.min()) / _BLOCK) - 1
         last = math.floor(float(seen.max()) / _BLOCK) + 1
-        kernels.replace_by_rank(self._levels(site, first, last), first * _BLOCK, seen)
-        seen += np.float32(first * _BLOCK - 1)
-        return seen.reshape(signal.shape)
+        codes = draws.rank(seen, self._levels(site, first, last), first * _BLOCK)
+        codes += first * _BLOCK - 1
+        return codes.reshape(signal.shape)
 
     def _levels(self, site: Site, first: int, last: int) -> np.ndarray:
         """Lower ends T_k of the codes of blocks ``first`` to ``last``, float32."""

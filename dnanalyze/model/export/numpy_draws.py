@@ -184,3 +184,8 @@ def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.
     side, diagonal = np.float32(edge), np.float32(corner)
     centre = np.float32(1) - 4 * side - 4 * diagonal
     return centre * e + side * (b + d + f + h) + diagonal * (a + c + g + i)
+
+
+def rank(values: np.ndarray, levels: np.ndarray, near: int) -> np.ndarray:
+    """How many of the ascending ``levels`` each value reaches, wherever they lie."""
+    return np.searchsorted(levels, values, side="right").astype(np.float32)
