@@ -56,8 +56,17 @@ class Helpers:
         self, jobs: Sequence[Job], memo: Memo
     ) -> list[dict[Part, list[SettingStatistics]]]:
         """All parts of some jobs; those of a helper that failed, or is no more, are taken here."""
-        if not self._pipes or not all(_travels(job.model) for job in jobs):
-            return _taken(jobs, [job.parts() for job in jobs], memo, THREADS)
+        away = [bool(self._pipes) and _travels(job.model) for job in jobs]
+        dealt = iter(self._dealt([j for j, goes in zip(jobs, away, strict=True) if goes], memo))
+        return [
+            next(dealt) if goes else _taken([job], [job.parts()], memo, THREADS)[0]
+            for job, goes in zip(jobs, away, strict=True)
+        ]
+
+    def _dealt(self, jobs: Sequence[Job], memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
+        """Jobs of which every process has its share."""
+        if not jobs:
+            return []
         *shares, own = shared(jobs, len(self._pipes) + 1)
         for pipe, share in zip(self._pipes, shares, strict=True):
             with suppress(OSError):
@@ -107,7 +116,8 @@ def _serve(pipe: Connection, shares: int) -> None:
     """What a helper does until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom it helps decides
     memo = room(shares)
-    _warm()
+    with suppress(Exception):  # an effect of another package may fail; when asked for, it is told
+        _warm()
     with suppress(EOFError, OSError):
         while True:
             jobs, share, kept = pipe.recv()

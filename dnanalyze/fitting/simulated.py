@@ -16,7 +16,6 @@ THREADS = 2  # parts taken at a time
 FIELD_BYTES = 1 << 30
 CHARGE_BYTES = 1 << 28  # a few models' frames
 WANTED, SHADING = 5, 2  # about what a frame of a half costs, and one of which only that is asked
-
 BLOCKS = "block_means", "noise_blocks"  # curves over the field, (rows, columns) of blocks
 Part = tuple[int, int]  # a setting, and a half of the field
 

@@ -10,10 +10,12 @@ import pytest
 import small_series as small
 
 from dnanalyze.errors import InputError
+from dnanalyze.fitting import processes
 from dnanalyze.fitting.processes import MOST, WORTH, Helpers, helpers_for
-from dnanalyze.fitting.simulated import Job, room
+from dnanalyze.fitting.simulated import Job, room, shared
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effect import Effect, Stage
+from dnanalyze.model.registry import built_in
 
 
 @pytest.fixture(scope="module")
@@ -29,19 +31,6 @@ def helped(held):
         yield made
     finally:
         made.helpers.close()
-
-
-@pytest.fixture
-def taken(monkeypatch):
-    """Parts that this process takes."""
-    parts, whole = [], Job.statistics
-
-    def counted(self, share, *more):
-        parts.extend(share)
-        return whole(self, share, *more)
-
-    monkeypatch.setattr(Job, "statistics", counted)
-    return parts
 
 
 def values(made):
@@ -98,6 +87,29 @@ def test_a_users_effect_is_simulated_here(held, taken):
     # the same draws, three DN higher, but for the rounding
     for (*_, before), (*_, after) in zip(plain, tilted, strict=True):
         assert after["mean"] - before["mean"] == pytest.approx(3.0, abs=0.02)
+
+
+def test_others_are_shared_beside_a_users_effect(held, taken):
+    models = small.model(), small.model().with_effect(Tilt()), small.model(pixel_fpn={"sigma": 3.0})
+    expected = held.several(models)
+    with helped(held) as made:
+        taken.clear()
+        found = made.several(models)
+    plan = held.plan
+    job = Job(models[0], plan.captures.sensor, plan.windows, plan.settings, half=0)
+    share = sum(map(len, shared([job, job], 2)[-1]))
+    assert len(taken) == share + len(job.parts())  # of two models, and all of the user's
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_before_it_is_asked_a_helper_simulates_every_effect(monkeypatch):
+    made, whole = [], Job.statistics
+    monkeypatch.setattr(
+        Job, "statistics", lambda self, *more: made.append(self) or whole(self, *more)
+    )
+    processes._warm()
+    assert {name for job in made for name in job.model.names} == set(built_in())
 
 
 @pytest.mark.parametrize("wrong", [0, 1])

@@ -59,17 +59,10 @@ def test_the_mirror_image_of_a_half_shows_the_shading_of_even_fields():
     assert np.max(np.abs(shift)) < 5
 
 
-def test_of_even_models_nothing_of_the_other_half_is_simulated(monkeypatch):
-    parts, whole = [], Job.statistics
-
-    def counted(self, taken, *more):
-        parts.extend(taken)
-        return whole(self, taken, *more)
-
-    monkeypatch.setattr(Job, "statistics", counted)
+def test_of_even_models_nothing_of_the_other_half_is_simulated(taken):
     held = replace(small.bench_of(), even=True)
     held.fitted_z(small.model())
-    assert parts == [(n, 0) for n in range(len(small.POINTS))]
-    parts.clear()
+    assert taken == [(n, 0) for n in range(len(small.POINTS))]
+    taken.clear()
     held.coordinates(small.model())
-    assert len(parts) == 2 * len(small.POINTS)
+    assert len(taken) == 2 * len(small.POINTS)
