@@ -2,6 +2,7 @@
 
     python benchmarks/hidden_effects.py --sensors 3 --json out.jsonl
     python benchmarks/hidden_effects.py --effects column_fpn,denoise:nlm,ordinary --levels weak
+    python benchmarks/hidden_effects.py --effects dpc:median+hot_pixels,rts --pairs 20
     python benchmarks/hidden_effects.py --list
 
 The frames come from `dnanalyze.demo`, which shares no code with the model. Each case runs in a
@@ -25,9 +26,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden_scores import ORDINARY, called, report, right, table
+from hidden_scores import ORDINARY, TOGETHER, called, report, right, table
 
-from dnanalyze.demo import EFFECTS, LEVELS, draw_sensor, generate, resolve
+from dnanalyze.demo import CATALOGUED, EFFECTS, LEVELS, draw_sensor, generate, resolve
 
 # What every virtual sensor has, and the paper's own model: never a false addition.
 EXPECTED = {"convolved_lognormal", "dark_shot_noise", "read_noise", "pixel_fpn", "quantization"}
@@ -40,7 +41,7 @@ KIND = {"denoise": "kind", "dpc": "mode"}
 
 @dataclass(frozen=True)
 class Case:
-    """One folder to diagnose; ``effect`` may be "ordinary", or carry a kind ("dpc:clamp")."""
+    """One folder to diagnose; ``effect`` may be "ordinary", carry a kind ("dpc:clamp"), be two."""
 
     effect: str
     level: str
@@ -59,14 +60,15 @@ class Case:
 
     @property
     def name(self) -> str:
-        return self.effect.partition(":")[0]
+        return TOGETHER.join(name for name, _ in parts(self.effect))
 
     @property
     def hidden(self) -> dict[str, dict[str, Any]]:
-        name, _, kind = self.effect.partition(":")
-        if name == ORDINARY:
-            return {}
-        return {name: {"level": self.level} | ({KIND[name]: kind} if kind else {})}
+        return {
+            name: {"level": self.level} | ({KIND[name]: kind} if kind else {})
+            for name, kind in parts(self.effect)
+            if name != ORDINARY
+        }
 
     def made(self) -> tuple[Any, dict[str, Any]]:
         """The captures and the truth; levels of an effect share their sensors."""
@@ -75,6 +77,17 @@ class Case:
         seed = int(np.random.default_rng([*label, 1]).integers(1 << 31))
         captures = generate(sensor, self.hidden, self.shape, frames=self.frames, seed=seed)
         return captures, {"sensor": asdict(sensor), "hidden": resolve(sensor, self.hidden, seed)}
+
+
+def parts(effect: str) -> list[tuple[str, str]]:
+    """Names and kinds ("": none given) of what a case hides together."""
+    return [(p.partition(":")[0], p.partition(":")[2]) for p in effect.split(TOGETHER)]
+
+
+def pairs(count: int, seed: int) -> list[str]:
+    """Two different effects of the catalogue each, drawn at random."""
+    rng = np.random.default_rng([seed, count])
+    return [TOGETHER.join(rng.choice(CATALOGUED, 2, replace=False)) for _ in range(count)]
 
 
 def cases(
@@ -197,7 +210,10 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--quick", action="store_true", help="a few effects, middling, 256x256")
-    parser.add_argument("--effects", help="names, 'denoise:KIND', 'dpc:MODE', 'ordinary'; all")
+    parser.add_argument(
+        "--effects", help="names, 'denoise:KIND', 'dpc:MODE', 'ONE+OTHER', 'ordinary'; all"
+    )
+    parser.add_argument("--pairs", type=int, default=0, help="two at once, drawn at random (0)")
     parser.add_argument("--levels", help="weak,middling,strong")
     parser.add_argument("--sensors", type=int, help="sensors for each effect and level (2)")
     parser.add_argument("--ordinary", type=int, help="ordinary sensors (10 times --sensors)")
@@ -217,10 +233,10 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     given.effects = (given.effects or (QUICK if quick else ",".join([*EFFECTS, ORDINARY]))).split(
         ","
     )
-    for effect in given.effects:
-        name, _, kind = effect.partition(":")
+    for name, kind in (part for effect in given.effects for part in parts(effect)):
         if name not in (*EFFECTS, ORDINARY) or (kind and name not in KIND):
-            parser.error(f"--effects {effect}: valid names are {', '.join([*EFFECTS, ORDINARY])}")
+            parser.error(f"--effects {name}: valid names are {', '.join([*EFFECTS, ORDINARY])}")
+    given.effects += pairs(given.pairs, given.seed)
     given.levels = (given.levels or ("middling" if quick else ",".join(LEVELS))).split(",")
     if set(given.levels) - set(LEVELS):
         parser.error(f"--levels: valid levels are {', '.join(LEVELS)}")

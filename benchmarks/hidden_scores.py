@@ -17,19 +17,24 @@ import numpy as np
 from dnanalyze.demo import CATALOGUED, EFFECTS, LEVELS, OUTSIDE
 
 ORDINARY = "ordinary"
+TOGETHER = "+"  # between the names of effects that are hidden together
+
+
+def hidden_in(row: dict[str, Any]) -> set[str]:
+    """Names of what is hidden."""
+    return set(row["effect"].split(TOGETHER)) - {ORDINARY}
 
 
 def right(row: dict[str, Any]) -> bool:
-    """Ordinary: nothing added. Outside: unexplained. Else: the right name first."""
+    """Ordinary: nothing added. Outside: unexplained. Else: the right name first; of two, both."""
     if row.get("failed"):
         return False
-    if row["effect"] == ORDINARY:
+    hidden = hidden_in(row)
+    if not hidden:
         return not row["named"]
-    return (
-        row["verdict"] == "unexplained"
-        if row["effect"] in OUTSIDE
-        else row["first"] == row["effect"]
-    )
+    if not hidden.isdisjoint(OUTSIDE):
+        return row["verdict"] == "unexplained"
+    return row["first"] in hidden and hidden <= set(row["named"])
 
 
 def called(row: dict[str, Any]) -> str:
@@ -58,7 +63,7 @@ def share(rows: Sequence[dict[str, Any]]) -> str:
 
 def confusion(rows: list[dict[str, Any]]) -> str:
     """True effects down, what was named first across; columns are numbered to keep it narrow."""
-    counts = Counter((r["effect"], called(r)) for r in rows)
+    counts = Counter((r["effect"], called(r)) for r in rows if len(hidden_in(r)) < 2)
     order = [*EFFECTS, ORDINARY, "nothing", "unexplained", "(failed)"]
     true = [n for n in order if any(t == n for t, _ in counts)]
     seen = {c for _, c in counts}
@@ -84,6 +89,18 @@ def by_effect(rows: list[dict[str, Any]]) -> str:
     return table(["effect", *LEVELS, "error before", "after", "seconds"], body)
 
 
+def of_two(rows: list[dict[str, Any]]) -> str:
+    """What was named where two are hidden."""
+    body = [
+        [r["effect"], called(r), ", ".join(r.get("named", [])), r.get("verdict", ""),
+         *(_middle([r.get(k)]) for k in ("error_before", "error_after", "seconds"))]
+        for r in rows
+        if len(hidden_in(r)) > 1
+    ]  # fmt: skip
+    head = ["hidden", "first", "named", "verdict", "error before", "after", "seconds"]
+    return table(head, body) if body else ""
+
+
 def _middle(values: Iterable[float]) -> str:
     held = [v for v in values if v is not None]
     return f"{median(held):.3g}" if held else "-"
@@ -92,10 +109,10 @@ def _middle(values: Iterable[float]) -> str:
 def reliability(rows: list[dict[str, Any]]) -> str:
     """Of the additions made with such a confidence, how many belong there."""
     additions = [
-        (confidence, name == r["effect"])
+        (confidence, name in hidden_in(r))
         for r in rows
         for name, confidence in r.get("additions", [])
-        if confidence is not None and r["effect"] not in OUTSIDE
+        if confidence is not None and hidden_in(r).isdisjoint(OUTSIDE)
     ]
     body = []
     for low, high in [(0, 0.5), (0.5, 0.7), (0.7, 0.9), (0.9, 0.99), (0.99, 1.001)]:
@@ -113,16 +130,20 @@ def summary(rows: list[dict[str, Any]]) -> list[tuple[str, str, float]]:
     outside = [r for r in middling if r["effect"] in OUTSIDE]
     ordinary = [r for r in rows if r["effect"] == ORDINARY]
     hidden = [r for r in rows if r["effect"] in CATALOGUED]
-    return [
+    pairs = [r for r in middling if len(hidden_in(r)) > 1]
+    aims = [
         ("right name first, middling", share(catalogued), 0.95),
         ("ordinary sensor, nothing added", share(ordinary), 0.95),
         ("outside the catalogue, unexplained, middling", share(outside), 0.90),
         ("one hidden effect, nothing false beside it", _without_false(hidden), 0.95),
+        ("two hidden effects, both named, middling", share(pairs), 0.90),
+        ("two hidden effects, nothing false beside them", _without_false(pairs), 0.95),
     ]
+    return [aim for aim in aims if aim[1] != "-"]
 
 
 def _without_false(rows: list[dict[str, Any]]) -> str:
-    clean = [r for r in rows if not r.get("failed") and set(r["named"]) <= {r["effect"]}]
+    clean = [r for r in rows if not r.get("failed") and set(r["named"]) <= hidden_in(r)]
     return f"{len(clean)}/{len(rows)}" if rows else "-"
 
 
@@ -142,11 +163,12 @@ def report(rows: list[dict[str, Any]]) -> str:
     parts = {
         "Aims": aims,
         "Right answers by amplitude; medians of error and time": by_effect(rows),
+        "Two at once": of_two(rows),
         "Confusion matrix, all levels": confusion(rows),
         "Reliability of the confidence": reliability(rows),
         "Wrong, weak apart": table(["case", "called", "named", "verdict"], missed),
     }
-    return "\n\n".join(f"### {title}\n\n{text}" for title, text in parts.items())
+    return "\n\n".join(f"### {title}\n\n{text}" for title, text in parts.items() if text)
 
 
 def _last_line(text: str) -> str:

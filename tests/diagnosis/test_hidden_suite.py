@@ -78,6 +78,23 @@ def test_a_kind_can_be_asked_for():
     assert told["hidden"]["denoise"]["kind"] == "nlm"
 
 
+def test_two_can_be_hidden_at_once():
+    both = "dpc:median+hot_pixels"
+    _, told = replace(TINY, effect=both).made()
+    assert set(told["hidden"]) == {"dpc", "hot_pixels"}
+    assert told["hidden"]["dpc"]["mode"] == "median"
+    assert replace(TINY, effect=both).name == "dpc+hot_pixels"
+
+
+def test_pairs_are_of_two_effects_of_the_catalogue_and_the_same_each_time():
+    drawn = bench.pairs(40, seed=3)
+    assert drawn == bench.pairs(40, seed=3) != bench.pairs(40, seed=4)
+    for pair in drawn:
+        one, other = pair.split("+")
+        assert one != other
+        assert {one, other} <= set(CATALOGUED)
+
+
 def test_rows_survive_errors_deaths_and_json():
     others = [replace(TINY, sensor=n) for n in range(3)]
     found = {}
@@ -119,6 +136,9 @@ def test_a_stored_line_that_was_cut_short_spoils_no_other(tmp_path):
         (row("ordinary", ["rts"]), False, "rts"),
         (row(OUTSIDE[0], ["flicker_fpn"], "unexplained"), True, "unexplained"),
         (row(OUTSIDE[0], ["flicker_fpn"]), False, "flicker_fpn"),
+        (row("rts+row_fpn", ["row_fpn", "rts"]), True, "row_fpn"),
+        (row("rts+row_fpn", ["row_fpn"]), False, "row_fpn"),
+        (row("rts+row_fpn", ["row_noise", "row_fpn", "rts"]), False, "row_noise"),
         ({"effect": "rts", "failed": "over"}, False, "(failed)"),
     ],
 )
@@ -131,6 +151,16 @@ def test_reliability_counts_additions_by_their_confidence():
     rows = [row("rts", ["rts"], confidence=0.95)] * 3 + [row("rts", ["row_fpn"], confidence=0.95)]
     (line,) = [x for x in scores.reliability(rows).splitlines() if x.startswith("| 0.9-0.99")]
     assert [c.strip() for c in line.split("|")[2:5]] == ["4", "0.95", "0.75"]
+
+
+def test_what_stands_beside_two_is_counted():
+    rows = [row("rts+row_fpn", ["row_fpn", "rts"]), row("rts+row_fpn", ["rts", "row_fpn", "dpc"])]
+    found = {aim: count for aim, count, _ in scores.summary(rows)}
+    assert found == {
+        "two hidden effects, both named, middling": "2/2",
+        "two hidden effects, nothing false beside them": "1/2",
+    }
+    assert "rts, row_fpn, dpc" in scores.report(rows)
 
 
 # The suite.
