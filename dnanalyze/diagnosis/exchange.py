@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.confidence import significant
+from dnanalyze.diagnosis.in_its_place import alike
 from dnanalyze.diagnosis.trial import Trial, error_of, judged, removal, trials
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
@@ -57,15 +58,10 @@ def exchange(
     error = error_of(bench, state)
     found: list[Exchange] = []
     for mine in [e for e in state.model.effects if e.name in added]:
-        alike = {n: e for n, e in open_to.items() if _alike(mine, e)}
+        similar = {n: e for n, e in open_to.items() if alike(mine, e)}
         without = removal(bench, state, mine.name)
-        for trial in trials(bench, without, {mine.name: type(mine), **alike}, tell):
+        for trial in trials(bench, without, {mine.name: type(mine), **similar}, tell):
             made = judged(bench, state, trial.effect, trial.state)
             if significant(made, error):
                 found.append(Exchange(mine.name, without, replace(made, others=trial.others)))
     return max(found, key=lambda f: f.found.evidence, default=None)
-
-
-def _alike(mine: Effect, other: type[Effect]) -> bool:
-    """Whether one of them names the other among what it is confused with."""
-    return mine.name in other.confused_with or other.name in mine.confused_with

@@ -19,6 +19,7 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
 from dnanalyze.model.streams import Stream
 
@@ -256,6 +257,15 @@ class Effect:
 
     def relatives(self) -> list[Effect]:
         """Other forms that show nearly alike, with numbers to match; tried once this one fits."""
+        return []
+
+    def hot_signal(self, reference: OperatingPoint) -> HotSignal | None:
+        """Where it is extra dark signal in few pixels, what all effects of that kind have."""
+        return None
+
+    @classmethod
+    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+        """This effect with such an extra dark signal; several where it has kinds."""
         return []
 
     def warm_up(self, point: OperatingPoint) -> int:

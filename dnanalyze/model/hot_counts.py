@@ -7,6 +7,7 @@ import numpy as np
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.evidence import excess
+from dnanalyze.model.hot_signal import HotSignal
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)
 USUAL = 0.55  # eV
@@ -15,8 +16,8 @@ REACHES = 0.3, 500.0, 60  # robust sigmas that the mean signal may be of, where 
 UNLIKE = 0.1  # share of a count by which no exponential tail is exact
 
 
-def hot_signals(clues: Clues) -> list[dict[str, float]]:
-    """Fraction of the unexplained hot pixels, mean signal in DN and activation energy in eV.
+def hot_signals(clues: Clues) -> list[HotSignal]:
+    """The unexplained hot pixels.
 
     Read in two ways, of all settings together and of each by itself: together they tell more,
     unless a correction has taken the hot pixels of some.
@@ -25,7 +26,7 @@ def hot_signals(clues: Clues) -> list[dict[str, float]]:
     return [found for found in readings if found is not None]
 
 
-def _of_all(clues: Clues) -> dict[str, float] | None:
+def _of_all(clues: Clues) -> HotSignal | None:
     """One population at all settings: N p (e^(-a/nu) - e^(-b/nu)) pixels from a to b robust sigmas.
 
     nu goes by Arrhenius. Where counts show no excess none may reach, so a cold setting tells of the
@@ -51,14 +52,11 @@ def _of_all(clues: Clues) -> dict[str, float] | None:
     pixels = float(along[energy, scale] / square[energy, scale])
     if pixels <= 0:
         return None
-    return {
-        "fraction": pixels / float(np.prod(clues.shape)),
-        "scale": float(scales[energy, scale]),
-        "ea_ev": float(ENERGIES[energy]),
-    }
+    fraction = pixels / float(np.prod(clues.shape))
+    return HotSignal(fraction, float(scales[energy, scale]), float(ENERGIES[energy]))
 
 
-def _of_each(clues: Clues) -> dict[str, float] | None:
+def _of_each(clues: Clues) -> HotSignal | None:
     """A slope of log N(> k s) = log(N p) - k s/nu for each setting, then Arrhenius through nu."""
     sigma = _sigma(clues)
     extra = np.array([excess(clues, f"hot_count_{k}") for k in THRESHOLDS])
@@ -79,7 +77,7 @@ def _of_each(clues: Clues) -> dict[str, float] | None:
     if fitted is None:
         return None
     fraction = float(max(fractions)[1]) / float(np.prod(clues.shape))
-    return {"fraction": fraction, "scale": fitted[0], "ea_ev": fitted[1]}
+    return HotSignal(fraction, *fitted)
 
 
 def _sigma(clues: Clues) -> np.ndarray:

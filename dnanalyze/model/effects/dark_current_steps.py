@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,6 +14,7 @@ from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import SIGN, curve, shows
+from dnanalyze.model.hot_signal import HotSignal
 
 FAR = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20  # hot pixels that show how they are spread
@@ -94,6 +96,19 @@ class DarkCurrentSteps(Effect):
             spacing = np.asarray(clues.measured("pattern_step_dn"), float)
             found += _grown(cls, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
         return found
+
+    def hot_signal(self, reference: OperatingPoint) -> HotSignal:
+        """Of the pixels with an atom or more."""
+        number, ea_ev = self.value("mean_number", reference), self.value("ea_ev", reference)
+        fraction = -math.expm1(-number)
+        return HotSignal(fraction, self.value("step", reference) * number / fraction, ea_ev)
+
+    @classmethod
+    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+        """Each hot pixel with one atom, and few with more."""
+        number = -math.log1p(-min(found.fraction, 0.5))
+        step = found.scale * found.fraction / number
+        return [cls(**hints.clip(cls, step=step, mean_number=number, ea_ev=found.ea_ev))]
 
 
 def _grown(

@@ -13,6 +13,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 from dnanalyze.model.hot_counts import hot_signals
+from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.hot_tail import HotTail, amplitude
 
 REACH = 8
@@ -133,9 +134,18 @@ class HotClusters(HotTail):
         """The tail of the unexplained hot pixels, split into small and large clusters."""
         if not shows(clues, ("hot_pairs", "hot_halo_2")):
             return []
+        return [e for found in hot_signals(clues) for e in cls.of_hot_signal(found)]
+
+    def hot_signal(self, reference: OperatingPoint) -> HotSignal:
+        """Of all members together."""
+        fraction = self.value("density", reference) * self.value("members", reference)
+        return HotSignal(fraction, self.typical_scale(reference), self.value("ea_ev", reference))
+
+    @classmethod
+    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+        """As small and as large clusters."""
         return [
-            cls(**hints.clip(cls, density=found["fraction"] / m, members=m, radius=r,
-                             scale=found["scale"], ea_ev=found["ea_ev"]))
-            for found in hot_signals(clues)
+            cls(**hints.clip(cls, density=found.fraction / m, members=m, radius=r,
+                             scale=found.scale, ea_ev=found.ea_ev))
             for m, r in ((3.0, 1.2), (8.0, 2.5))
         ]  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +13,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 from dnanalyze.model.hot_counts import hot_signals
+from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.hot_tail import HotTail, amplitude
 
 
@@ -102,4 +103,14 @@ class HotPixels(HotTail):
         """What the counts over thresholds tell, of all settings together and of each."""
         if not shows(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
             return []
-        return [cls(**hints.clip(cls, **found)) for found in hot_signals(clues)]
+        return [e for found in hot_signals(clues) for e in cls.of_hot_signal(found)]
+
+    def hot_signal(self, reference: OperatingPoint) -> HotSignal:
+        """Its fraction, scale and energy."""
+        fraction, ea_ev = self.value("fraction", reference), self.value("ea_ev", reference)
+        return HotSignal(fraction, self.typical_scale(reference), ea_ev)
+
+    @classmethod
+    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+        """An exponential population."""
+        return [cls(**hints.clip(cls, **asdict(found)))]

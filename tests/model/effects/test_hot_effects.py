@@ -1,5 +1,7 @@
 """Hot pixels, clusters, quantised dark current and blinking against their closed forms."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 from charge_bench import HERE, LOUD, WARM, MadeUpClues, frames, growth
@@ -10,6 +12,7 @@ from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.rts import Rts
+from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import arrhenius
 
 N = 512 * 512
@@ -362,6 +365,38 @@ def test_the_variance_of_a_light_power_law_tail_and_none_of_a_heavy_one():
     assert light.variance(HERE) == pytest.approx(square - mean**2, rel=1e-9)
     assert HotPixels(0.05, 10.0, tail=0.6).variance(HERE) is None
     assert HotClusters(tail=0.6).variance(HERE) is None
+
+
+@pytest.mark.parametrize("kind", [HotPixels, HotClusters, DarkCurrentSteps])
+def test_the_same_hot_signal_is_as_much_in_as_many_pixels_whatever_its_kind(kind):
+    found = HotSignal(fraction=0.02, scale=40.0, ea_ev=0.4)
+    for effect in kind.of_hot_signal(found):
+        back = effect.hot_signal(HERE)
+        assert astuple(back) == pytest.approx(astuple(found), rel=1e-6)
+        y = frames(effect, SHAPE)[0]
+        # members of clusters share pixels and come together: variance by the closed form
+        most = np.sqrt(max(effect.variance(HERE), 2 * 0.02 * 40.0**2) * 8 / N)
+        assert y.mean() == pytest.approx(0.02 * 40.0, abs=5 * most)
+        np.testing.assert_allclose(frames(effect, SHAPE, point=WARM)[0], growth(0.4) * y, rtol=1e-4)
+
+
+def test_many_atoms_are_hot_pixels_of_more_than_one_step():
+    effect = DarkCurrentSteps(step=10.0, mean_number=0.8)
+    hot = frames(effect, SHAPE)[0]
+    signal = effect.hot_signal(HERE)
+    assert np.mean(hot > 0) == pytest.approx(signal.fraction, abs=5 * np.sqrt(0.25 / N))
+    assert hot[hot > 0].mean() == pytest.approx(signal.scale, rel=0.01)
+
+
+@pytest.mark.parametrize("tail", [0.0, 0.7, 1.2])
+def test_of_a_heavy_tail_the_exponential_law_of_the_same_median_is_told(tail):
+    effect = HotPixels(fraction=0.02, scale=40.0, tail=tail)
+    hot = frames(effect, SHAPE)[0]
+    median = np.median(hot[hot > 0])
+    told = effect.hot_signal(HERE).scale * np.log(2.0)
+    # sd of a median: half over the density there, 2 / scale or less, over the root of the count
+    slack = 5 * 2 ** (1 + tail) * 40.0 / 2 / np.sqrt(0.02 * N)
+    assert told == pytest.approx(median, abs=slack)
 
 
 def test_a_heavier_relative_is_as_strong_at_a_tenth_of_the_hot_pixels():
