@@ -13,7 +13,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import LINE_BANDS, bounded, curve, named, shows, strongest
 
-_PERIODS = 1.5  # over the field; less is no pattern but a slope that varies
+_PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line
 _PEAK = 14.0  # times the floor: by chance in one of 1000 spectra of 1000 exponential modes
 
 
@@ -48,7 +48,10 @@ class PeriodicPattern(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "row_noise": "power at all frequencies of the u = 0 axis, not at one",
         "column_taps": "fixed lines at exactly u = n/P on the v = 0 axis",
-        "cfa_mismatch": "fixed lines at (1/2,0), (0,1/2), (1/2,1/2) exactly",
+        "cfa_mismatch": (
+            "fixed lines at (1/2,0), (0,1/2), (1/2,1/2) exactly; a line that beats with these less "
+            "than 1.5 times over the field is a slope of theirs"
+        ),
         "flicker_noise": "a slope, not a line",
     }
 
@@ -81,9 +84,17 @@ class PeriodicPattern(Effect):
             if line is None:
                 continue
             amplitude, u, v = line
-            if max(abs(v) * clues.field[0], abs(u) * clues.field[1]) >= _PERIODS:
+            if _beats(v, u, clues.field) >= _PERIODS:
                 found.append(cls(bounded(cls, "amplitude", amplitude), u, v, phase))
         return found
+
+
+def _beats(v: float, u: float, field: tuple[int, int]) -> float:
+    """Periods over the field of what is left beside a pattern that every one or two lines repeat.
+
+    Of a sine a fraction of a mode beside it any slope of such a pattern over the field is made.
+    """
+    return max(min(abs(f), 0.5 - abs(f)) * lines for f, lines in zip((v, u), field, strict=True))
 
 
 def _off_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:

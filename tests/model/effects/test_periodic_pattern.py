@@ -41,13 +41,16 @@ def test_guess_from_the_line_off_the_axes():
     assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
 
 
+@pytest.mark.parametrize("beside", [(0.0, 0.0), (0.5, 0.0), (0.0, -0.5), (0.5, 0.5)])
 @pytest.mark.parametrize(("periods", "pattern"), [(1.0, False), (2.0, True)])
-def test_less_than_a_period_and_a_half_over_the_field_is_no_pattern(periods, pattern):
+def test_less_than_a_period_and_a_half_over_the_field_is_no_pattern(beside, periods, pattern):
+    """Nor is what beats so slowly with every other line, for a slope under a checkerboard does."""
     size = Given().field[0]
+    u, v = beside
     clues = Given(
         seen={
-            "temporal_line_u": periods / size,
-            "temporal_line_v": -1.0 / size,
+            "temporal_line_u": abs(u - periods / size),
+            "temporal_line_v": v + 1.0 / size if v < 0 else v - 1.0 / size,
             "temporal_line_amplitude": 0.6,
         },
         off={"temporal_line": 12.0},
