@@ -151,14 +151,16 @@ def _from_leader(
     """Rivals begun with the leader's numbers too: none may lose by where it was begun.
 
     Of hot pixels that a correction has taken nearly all, counts tell so little that a first guess
-    is luck, while another law of the same few pixels may have been fitted well.
+    is luck, while another law of the same few pixels may have been fitted well. Only rivals that
+    show a sign of their own: of few pixels nearly any law does as well.
     """
     leader = max(best.values(), key=lambda t: t.evidence)
     wanted = state.loss - CLOSE * (state.loss - leader.state.loss)
-    for name, model in in_its_place(leader.state.model, leader.effect, known):
+    rivals = {name: effect for name, effect in known.items() if name in best}
+    for name, model in in_its_place(leader.state.model, leader.effect, rivals):
         begun = start(bench, model, knobs_of(model), like=leader.state)
         made = judged(bench, state, name, minimise(bench, begun, iterations, below=wanted))
-        if name not in best or made.evidence > best[name].evidence:
+        if made.evidence > best[name].evidence:
             best[name] = made
 
 
