@@ -89,11 +89,12 @@ def rank_sums(x, row_edges, column_edges, out):
 
 
 @njit(cache=True, nogil=True, fastmath=_FAST)
-def peak_sums(x, top, share, leads, row_edges, column_edges, out):
+def peak_sums(x, top, share, leads, widths, row_edges, column_edges, out):
     """As `rank_sums`, and more of single frames.
 
     Pixels above ``top``, those at ``top`` counted as ``share``; those of them that equal their
-    highest neighbour; pixels that lead all neighbours by more than each of the three ``leads``, DN.
+    highest neighbour; pixels that lead all neighbours by more than each of the three ``leads``, DN,
+    those within half of its ``widths`` of it in part.
     """
     rows, columns = x.shape
     most, least = np.empty((2, columns), np.float32)
@@ -101,7 +102,9 @@ def peak_sums(x, top, share, leads, row_edges, column_edges, out):
     sums = np.empty((PEAK_SUMS, columns - 2), np.float32)
     zero, one = np.float32(0.0), np.float32(1.0)
     limit, part = np.float32(top), np.float32(share)
+    half = np.float32(0.5)
     k0, k1, k2 = np.float32(leads[0]), np.float32(leads[1]), np.float32(leads[2])
+    w0, w1, w2 = np.float32(widths[0]), np.float32(widths[1]), np.float32(widths[2])
     for r in range(row_edges.size - 1):
         first, last = max(1, row_edges[r]), min(rows - 1, row_edges[r + 1])
         sums[:] = 0
@@ -120,9 +123,9 @@ def peak_sums(x, top, share, leads, row_edges, column_edges, out):
                 tops[j] += weight
                 ties[j] += weight if gap[j] == zero else zero
             for j in range(high.size):
-                lead0[j] += one if gap[j] > k0 else zero
-                lead1[j] += one if gap[j] > k1 else zero
-                lead2[j] += one if gap[j] > k2 else zero
+                lead0[j] += min(max((gap[j] - k0) / w0 + half, zero), one)
+                lead1[j] += min(max((gap[j] - k1) / w1 + half, zero), one)
+                lead2[j] += min(max((gap[j] - k2) / w2 + half, zero), one)
         _into_bands(sums, column_edges, 1, out[r])
 
 

@@ -51,7 +51,7 @@ class Neighbours:
         top, share = top_level(view.frame)
         peaks = np.zeros_like(self.peaks)
         rows, columns = edges_of(plan)
-        kernels.peak_sums(view.frame, top, share, leads, rows, columns, peaks)
+        kernels.peak_sums(view.frame, top, share, leads, _widths(plan, leads), rows, columns, peaks)
         self._take("peaks", peaks)
         self.frames += 1
         if view.difference is not None:
@@ -85,6 +85,15 @@ class Neighbours:
         mine: np.ndarray = getattr(self, name)
         mine += sums
         self.each[name].append(sums.sum(axis=(0, 1)))
+
+
+def _widths(plan: Plan, leads: np.ndarray) -> np.ndarray:
+    """Width over which a lead begins to count, DN.
+
+    A code stands for all within half a DN of it. Were it counted whole or not at all, a lead of
+    exactly 2 would depend on the last digit of a sigma of .5.
+    """
+    return np.minimum(1.0, leads) if plan.integer else 1e-6 * leads
 
 
 def edges_of(plan: Plan) -> tuple[np.ndarray, np.ndarray]:

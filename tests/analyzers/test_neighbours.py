@@ -11,8 +11,12 @@ from structure_frames import accumulated, scatter_over_error, sensor, values, wh
 
 from dnanalyze.analyzers import neighbours
 from dnanalyze.analyzers.halo import halo
+from dnanalyze.analyzers.neighbour_kernels import peak_sums
 from dnanalyze.analyzers.neighbours_accumulator import (
+    EXCESS_SIGMAS,
     LAGS,
+    PEAK_EXCESS,
+    PEAK_SUMS,
     Neighbours,
     lag_products,
     rank_shares,
@@ -142,7 +146,7 @@ def test_peaks_are_counted_as_a_plain_filter_counts_them():
     for frame in frames:
         y = frame.astype(float)
         lead = (y - maximum_filter(y, footprint=RING, mode="nearest"))[1:-1, 1:-1]
-        counts += [np.sum(lead > k * sigma) for k in (4, 8, 16)]
+        counts += [np.clip(lead - k * sigma + 0.5, 0, 1).sum() for k in (4, 8, 16)]
         level, share = top_level(frame.astype(np.float32))
         weight = np.where(y > level, 1.0, np.where(y == level, share, 0.0))[1:-1, 1:-1]
         tops += weight.sum()
@@ -150,6 +154,31 @@ def test_peaks_are_counted_as_a_plain_filter_counts_them():
     for k, name in enumerate(("excess_4", "excess_8", "excess_16")):
         assert found[name].value == pytest.approx(counts[k] / 3), name
     assert found["ties_max8"].value == pytest.approx(ties / tops, rel=1e-5)
+
+
+@pytest.mark.parametrize("sigma", [0.1, 0.49, 0.505, 1.0, 1.02, 30.0])
+def test_a_lead_counts_by_how_much_of_its_code_lies_beyond_the_threshold(sigma):
+    """Codes one apart count less and less as sigma grows, not all at once."""
+    frame = np.zeros((40, 40), np.float32)
+    frame[5::10, 5::10] = leads = np.arange(16).reshape(4, 4)
+    edges, out = np.array([0, 40]), np.zeros((1, 1, PEAK_SUMS))
+    limits = np.array(EXCESS_SIGMAS) * sigma
+    peak_sums(frame, 99.0, 1.0, limits, np.minimum(1.0, limits), edges, edges, out)
+    beyond = [np.clip((leads - k) / min(1.0, k) + 0.5, 0, 1).sum() for k in limits]
+    np.testing.assert_allclose(out[0, 0, PEAK_EXCESS:], beyond, rtol=1e-5)
+
+
+def test_of_converted_noise_the_leads_do_not_jump_with_its_sigma():
+    """At 4 sigma of .49 and .51 DN a lead of two codes is just beyond and just within."""
+    rng = np.random.default_rng(12)
+    noise, tail = rng.standard_normal((6, 256, 256)), rng.exponential(4.0, (256, 256))
+    hot = np.where(rng.random((256, 256)) < 0.02, tail, 0.0)
+    low, high = (
+        values(neighbours, [np.rint(40 + hot + s * n).astype(np.uint16) for n in noise])
+        for s in (0.49, 0.51)
+    )
+    few, many = sorted((low["excess_4"].value, high["excess_4"].value))
+    assert many < 1.3 * few  # the tail falls by exp(-.08 / 4), and the core's leads with it
 
 
 def test_the_top_percent_is_one_percent_even_of_coarse_codes():
