@@ -13,7 +13,8 @@ from dnanalyze.model.registry import BASE, EVERYDAY
 def needless(held: Bench, state: State) -> tuple[State, list[str]]:
     """Drop effects whose removal, after a refit, costs nothing on the unseen half.
 
-    The latest too: it may have led others to a place from which they do without it.
+    The latest too: it may have led others to a place from which they do without it. Where the refit
+    bends the rest around one half, removal as it is counts.
 
     Returns
     -------
@@ -25,10 +26,12 @@ def needless(held: Bench, state: State) -> tuple[State, list[str]]:
     for name in list(state.model.names):
         if name in (*EVERYDAY, BASE):
             continue
-        without = removal(held, state, name)
-        if _idle(held, without, state, name):
-            state = without
-            gone.append(name)
+        for steps in (3, 0):
+            without = removal(held, state, name, steps)
+            if _idle(held, without, state, name):
+                state = without
+                gone.append(name)
+                break
     return state, gone
 
 
