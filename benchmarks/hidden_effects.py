@@ -85,9 +85,10 @@ def parts(effect: str) -> list[tuple[str, str]]:
 
 
 def pairs(count: int, seed: int) -> list[str]:
-    """Two different effects of the catalogue each, drawn at random."""
+    """Two different effects of the catalogue each, drawn at random; what repeats counts once."""
     rng = np.random.default_rng([seed, count])
-    return [TOGETHER.join(rng.choice(CATALOGUED, 2, replace=False)) for _ in range(count)]
+    drawn = (TOGETHER.join(rng.choice(CATALOGUED, 2, replace=False)) for _ in range(count))
+    return list(dict.fromkeys(drawn))
 
 
 def cases(

@@ -136,10 +136,13 @@ def summary(rows: list[dict[str, Any]]) -> list[tuple[str, str, float]]:
         ("ordinary sensor, nothing added", share(ordinary), 0.95),
         ("outside the catalogue, unexplained, middling", share(outside), 0.90),
         ("one hidden effect, nothing false beside it", _without_false(hidden), 0.95),
-        ("two hidden effects, both named, middling", share(pairs), 0.90),
-        ("two hidden effects, nothing false beside them", _without_false(pairs), 0.95),
     ]
-    return [aim for aim in aims if aim[1] != "-"]
+    if pairs:
+        aims += [
+            ("two hidden effects, both named, middling", share(pairs), 0.90),
+            ("two hidden effects, nothing false beside them", _without_false(pairs), 0.95),
+        ]
+    return aims
 
 
 def _without_false(rows: list[dict[str, Any]]) -> str:

@@ -9,6 +9,8 @@ from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.registry import BASE, EVERYDAY
 
+REFIT = 3  # steps of the fit without an effect
+
 
 def needless(held: Bench, state: State) -> tuple[State, list[str]]:
     """Drop effects whose removal, after a refit, costs nothing on the unseen half.
@@ -26,13 +28,17 @@ def needless(held: Bench, state: State) -> tuple[State, list[str]]:
     for name in list(state.model.names):
         if name in (*EVERYDAY, BASE):
             continue
-        for steps in (3, 0):
-            without = removal(held, state, name, steps)
-            if _idle(held, without, state, name):
-                state = without
-                gone.append(name)
-                break
+        without = _without(held, state, name)
+        if without is not None:
+            state = without
+            gone.append(name)
     return state, gone
+
+
+def _without(held: Bench, state: State, name: str) -> State | None:
+    """The model without an effect, refitted or as it is, if it does without."""
+    removed = (removal(held, state, name, steps) for steps in (REFIT, 0))
+    return next((s for s in removed if _idle(held, s, state, name)), None)
 
 
 def _idle(held: Bench, without: State, state: State, name: str) -> bool:

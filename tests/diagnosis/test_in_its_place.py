@@ -7,6 +7,7 @@ import pytest
 
 from dnanalyze.diagnosis import trial
 from dnanalyze.diagnosis.in_its_place import in_its_place
+from dnanalyze.diagnosis.screening import Prospect
 from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
@@ -58,17 +59,24 @@ def test_a_rival_that_its_own_guess_led_astray_begins_where_the_leader_ended(
     base, leader, astray, like = stands(5.0), stands(2.0), stands(4.5), []
 
     def refit(_bench, begun, *_, **__):
+        if isinstance(begun, State):  # of rivals to the end
+            return begun
         like.append(begun)
         return stands(ended, begun)
 
+    guesses = [Prospect("dark_current_steps", STEPS, 900.0), Prospect("hot_pixels", STEPS, 800.0)]
+    after = {"dark_current_steps": leader, "hot_pixels": astray}
+    monkeypatch.setattr(trial, "prospects", lambda *_: seen)
+    monkeypatch.setattr(trial, "refitted", lambda _bench, p, *_: after[p.effect])
     monkeypatch.setattr(trial, "start", lambda _bench, model, _knobs, like: model)
     monkeypatch.setattr(trial, "minimise", refit)
-    best = {"dark_current_steps": trial.judged(bench, base, "dark_current_steps", leader)}
-    trial._from_leader(bench, base, built_in(), best, 3)
+    monkeypatch.setattr(trial, "derive", lambda _bench, state, **_: state)
+    seen = guesses[:1]
+    trial.trials(bench, base, built_in())
     assert like == []  # without a sign of its own it is none
-    best["hot_pixels"] = trial.judged(bench, base, "hot_pixels", astray)
-    trial._from_leader(bench, base, built_in(), best, 3)
+    seen = guesses
+    found = trial.trials(bench, base, built_in())
     (model,) = like
     assert model.names == ["hot_pixels"]
-    assert max(best.values(), key=lambda t: t.evidence).effect == first
-    assert best["hot_pixels"].state.model is model
+    assert found[0].effect == first
+    assert next(t for t in found if t.effect == "hot_pixels").state.model is model

@@ -10,7 +10,7 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import carried, fitted, part_for
 from dnanalyze.fitting.knobs import knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import derive, minimise, start
+from dnanalyze.fitting.least_squares import converge, derive, minimise, start
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
@@ -117,13 +117,14 @@ def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(held, simulated, s
     begun = model(seed)
     knobs = knobs_of(begun)
     off = turned(begun, knobs, positions(begun, knobs) + [0.2 * k.log for k in knobs])
-    alone = fitted(replace(held, part=None), off)
+    alone = converge(replace(held, part=None), start(held, off, knobs))
     simulated.clear()
     ended = fitted(held, off)
     first = simulated.index(True)
     assert not any(simulated[:first])  # the part, then the whole, in a step or a few
     assert all(simulated[first:])
     assert len(simulated) - first < 6
+    ended = converge(held, ended)
     assert ended.loss < alone.loss + 0.05 * len(held.train.keys)
 
 
