@@ -1,7 +1,8 @@
 """What a fit without an effect bends to make up for it, put right; along it, other strengths.
 
 A filter over frames takes noise away, and the fit of the model without it has made the noise small
-instead. Strength and noise must then move together, far and along a curve.
+instead. Strength and noise must then move together, far and along a curve. Of codes that so little
+noise leaves the fit may have moved the level too, which the means of the frames tell still.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE
 
 UNBENT = (1.0, 0.0)
 FACTORS = (0.5, 0.65, 0.8, 1.25, 1.5, 2.0)
@@ -81,6 +83,15 @@ def unbent(
         return None
     where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
     return turned(model, knobs, np.array(where))
+
+
+def relevelled(model: NoiseModel, begun: NoiseModel) -> NoiseModel | None:
+    """A model with the black level and the seed of another; None where other numbers are free."""
+    seed = begun.get(BASE)
+    if seed is None or model.get(BASE) is None:
+        return None
+    made = replace(model, pedestal=begun.pedestal).with_effect(seed)
+    return made if knobs_of(made) == knobs_of(model) else None
 
 
 def _right(

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.bend import least_noise, unbent
+from dnanalyze.diagnosis.bend import least_noise, relevelled, unbent
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import carried, part_for
 from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
@@ -39,11 +40,14 @@ class Prospect:
         Fall of the fitted half's loss, at the two most telling settings, if the statistics moved
         linearly along the guess, with the model's own parameters free to follow; beyond what these
         parameters, free at two settings alone, would gain without it.
+    levelled : NoiseModel, optional
+        The guess at the level that moments tell, where the fit may have moved it.
     """
 
     effect: str
     model: NoiseModel
     promise: float
+    levelled: NoiseModel | None = None
 
 
 def prospects(
@@ -125,6 +129,8 @@ class _View:
         The loss that an effect which moves nothing would reach.
     noise : float
         Of the quietest frames of all settings, DN.
+    levelled : NoiseModel, optional
+        The model at the level that moments tell, where much is missing.
     weight : float
         What a unit of its loss stands for.
     """
@@ -133,6 +139,7 @@ class _View:
     state: State
     idle: float
     noise: float
+    levelled: NoiseModel | None = None
     weight: float = 1.0
 
     @classmethod
@@ -140,7 +147,8 @@ class _View:
         """Of some of the settings."""
         there = _restricted(bench, state, settings)
         idle = _reachable(there, there.train)
-        return cls(bench.only(settings), there, idle, least_noise(bench))
+        levelled = relevelled(state.model, ordinary_start(bench)) if much_left(state) else None
+        return cls(bench.only(settings), there, idle, least_noise(bench), levelled)
 
 
 def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _View | None:
@@ -149,10 +157,15 @@ def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _V
     ``idle``: that of the whole field; a promise is taken to be the same share of it.
     """
     there = part_for(bench, state.model)
-    if there is None or state.loss < PLAIN * len(state.train):
+    if there is None or not much_left(state):
         return None
     view = _View.of(there, carried(state, bench, there), settings)
     return replace(view, weight=idle / view.idle)
+
+
+def much_left(state: State) -> bool:
+    """Whether a part of the field shows what is missing as well."""
+    return state.loss >= PLAIN * len(state.train)
 
 
 def _two(made: Sequence[Prospect]) -> list[Prospect]:
@@ -187,21 +200,25 @@ def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Prospect]:
     bench, state = view.bench, view.state
     made = []
     for guess in guesses:
-        right = unbent(state.model, guess, view.noise)
+        right, levelled = (
+            None if model is None else unbent(model, guess, view.noise)
+            for model in (state.model, view.levelled)
+        )
         for model in [state.model] if right is None else [state.model, right]:
             with suppress(InputError):
-                made.append((guess, model.with_effect(guess)))
-    here = [guess.lies_in(bench.plan.windows[0]) for guess, _ in made]
+                other = levelled.with_effect(guess) if levelled and model is right else None
+                made.append((guess, model.with_effect(guess), other))
+    here = [guess.lies_in(bench.plan.windows[0]) for guess, *_ in made]
     moved = iter(
-        bench.several([larger for (_, larger), seen in zip(made, here, strict=True) if seen])
+        bench.several([larger for (_, larger, _), seen in zip(made, here, strict=True) if seen])
     )
     found = []
-    for (guess, larger), seen in zip(made, here, strict=True):
+    for (guess, larger, other), seen in zip(made, here, strict=True):
         if seen:
             promise = view.idle - _reachable(state, bench.train.z(next(moved)))
         else:  # the fitted half has none of it
             promise = loss(state.test) - loss(bench.judged_z(larger))
-        found.append(Prospect(guess.name, larger, view.weight * promise))
+        found.append(Prospect(guess.name, larger, view.weight * promise, other))
     return found
 
 

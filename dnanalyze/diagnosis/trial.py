@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.deviance import deviance, dispersion
 from dnanalyze.diagnosis.in_its_place import in_its_place
 from dnanalyze.diagnosis.refit import SURE, refitted
-from dnanalyze.diagnosis.screening import LEAST, Prospect, prospects
+from dnanalyze.diagnosis.screening import LEAST, Prospect, much_left, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
@@ -108,6 +109,9 @@ def trials(
             continue
         wanted, again = state.loss - WORTH * fell, HOPE * p.promise > CLOSE * fell
         ended = refitted(bench, p, state, wanted, iterations, again)
+        if p.levelled is not None and much_left(ended):
+            other = replace(p, model=p.levelled)
+            ended = preferred(ended, refitted(bench, other, state, math.inf, iterations))
         made = judged(bench, state, p.effect, ended)
         if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made

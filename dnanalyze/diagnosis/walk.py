@@ -130,6 +130,8 @@ def completed(held: Bench, state: State, name: str) -> State:
         With the effect, as refitted from its guess.
     name : str
     """
+    if error_of(held, state) > POOR:
+        state = converge(held, state)  # the others are at their ends when they are compared with it
     if error_of(held, state) > POOR:  # of a wrong strength the wrong kind may be the better
         state = preferred(state, along_bend(held, state, name) or state)
     state = converge(held, settled(held, state, name, relatives=False))

@@ -19,11 +19,11 @@ from dnanalyze.fitting.least_squares import (
     unseen,
     weights,
 )
-from dnanalyze.fitting.moments import moments
+from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
-from dnanalyze.fitting.start import paper_models
+from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -108,6 +108,13 @@ def paper_start(held: Bench) -> NoiseModel:
     models = paper_models(m)
     losses = [loss(seen.train.z(found)) for found in seen.several(models)]
     return models[int(np.argmin(losses))]
+
+
+def ordinary_start(held: Bench) -> NoiseModel:
+    """The model of what every sensor has by moments of the train half."""
+    seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
+    bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
+    return ordinary_model(moments(seen, sensor.black_level), bits, serial)
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:

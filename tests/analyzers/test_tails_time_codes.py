@@ -228,6 +228,26 @@ def test_whether_a_few_pixels_reach_one_code_farther_hardly_changes_the_spike(en
     assert apart < 0.5
 
 
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ((1500, 145_000), (1, 0, 1500, 145_000)),  # a pixel strays, with a code left out
+        ((codes.FEW, 3300, 8000), (codes.FEW - 1, 3300, 8000)),  # at the limit of few
+        ((3300, 8000), (1, 3300, 8000)),
+    ],
+)
+def test_a_spike_does_not_jump_with_a_count(one, other):
+    """What one count more moves lies within what it says itself of its error."""
+    seen = [codes._spike(np.array(counts), 1.0) for counts in (one, other)]
+    assert abs(math.log(seen[0].value / seen[1].value)) < max(v.se for v in seen)
+
+
+def test_a_spike_of_many_counts_is_the_ratio_of_the_last_two_codes():
+    seen = codes._spike(np.array([900, 99, 5000]), 1.0)
+    assert seen.value == pytest.approx(901 / 100, rel=1e-9)
+    assert seen.se == pytest.approx(math.sqrt(1 / 905 + 1 / 104), rel=1e-9)
+
+
 def test_lattice_and_entropy():
     assert values_of(codes, gaussian(16, 2))["lattice"].value == 1.0
     loose = codes.finish(accumulate(dark_frames(16, 2, SHAPE, codes=False)).finish())

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from dnanalyze.diagnosis import bend, walk
-from dnanalyze.diagnosis.bend import _other_strengths, along_bend, least_noise, unbent
+from dnanalyze.diagnosis.bend import (
+    _other_strengths,
+    along_bend,
+    least_noise,
+    relevelled,
+    unbent,
+)
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.digital_gain import DigitalGain
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
+from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
@@ -53,6 +63,26 @@ def test_another_strength_brings_the_noise_it_bends(held):
     assert found.model.get("read_noise").sigma == pytest.approx(SIGMA, rel=0.1)
 
 
+@pytest.mark.parametrize(
+    ("pedestal", "mu", "moved"),
+    [
+        (64.4, TableLaw((POINT,), (0.5,)), True),
+        (64.4, ArrheniusLaw(1.5, 25.0, 0.6), False),  # its numbers are others
+        (TableLaw((POINT,), (64.4,)), TableLaw((POINT,), (0.5,)), False),
+    ],
+)
+def test_the_level_of_another_model_is_taken_where_the_same_numbers_are_free(pedestal, mu, moved):
+    seed = ConvolvedLognormal(mu=TableLaw((POINT,), (1.0,)), delta=0.3, sigma=1e-6)
+    begun = NoiseModel((seed, ReadNoise(9.0)), 64.0, POINT)
+    model = NoiseModel((replace(seed, mu=mu, delta=0.9), ReadNoise(SIGMA)), pedestal, POINT)
+    found = relevelled(model, begun)
+    if moved:
+        assert found == NoiseModel((seed, ReadNoise(SIGMA)), 64.0, POINT)
+    else:
+        assert found is None
+    assert relevelled(_model(SIGMA, None, 1), begun) is None  # it has no seed
+
+
 def test_an_effect_that_bends_nothing_stays(held):
     model = _model(SIGMA, None, 2)
     assert along_bend(held, start(held, model, knobs_of(model)), "pixel_fpn") is None
@@ -70,6 +100,20 @@ def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
     assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
     # kinds are told at the right strength: at a wrong one the wrong kind may be the better
     assert settled[0].model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
+
+
+def test_a_poor_refit_goes_to_its_end_before_another_strength_is_held_against_it(held, monkeypatch):
+    """A strength that ends in a valley beside it may lie lower than where it has come so far."""
+    begun = start(held, _model(SIGMA, 0.25, 2), [])
+    ended = start(held, _model(SIGMA, SHARE, 2), [])
+    asked = []
+    monkeypatch.setattr(walk, "converge", lambda _, there: asked.append(there) or ended)
+    monkeypatch.setattr(walk, "along_bend", lambda _, there, __: asked.append(there))
+    monkeypatch.setattr(walk, "settled", lambda _, there, *__, **___: there)
+    assert walk.error_of(held, begun) > walk.POOR > walk.error_of(held, ended)
+    walk.completed(held, begun, "temporal_denoise")
+    assert asked[0] is begun
+    assert begun not in asked[1:]
 
 
 def test_numbers_that_were_bent_come_right_by_factor_and_shift():

@@ -90,6 +90,29 @@ def test_another_guess_is_refitted_where_the_first_gains_and_yet_raises_the_erro
 
 
 @pytest.mark.parametrize(
+    ("left", "levelled", "taken"),
+    [
+        (2.0, 0.5, True),
+        (2.0, 3.0, False),  # it ends no better there
+        (1.0, 0.5, False),  # little is left: the fit has not bent its level
+    ],
+)
+def test_where_a_refit_leaves_much_it_begins_at_the_level_of_the_moments_too(
+    monkeypatch, left, levelled, taken
+):
+    names = np.array(["codes"] * 100)
+    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    bent, level = NoiseModel(()), NoiseModel(())
+    ended = {id(bent): state(left, left), id(level): state(levelled, levelled)}
+    monkeypatch.setattr(trial, "prospects", lambda *_: [Prospect("a", bent, 900.0, level)])
+    monkeypatch.setattr(trial, "refitted", lambda _bench, p, *_: ended[id(p.model)])
+    monkeypatch.setattr(trial, "derive", lambda _bench, found, **_: found)
+    monkeypatch.setattr(trial, "minimise", lambda _bench, found, *_: found)
+    (found,) = trials(bench, state(5.0, 5.0), {})
+    assert found.state.train is ended[id(level if taken else bent)].train
+
+
+@pytest.mark.parametrize(
     ("rival", "at_rest", "error", "who"),
     [
         (90.0, False, 1.0, "b"),  # from the leader's derivatives as they are

@@ -20,6 +20,7 @@ from dnanalyze.diagnosis.screening import (
     prospects,
 )
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import converge, minimise, start
 from dnanalyze.fitting.moments import moments
@@ -30,7 +31,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import built_in
+from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
 
 KNOWN = built_in()
@@ -178,6 +179,28 @@ def test_where_much_is_missing_what_every_part_shows_is_looked_for_in_one(
         (free,) = straight(replace(views[1], weight=1.0), [guessed["crosstalk"]()])[:1]
         (weighed,) = straight(views[1], [guessed["crosstalk"]()])[:1]
         assert weighed.promise == pytest.approx(weights["crosstalk"] * free.promise)
+
+
+@pytest.mark.parametrize("loss", [0.9 * PLAIN, 1.1 * PLAIN])
+def test_where_much_is_missing_a_guess_that_bends_is_ready_at_the_level_of_the_moments(
+    held, state, loss
+):
+    """The fit may have moved the level to where the codes of too little noise lie."""
+    moved = replace(state.model, pedestal=state.model.pedestal + 0.5)
+    off = replace(state, model=moved, train=np.full(len(state.train), np.sqrt(loss)))
+    guess = KNOWN["denoise"](kind="gaussian", space=0.6)
+    view = screening._View.of(held, off, [0, 1])
+    straight, bent = screening._at_guesses(view, [guess])
+    assert straight.levelled is None
+    if loss < PLAIN:
+        assert bent.levelled is None
+        return
+    begun = ordinary_start(held)
+    assert bent.model.pedestal == moved.pedestal
+    assert bent.levelled.pedestal == begun.pedestal
+    assert bent.levelled.get(BASE).mu == begun.get(BASE).mu
+    for name in ("denoise", "read_noise"):  # the rest as it is right with the guess
+        assert bent.levelled.get(name) == bent.model.get(name)
 
 
 def _shown(train, test):
