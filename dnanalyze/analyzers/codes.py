@@ -14,7 +14,6 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 CENTRAL = 0.98  # share of a histogram that counts as its body
 GAUSSIAN = 3.45  # codes of the body over those between the quartiles, of a normal distribution
 FEW = 30  # counts
-NEGLIGIBLE = 1e-3  # share
 OVERUSED = 5.0  # standard errors above its neighbours
 
 INFOS = (
@@ -108,31 +107,27 @@ def _ends(counts: Counted, repeats: float, acc: Accumulated, out: FamilyResult) 
         out.missing.update(dict.fromkeys(("low_spike", "high_spike"), reason))
         return
     for name, inwards in (("low_spike", n), ("high_spike", n[::-1])):
-        values[name] = _spike(inwards, repeats)
+        values[name] = _spike(inwards, acc.frames, repeats)
 
 
-def _spike(inwards: np.ndarray, repeats: float) -> Value:
+def _spike(inwards: np.ndarray, frames: int, repeats: float) -> Value:
     """Counts of the last code over the next one's: how much more often the last is given.
 
-    A few counts in the last code are chance, without which the next would be the last. So each is
-    the last by the square of what the counts up to it are of `FEW`, of what those before it leave.
+    Fewer counts than frames are strays, no pixel that stays there: they count with the next code. A
+    few counts in the last code are chance, without which the second would be the last.
     """
-    reached, left = 0.0, 1.0
-    weights, logs, errors = [], [], []
-    for count, next_to in zip(inwards[:-1].tolist(), inwards[1:].tolist(), strict=True):
-        reached += count
-        weights.append(left * min(1.0, reached / FEW) ** 2)
-        left -= weights[-1]
-        logs.append(math.log((reached + 1) / (next_to + 1)))
-        # Poisson, with some counts more: which code is the last one seen is itself chance
-        fall = min(logs[-1], 0.0) ** 2 / (reached + 3)
-        errors.append(repeats * (1 / (reached + 5) + 1 / (next_to + 5)) + fall)
-        if left < NEGLIGIBLE:
-            break
-    mean = float(np.average(logs, weights=weights))
-    apart = np.square(np.subtract(logs, mean)) * (4 * repeats / FEW)
-    se = math.sqrt(float(np.average(errors + apart, weights=weights)))
-    return Value(math.exp(mean), max(se, 0.02))
+    reached = np.cumsum(inwards)
+    at = min(int(np.searchsorted(reached, frames)), inwards.size - 3)
+    last, second, third = int(reached[at]), int(inwards[at + 1]), int(inwards[at + 2])
+    ends = [(last, second)]
+    if last < FEW:
+        ends.append((last + second, third))
+    end, next_to = max(ends, key=lambda pair: (pair[0] + 1) / (pair[1] + 1))
+    ratio = (end + 1) / (next_to + 1)
+    fall = min(math.log(ratio), 0.0) ** 2
+    # Poisson, with some counts more: which code is the last one seen is itself chance
+    se = math.sqrt(repeats * (1 / (end + 5) + 1 / (next_to + 5)) + fall / (end + 3))
+    return Value(ratio, max(se, 0.02))
 
 
 def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:

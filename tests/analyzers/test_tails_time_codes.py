@@ -229,21 +229,22 @@ def test_whether_a_few_pixels_reach_one_code_farther_hardly_changes_the_spike(en
 
 
 @pytest.mark.parametrize(
-    ("one", "other"),
-    [
-        ((1500, 145_000), (1, 0, 1500, 145_000)),  # a pixel strays, with a code left out
-        ((codes.FEW, 3300, 8000), (codes.FEW - 1, 3300, 8000)),  # at the limit of few
-        ((3300, 8000), (1, 3300, 8000)),
-    ],
+    ("counts", "strays"),
+    [((1500, 145_000), (1, 0)), ((1500, 145_000), (5, 0, 0)), ((40, 300, 3000), (2,))],
 )
-def test_a_spike_does_not_jump_with_a_count(one, other):
-    """What one count more moves lies within what it says itself of its error."""
-    seen = [codes._spike(np.array(counts), 1.0) for counts in (one, other)]
-    assert abs(math.log(seen[0].value / seen[1].value)) < max(v.se for v in seen)
+def test_strays_beyond_the_last_code_hardly_move_the_spike(counts, strays):
+    """In no code of theirs does a pixel stay for all of the frames."""
+    few = 0, 0  # codes within, for the short ones
+    seen = [codes._spike(np.array(n), 6, 1.0) for n in ((*counts, *few), (*strays, *counts, *few))]
+    assert abs(math.log(seen[0].value / seen[1].value)) < seen[0].se
+
+
+def test_a_pixel_that_stays_far_out_is_a_spike():
+    assert codes._spike(np.array([6, 0, 0, 40, 300]), 6, 1.0).value == pytest.approx(7.0)
 
 
 def test_a_spike_of_many_counts_is_the_ratio_of_the_last_two_codes():
-    seen = codes._spike(np.array([900, 99, 5000]), 1.0)
+    seen = codes._spike(np.array([900, 99, 5000]), 6, 1.0)
     assert seen.value == pytest.approx(901 / 100, rel=1e-9)
     assert seen.se == pytest.approx(math.sqrt(1 / 905 + 1 / 104), rel=1e-9)
 
