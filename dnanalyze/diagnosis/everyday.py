@@ -7,12 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import at_a_glance, ordinary_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.least_squares import State, converge, given, start
-from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import partly_named
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.laws import Law
@@ -41,8 +39,7 @@ def everyday(
     note : callable
         Called with the name of each effect and the state with it.
     """
-    found = moments(Readings(bench.measured[0]), bench.plan.captures.sensor.black_level)
-    begun = ordinary_start(bench)
+    found, begun = at_a_glance(bench), ordinary_start(bench)
     for name in exclude:
         begun = begun.without(name)
     full = told_gain(bench, fitted(bench, begun, partial(converge, own=True)), begun)

@@ -23,7 +23,7 @@ LEAST = 6.0  # promise below which a refit is not worth it; what chance promises
 FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
 HOPEFUL = 0.1  # share of the best promise of all from which the rest may come to something
 FAINT = 60.0  # best promise below which other settings may show what these do not
-PLAIN = 1.2  # loss a number from which a part of the field shows what is missing as well
+PLAIN = 1.2  # loss a number from which much is missing
 STRIDES = (0.03, 0.1, 0.25, 0.5, 1.0, 1.5, 2.5)
 
 
@@ -164,7 +164,7 @@ def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _V
 
 
 def much_left(state: State) -> bool:
-    """Whether a part of the field shows what is missing as well."""
+    """Whether so much is missing that a part of the field shows it, and a fit bends for it."""
     return state.loss >= PLAIN * len(state.train)
 
 
@@ -200,10 +200,8 @@ def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Prospect]:
     bench, state = view.bench, view.state
     made = []
     for guess in guesses:
-        right, levelled = (
-            None if model is None else unbent(model, guess, view.noise)
-            for model in (state.model, view.levelled)
-        )
+        right = unbent(state.model, guess, view.noise)
+        levelled = view.levelled and unbent(view.levelled, guess, view.noise)
         for model in [state.model] if right is None else [state.model, right]:
             with suppress(InputError):
                 other = levelled.with_effect(guess) if levelled and model is right else None

@@ -19,7 +19,7 @@ from dnanalyze.fitting.least_squares import (
     unseen,
     weights,
 )
-from dnanalyze.fitting.moments import converter_bits, moments, serial_correlation
+from dnanalyze.fitting.moments import Moments, converter_bits, moments, serial_correlation
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
@@ -103,9 +103,8 @@ def fit(
 
 def paper_start(held: Bench) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best."""
-    m = moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
     seen = held.part or held
-    models = paper_models(m)
+    models = paper_models(at_a_glance(held))
     losses = [loss(seen.train.z(found)) for found in seen.several(models)]
     return models[int(np.argmin(losses))]
 
@@ -114,7 +113,12 @@ def ordinary_start(held: Bench) -> NoiseModel:
     """The model of what every sensor has by moments of the train half."""
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
-    return ordinary_model(moments(seen, sensor.black_level), bits, serial)
+    return ordinary_model(at_a_glance(held), bits, serial)
+
+
+def at_a_glance(held: Bench) -> Moments:
+    """Moments of the train half."""
+    return moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
