@@ -43,18 +43,29 @@ class Ordered:
 
     def quantile(self, p: float | np.ndarray) -> np.ndarray:
         """Quantiles of the probabilities ``p``, float64."""
+        if self.step:
+            low, high, share = self.cells(p)
+            return low + share * (high - low)
         s, n = self.sorted, self.sorted.size
-        place = np.clip(np.asarray(p, float), 0.0, 1.0) * n
+        place = np.clip(np.clip(np.asarray(p, float), 0.0, 1.0) * n - 0.5, 0.0, n - 1.0)
+        below = np.minimum(place.astype(np.int64), max(n - 2, 0))
+        above = np.minimum(below + 1, n - 1)
+        weight = place - below
+        return s[below].astype(float) * (1 - weight) + s[above].astype(float) * weight
+
+    def cells(self, p: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Ends of the cells of the lattice in which the quantiles of ``p`` lie; shares below these.
+
+        Of continuous data a cell is the quantile itself.
+        """
         if not self.step:
-            place = np.clip(place - 0.5, 0.0, n - 1.0)
-            low = np.minimum(place.astype(np.int64), max(n - 2, 0))
-            high = np.minimum(low + 1, n - 1)
-            weight = place - low
-            return s[low].astype(float) * (1 - weight) + s[high].astype(float) * weight
-        value = s[np.minimum(place.astype(np.int64), n - 1)]
-        below = np.searchsorted(s, value, "left")
-        upto = np.searchsorted(s, value, "right")
-        return value.astype(float) + self.step * ((place - below) / (upto - below) - 0.5)
+            value = self.quantile(p)
+            return value, value, np.zeros_like(value)
+        place = np.clip(np.asarray(p, float), 0.0, 1.0) * self.sorted.size
+        value = self.sorted[np.minimum(place.astype(np.int64), self.sorted.size - 1)]
+        below, upto = (np.searchsorted(self.sorted, value, side) for side in ("left", "right"))
+        middle, half = value.astype(float), self.step / 2
+        return middle - half, middle + half, (place - below) / (upto - below)
 
     def count_below(self, value: float | np.ndarray) -> np.ndarray:
         """Number of the sample below ``value``."""

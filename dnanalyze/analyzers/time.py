@@ -179,10 +179,22 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
 
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
-    limits = acc.pattern_ordered.quantile(CUTS)
-    counts = counts_below(acc.plan, acc.pattern, limits)
-    counts = np.diff(np.dstack([counts, acc.plan.block_pixels]), axis=2, prepend=0.0)
-    block_sums = np.diff(sums_below(acc.plan, acc.pattern, variance, limits), axis=2, prepend=0.0)
+    """Means over groups of the pattern, of which neighbours share the pixels of one code.
+
+    On little noise most pixels have the same: all of them in one group, or none, would be luck. By
+    luck the sample's quantiles, too, lie elsewhere; what that moves is the mean of that code.
+    """
+    low, high, share = acc.pattern_ordered.cells(CUTS)
+    ends = np.concatenate([low, high])
+    sums = sums_below(acc.plan, acc.pattern, variance, ends)
+    below, tied = _split(counts_below(acc.plan, acc.pattern, ends), share)
+    below_sums, tied_sums = _split(sums[..., :-1], share)
+    blocks = acc.plan.block_pixels
+    counts, block_sums = (
+        np.diff(np.dstack(each), axis=2, prepend=0.0)
+        for each in ((below, blocks), (below_sums, sums[..., -1]))
+    )
+    beside = np.pad(below - CUTS * blocks[..., None], ((0, 0), (0, 0), (1, 1)))
     pixels, sums = counts.sum(axis=(0, 1)), block_sums.sum(axis=(0, 1))
     for name, group in zip(GROUPS, (0, 2, 3, 4), strict=True):
         full = f"noise_at_{name}"
@@ -194,10 +206,18 @@ def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None
             mean = sums[group] / pixels[group]
             se = 0.0
             if acc.plan.errors:
-                residual = (block_sums[..., group] - mean * counts[..., group]) / sums[group]
-                se = math.sqrt(float(clustered_variance(residual)))
+                edges = np.pad((tied_sums - mean * tied) / np.maximum(tied, 1.0), 1)
+                residual = block_sums[..., group] - mean * counts[..., group]
+                residual -= np.diff((edges * beside)[..., group : group + 2], axis=2)[..., 0]
+                se = math.sqrt(float(clustered_variance(residual / sums[group])))
             se = math.hypot(se, acc.drift_error(float(mean)))
             out.values[full] = Value(float(mean), max(se, 1e-3))
+
+
+def _split(sums: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sums of each block below cuts through cells, from those below both ends; of each cell."""
+    under, upto = np.split(sums, 2, axis=2)
+    return under + share * (upto - under), (upto - under).sum(axis=(0, 1))
 
 
 def _lag_one(acc: Accumulated, out: FamilyResult) -> None:

@@ -30,6 +30,21 @@ def test_histogram_and_ordered_codes_agree():
     )
 
 
+@pytest.mark.parametrize("step", [0.0, 0.25])
+def test_a_cell_is_shared_so_that_each_side_has_its_part_of_the_sample(step):
+    sample = np.random.default_rng(4).normal(size=999)
+    law = Ordered(np.rint(sample / step) * step if step else sample, step)
+    low, high, share = law.cells(P)
+    under, upto = law.count_below(low), law.count_below(high)
+    middle = law.quantile(P)
+    if step:
+        np.testing.assert_allclose(high - low, step)
+        np.testing.assert_allclose(under + share * (upto - under), P * sample.size)
+        np.testing.assert_allclose(low + share * step, middle)
+    else:
+        np.testing.assert_array_equal((low, high, share), (middle, middle, 0.0 * middle))
+
+
 def test_continuous_quantiles_are_numpys():
     sample = np.random.default_rng(3).normal(size=1001)
     expected = np.quantile(sample, P, method="hazen")

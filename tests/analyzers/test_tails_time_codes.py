@@ -169,6 +169,24 @@ def test_shot_noise_grows_with_the_pattern():
         assert abs(math.log(value.value / truth)) < 5 * value.se + 0.03
 
 
+@pytest.mark.parametrize("noise", [0.2, 0.3, 0.5])
+def test_on_little_noise_that_of_a_group_scatters_as_its_error_says(noise):
+    """Most pixels then have one code: where a group ends among them, it has its share of them."""
+    seen = []
+    for seed in range(16):
+        rng = np.random.default_rng(seed)
+        pattern = 100 + 0.15 * rng.normal(size=SHAPE)
+        frames = [np.rint(pattern + noise * rng.normal(size=SHAPE)) for _ in range(6)]
+        values = values_of(time, [f.astype(np.uint16) for f in frames])
+        found = [values[f"noise_at_{name}"] for name in time.GROUPS]
+        seen.append([(math.log(v.value), v.se) for v in found])
+    values, errors = np.moveaxis(np.array(seen), 2, 0)
+    # of 16 values sd / sigma scatters by .18; errors of few pixels are wide rather than narrow
+    ratio = values.std(axis=0, ddof=1) / errors.mean(axis=0)
+    assert np.all(ratio < 1.9)
+    assert np.all(ratio > 0.4)
+
+
 def test_pattern_correlation_is_the_fixed_share_of_the_variance():
     rng = np.random.default_rng(13)
     pattern = 3 * rng.normal(size=SHAPE)
