@@ -8,11 +8,12 @@ noise leaves the fit may have moved the level too, which the means of the frames
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State, converge, start
 from dnanalyze.fitting.predictor import Bench
@@ -46,6 +47,33 @@ def along_bend(bench: Bench, state: State, name: str) -> State | None:
     return None if best is None else converge(bench, best)
 
 
+def begun_again(bench: Bench, state: State, name: str) -> State | None:
+    """The effect as it is, refitted with what it bends begun again.
+
+    The level as the means of the frames tell it, and numbers of which it leaves no trace as they
+    are guessed with the effect: at a wrong strength these may have gone where no step leads back.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+        Fitted model with the effect.
+    name : str
+
+    Returns
+    -------
+    State or None
+        None where the effect bends nothing.
+    """
+    effect, noise = state.model.get(name), least_noise(bench)
+    if effect is None or unbent(state.model, effect, noise) is None:
+        return None
+    begun = ordinary_start(bench)
+    level = relevelled(state.model, unbent(begun, effect, noise) or begun) or state.model
+    model = _turned(level, lambda k, x: _guessed(x, k, level, effect, noise)) or level
+    return converge(bench, start(bench, model, knobs_of(model)))
+
+
 def _other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
     effect = model.get(name)
     if effect is None:
@@ -76,12 +104,17 @@ def unbent(
     The numbers are those of a fit without it, or with it as ``other`` says, to frames of which the
     quietest have so much noise, DN.
     """
+    return _turned(model, lambda k, x: _right(x, k, model, effect, noise, other))
+
+
+def _turned(model: NoiseModel, right: Callable[[Knob, float], float]) -> NoiseModel | None:
+    """A model with other numbers; None where they are the same."""
     knobs = knobs_of(model)
     plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
-    right = [_right(x, k, model, effect, noise, other) for k, x in zip(knobs, plain, strict=True)]
-    if right == plain:
+    other = [right(k, x) for k, x in zip(knobs, plain, strict=True)]
+    if other == plain:
         return None
-    where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
+    where = [k.inside(k.position(x)) for k, x in zip(knobs, other, strict=True)]
     return turned(model, knobs, np.array(where))
 
 
@@ -102,6 +135,12 @@ def _right(
     if (factor, shift) == (was, moved) or not was:
         return x
     return factor * (x - moved) / was + shift
+
+
+def _guessed(x: float, knob: Knob, model: NoiseModel, effect: Effect, noise: float) -> float:
+    """A number as it is, or, where the effect leaves no trace of it, as it is guessed with it."""
+    factor, shift = bending(effect, knob, model, noise)
+    return x if factor else shift
 
 
 def bending(effect: Effect, knob: Knob, model: NoiseModel, noise: float) -> tuple[float, float]:

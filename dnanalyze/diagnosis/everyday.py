@@ -18,6 +18,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import EVERYDAY
 
 FAR_GAIN = 4.0  # times the conversion gain that the moments give
+FAR_OFF = 5.0  # loss a number from which what is missing will move all that is fitted here
 NO_WORSE = 0.03  # share of the loss by which a fit may lie higher and be as good
 
 
@@ -42,7 +43,8 @@ def everyday(
     found, begun = at_a_glance(bench), ordinary_start(bench)
     for name in exclude:
         begun = begun.without(name)
-    full = told_gain(bench, fitted(bench, begun, partial(converge, own=True)), begun)
+    ended = partial(converge, own=True, hopeless=FAR_OFF)
+    full = told_gain(bench, fitted(bench, begun, ended), begun)
     names = [n for n in EVERYDAY if n not in exclude]
 
     def stage(named: Sequence[str], pedestal: Law) -> State:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.background import along_background
-from dnanalyze.diagnosis.bend import along_bend
+from dnanalyze.diagnosis.bend import along_bend, begun_again
 from dnanalyze.diagnosis.confidence import confidences, rivals, significant
 from dnanalyze.diagnosis.diagnose import missing, retold
 from dnanalyze.diagnosis.evidence import evidence_for
@@ -132,8 +132,9 @@ def completed(held: Bench, state: State, name: str) -> State:
     """
     if error_of(held, state) > POOR:
         state = converge(held, state)  # the others are at their ends when they are compared with it
-    if error_of(held, state) > POOR:  # of a wrong strength the wrong kind may be the better
-        state = preferred(state, along_bend(held, state, name) or state)
+    for other in (begun_again, along_bend):  # of a wrong strength the wrong kind may be the better
+        if error_of(held, state) > POOR:
+            state = preferred(state, other(held, state, name) or state)
     state = converge(held, settled(held, state, name, relatives=False))
     state = preferred(state, along_bend(held, state, name) or state)
     if error_of(held, state) > POOR:

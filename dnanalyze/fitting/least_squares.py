@@ -250,13 +250,15 @@ def converge(
     iterations: int = 6,
     tell: Callable[[State], None] = lambda _: None,
     own: bool = False,
+    hopeless: float = math.inf,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
     Broyden's derivatives are good enough to get near; the last steps want true ones. Those of the
     round are true still where its last step took off what they promised. A fit that still falls
     steeply after these rounds is given as many again. ``own``: the derivatives that are known were
-    taken here; of another model they are not trusted at the end.
+    taken here; of another model they are not trusted at the end. ``hopeless``: loss a number from
+    which true derivatives are not worth their simulations.
     """
     own = own or bool(np.isnan(state.jacobian).all())
     for n in range(2 * rounds):
@@ -264,7 +266,8 @@ def converge(
         begun = derive(bench, state, anew=True) if n else state
         state = minimise(bench, begun, iterations, tell=tell)
         least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
-        if (state.at_rest and (n or own)) or (n and before - state.loss < least):
+        ended = (state.at_rest and (n or own)) or (n and before - state.loss < least)
+        if ended or state.loss > hopeless * len(state.train):
             break
     return state
 

@@ -11,11 +11,13 @@ from dnanalyze.diagnosis import bend, walk
 from dnanalyze.diagnosis.bend import (
     _other_strengths,
     along_bend,
+    begun_again,
     least_noise,
     relevelled,
     unbent,
 )
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import Bench, bench
@@ -100,6 +102,51 @@ def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
     assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
     # kinds are told at the right strength: at a wrong one the wrong kind may be the better
     assert settled[0].model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
+
+
+@pytest.mark.parametrize("filtered", [Denoise(range=1.2, kind="bilateral"), DigitalGain(2.0)])
+def test_begun_again_it_has_its_level_from_the_means_and_its_noise_from_what_is_left(
+    filtered, held, monkeypatch
+):
+    """Only numbers of which it leaves no trace are guessed: the others were found with it."""
+    monkeypatch.setattr(bend, "converge", lambda _, there: there)
+    moments = ordinary_start(held)
+    numbers = ReadNoise(SIGMA, spread=0.3), PixelFpn(0.7)
+    model = replace(moments, pedestal=70.0, seed=3).with_effect(numbers[0]).with_effect(numbers[1])
+    model = model.with_effect(replace(model.get("convolved_lognormal"), delta=0.9))
+    found = begun_again(held, start(held, model.with_effect(filtered), []), filtered.name)
+    assert found is not None
+    right = unbent(moments, filtered, least_noise(held))
+    assert found.model.pedestal == pytest.approx(right.pedestal)
+    assert found.model.get("convolved_lognormal") == right.get("convolved_lognormal")
+    assert found.model.get(filtered.name) == filtered
+    assert found.model.seed == 3
+    noise, fixed = (found.model.get(name) for name in ("read_noise", "pixel_fpn"))
+    if filtered.name == "denoise":
+        assert noise.spread == 0.0
+        assert noise.sigma == pytest.approx(right.get("read_noise").sigma)
+        assert fixed == right.get("pixel_fpn")
+    else:
+        assert (noise, fixed) == numbers
+
+
+def test_what_bends_nothing_is_not_begun_again(held):
+    model = _model(SIGMA, None, 2)
+    assert begun_again(held, start(held, model, []), "pixel_fpn") is None
+
+
+def test_a_poor_refit_is_begun_again_before_its_other_kinds_are_asked(held, monkeypatch):
+    poor = start(held, _model(SIGMA, 0.25, 2), [])
+    right = start(held, _model(SIGMA, SHARE, 2), [])
+    asked, seen = [], []
+    monkeypatch.setattr(walk, "converge", lambda _, there: there)
+    monkeypatch.setattr(walk, "begun_again", lambda _, there, __: asked.append(there) or right)
+    monkeypatch.setattr(walk, "along_bend", lambda *_: None)
+    monkeypatch.setattr(walk, "settled", lambda _, there, *__, **___: seen.append(there) or there)
+    for begun in (poor, right):
+        assert walk.completed(held, begun, "temporal_denoise") is right
+    assert asked == [poor]
+    assert seen == [right] * 4
 
 
 def test_a_poor_refit_goes_to_its_end_before_another_strength_is_held_against_it(held, monkeypatch):

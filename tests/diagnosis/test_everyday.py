@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.everyday import everyday, told_gain
+from dnanalyze.diagnosis.everyday import FAR_OFF, everyday, told_gain
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -90,8 +90,9 @@ def test_a_stage_is_tried_at_the_papers_pedestal_only_where_it_would_be_worse(mo
 def test_at_rest_the_derivatives_of_the_part_will_do(monkeypatch):
     on, trusted = of_dark(60.0), []
 
-    def settled(bench, begun, own=False):
+    def settled(bench, begun, own=False, hopeless=np.inf):
         trusted.append(own)
+        assert hopeless == FAR_OFF
         return converge(bench, begun)
 
     monkeypatch.setattr("dnanalyze.diagnosis.everyday.converge", settled)

@@ -38,8 +38,13 @@ def test_known_derivatives_size_the_steps_of_new_ones(monkeypatch):
     assert not tried
 
 
-@pytest.mark.parametrize(("kept", "rounds"), [(0.995, 2), (0.9, 3), (0.5, 6)])
-def test_a_fit_that_falls_steeply_is_given_more_rounds(kept, rounds, monkeypatch):
+@pytest.mark.parametrize(
+    ("kept", "hopeless", "rounds"),
+    [(0.995, np.inf, 2), (0.9, np.inf, 3), (0.5, np.inf, 6), (0.9, 5.0, 3), (0.9, 1.0, 1)],
+)
+def test_a_fit_that_falls_steeply_is_given_more_rounds_a_hopeless_one_none(
+    kept, hopeless, rounds, monkeypatch
+):
     made = []
 
     def lower(_bench, state, *_, **__):
@@ -51,7 +56,7 @@ def test_a_fit_that_falls_steeply_is_given_more_rounds(kept, rounds, monkeypatch
     begun = least_squares.State(
         None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0))
     )
-    least_squares.converge(None, begun)
+    least_squares.converge(None, begun, hopeless=hopeless)
     assert len(made) == rounds
 
 
