@@ -7,17 +7,11 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
+from dnanalyze.analyzers.groups import groups
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.quantiles import Ordered, Tied
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
-from dnanalyze.analyzers.uncertainty import (
-    QuantileErrors,
-    block_sums,
-    clustered_variance,
-    counts_below,
-    mean_error,
-    sums_below,
-)
+from dnanalyze.analyzers.uncertainty import QuantileErrors, block_sums, mean_error
 
 VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
 GROUPS = {"50": (0.0, 0.5), "90": (0.9, 0.99), "99": (0.99, 0.999), "999": (0.999, 1.0)}
@@ -179,45 +173,17 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
 
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
-    """Means over groups of the pattern, of which neighbours share the pixels of one code.
-
-    On little noise most pixels have the same: all of them in one group, or none, would be luck. By
-    luck the sample's quantiles, too, lie elsewhere; what that moves is the mean of that code.
-    """
-    low, high, share = acc.pattern_ordered.cells(CUTS)
-    ends = np.concatenate([low, high])
-    sums = sums_below(acc.plan, acc.pattern, variance, ends)
-    below, tied = _split(counts_below(acc.plan, acc.pattern, ends), share)
-    below_sums, tied_sums = _split(sums[..., :-1], share)
-    blocks = acc.plan.block_pixels
-    counts, block_sums = (
-        np.diff(np.dstack(each), axis=2, prepend=0.0)
-        for each in ((below, blocks), (below_sums, sums[..., -1]))
-    )
-    beside = np.pad(below - CUTS * blocks[..., None], ((0, 0), (0, 0), (1, 1)))
-    pixels, sums = counts.sum(axis=(0, 1)), block_sums.sum(axis=(0, 1))
+    found = groups(acc.plan, acc.pattern, acc.pattern_ordered, variance, CUTS)
     for name, group in zip(GROUPS, (0, 2, 3, 4), strict=True):
         full = f"noise_at_{name}"
-        if pixels[group] < FEWEST:
+        if found.pixels(group) < FEWEST:
             out.missing[full] = f"fewer than {FEWEST:g} pixels are that bright"
-        elif sums[group] <= 0:
+        elif found.mean(group) <= 0:
             out.missing[full] = "these pixels do not change between the frames"
         else:
-            mean = sums[group] / pixels[group]
-            se = 0.0
-            if acc.plan.errors:
-                edges = np.pad((tied_sums - mean * tied) / np.maximum(tied, 1.0), 1)
-                residual = block_sums[..., group] - mean * counts[..., group]
-                residual -= np.diff((edges * beside)[..., group : group + 2], axis=2)[..., 0]
-                se = math.sqrt(float(clustered_variance(residual / sums[group])))
-            se = math.hypot(se, acc.drift_error(float(mean)))
-            out.values[full] = Value(float(mean), max(se, 1e-3))
-
-
-def _split(sums: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sums of each block below cuts through cells, from those below both ends; of each cell."""
-    under, upto = np.split(sums, 2, axis=2)
-    return under + share * (upto - under), (upto - under).sum(axis=(0, 1))
+            mean = found.mean(group)
+            se = found.relative_error(group) if acc.plan.errors else 0.0
+            out.values[full] = Value(mean, max(math.hypot(se, acc.drift_error(mean)), 1e-3))
 
 
 def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
