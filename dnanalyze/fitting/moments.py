@@ -60,7 +60,8 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
     usual = float(np.nanmedian(seen)) if np.isfinite(seen).any() else np.inf
     temporal = np.where(np.isfinite(seen), seen, np.minimum(usual, single / 2))
     stack = readings.value("pattern_noise") ** 2 - temporal / frames
-    pattern = np.maximum(np.where(frames > 1, stack, single - temporal), 1e-4 * single)
+    fixed = np.where(frames > 1, stack, single - temporal)
+    pattern = np.fmax(fixed, 1e-4 * single)  # of frames that are all alike nothing else is told
     pedestal = pedestal_guess(readings.points, mean, black_level)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
     signal = np.maximum(mean - pedestal, least)

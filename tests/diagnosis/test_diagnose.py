@@ -1,5 +1,7 @@
 """What is missing in a model, and in one that has nothing of what every sensor has."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.adequacy import Adequacy, farthest
 from dnanalyze.diagnosis.diagnose import diagnose, judge
 from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -104,3 +107,28 @@ def test_a_model_with_some_of_it_is_asked_as_it_is(rows, found):
     partly = diagnose(captures, some, known=KNOWN, held=held)
     assert partly.ordinary == []
     assert partly.candidates[0].effect in ("row_fpn", "quantization")
+
+
+def nearly_all_alike(captures):
+    """The captures, the coldest frames of one code but for two pixels in the lower half."""
+    first, *others = captures.settings
+
+    def alike(window):
+        pixels = np.full(captures.sensor.shape, 100, np.uint16)
+        pixels[100, 50], pixels[110, 7] = 130, 101
+        return pixels if window is None else np.ascontiguousarray(pixels[window.slices])
+
+    frames = tuple(replace(frame, load=alike) for frame in first.frames)
+    return replace(captures, settings=(replace(first, frames=frames), *others))
+
+
+def test_a_setting_whose_frames_are_nearly_all_alike_is_diagnosed_too():
+    """A filter may leave that little; warnings are errors here."""
+    held = bench(design(nearly_all_alike(generate(SENSOR, {}, (128, 128), frames=4, seed=3))))
+    model = paper_start(held)
+    clues = Residual(held, start(held, model, knobs_of(model)))
+    for effect in built_in().values():
+        assert all(isinstance(guess, effect) for guess in effect.guess(clues))
+    found = diagnose(held.plan.captures, model, known=KNOWN, held=held)
+    assert found.verdict in ("missing", "unexplained")
+    assert np.isfinite(found.error)

@@ -100,6 +100,10 @@ def test_guess_names_the_lines_that_stand_out():
     assert effect.variance(POINT) is None
 
 
+def test_lines_that_stand_out_by_nothing_are_not_named():
+    assert DefectLines.guess(Given(standing_out={"rows": [(17, 0.0, 0, 256)]})) == []
+
+
 def test_guess_says_along_which_part_a_line_is_off():
     (effect,) = DefectLines.guess(Given(standing_out={"columns": [(17, 4.0, 100, 256)]}))
     assert (effect.axis, effect.begins, effect.ends) == ("columns", (100.0,), (256.0,))
