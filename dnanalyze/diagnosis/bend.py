@@ -52,18 +52,7 @@ def begun_again(bench: Bench, state: State, name: str) -> State | None:
 
     The level as the means of the frames tell it, and numbers of which it leaves no trace as they
     are guessed with the effect: at a wrong strength these may have gone where no step leads back.
-
-    Parameters
-    ----------
-    bench : Bench
-    state : State
-        Fitted model with the effect.
-    name : str
-
-    Returns
-    -------
-    State or None
-        None where the effect bends nothing.
+    Parameters and what is returned are those of `along_bend`.
     """
     effect, noise = state.model.get(name), least_noise(bench)
     if effect is None or unbent(state.model, effect, noise) is None:

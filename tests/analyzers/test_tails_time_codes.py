@@ -248,7 +248,12 @@ def test_whether_a_few_pixels_reach_one_code_farther_hardly_changes_the_spike(en
 
 @pytest.mark.parametrize(
     ("counts", "strays"),
-    [((1500, 145_000), (1, 0)), ((1500, 145_000), (5, 0, 0)), ((40, 300, 3000), (2,))],
+    [
+        ((1500, 145_000), (1, 0)),
+        ((1500, 145_000), (5, 0, 0)),
+        ((3300, 8000), (1,)),
+        ((40, 300, 3000), (2,)),
+    ],
 )
 def test_strays_beyond_the_last_code_hardly_move_the_spike(counts, strays):
     """In no code of theirs does a pixel stay for all of the frames."""

@@ -170,7 +170,7 @@ class DefectLines(Effect):
 
 def _measured(clues: Clues, axis: str) -> DefectLines | None:
     seen = clues.defects(axis)
-    if not np.any(seen[:, 1:2]):  # in frames that are nearly all alike lines stand out by nothing
+    if not np.any(seen[:, 1]):  # in frames that are nearly all alike lines stand out by nothing
         return None
     across, along = (1, 0) if axis == "columns" else (0, 1)
     places, offsets, begins, ends = seen.T
