@@ -6,14 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dnanalyze.diagnosis.deviance import DEFLATION
 from dnanalyze.diagnosis.trial import Trial
 
-# The statistics are correlated, so a gain overstates the log likelihood ratio: neighbouring
-# quantiles and bands move together, about eight at a time. "Nothing is missing" is credited with a
-# gain that noise does not reach, in proportion to the misfit that is left. Both are reasoned. Where
-# nothing, or nothing more, was missing in 60 virtual sensors, 19 candidates were refitted: their
-# lesser half gained 10 at the most, the mean of both 28.
-DEFLATION = 8.0
+# "Nothing is missing" is credited with a gain that noise does not reach, in proportion to the misfit
+# that is left. Where nothing, or nothing more, was missing in 60 virtual sensors, 19 candidates were
+# refitted: their lesser half gained 10 at the most, the mean of both 28.
 NOTHING = 25.0
 CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
 # The few defects or tracks of a half may be more or fewer than their density says: where the
@@ -40,7 +38,7 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     ndarray
         (candidates + 1,), sums to 1.
     """
-    known = [(t.evidence if lowers(t, error) else min(t.evidence, 0.0)) / t.spread for t in trials]
+    known = [(t.standing if lowers(t, error) else min(t.standing, 0.0)) / t.spread for t in trials]
     known.append(NOTHING)
     excess = np.array(known) - max(known)
     weight = np.exp(excess / (2.0 * DEFLATION))

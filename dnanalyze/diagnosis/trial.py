@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.deviance import deviance, dispersion
+from dnanalyze.diagnosis.deviance import DEFLATION, deviance, dispersion
 from dnanalyze.diagnosis.in_its_place import in_its_place
 from dnanalyze.diagnosis.refit import SURE, refitted
 from dnanalyze.diagnosis.screening import LEAST, Prospect, much_left, prospects
@@ -79,6 +79,13 @@ class Trial:
         """
         return (self.gain + self.fitted_gain) / 2.0
 
+    @property
+    def standing(self) -> float:
+        """Evidence and what is known before the data speak, by which rivals are ranked."""
+        effect = self.state.model.get(self.effect)
+        odds = 1.0 if effect is None else effect.prior
+        return self.evidence + 2.0 * DEFLATION * self.spread * math.log(odds)
+
 
 def error_of(bench: Bench, state: State) -> float:
     """Pooled error on the judged half."""
@@ -92,7 +99,7 @@ def trials(
     tell: Callable[[str], None] = lambda _: None,
     iterations: int = 3,
 ) -> list[Trial]:
-    """Refit the most promising candidates; most evidence first."""
+    """Refit the most promising candidates; the likeliest first."""
     seen = prospects(bench, state, known, tell)
     if not seen:
         return []
@@ -121,7 +128,7 @@ def trials(
         _from_leader(bench, state, known, best, iterations)
         _polish(bench, state, best)
     complete = (replace(t, others=others.get(t.effect, ())) for t in best.values())
-    return sorted(complete, key=lambda t: -t.evidence)
+    return sorted(complete, key=lambda t: -t.standing)
 
 
 def _tried_again(

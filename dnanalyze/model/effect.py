@@ -188,7 +188,8 @@ class Effect:
     statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
     pixels around the window that it looks at; ``memory`` earlier frames that it looks at; ``even``
     whether every part of the field shows it alike: not what lies somewhere, along lines, or in
-    few pixels, of which a part has its own luck.
+    few pixels, of which a part has its own luck; ``prior`` odds of it, before the data speak,
+    against what most sensors have.
     """
 
     name: ClassVar[str] = ""
@@ -203,6 +204,7 @@ class Effect:
     reach: ClassVar[int] = 0
     memory: ClassVar[int] = 0
     even: ClassVar[bool] = False
+    prior: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):

@@ -20,6 +20,9 @@ from dnanalyze.diagnosis.confidence import (
 from dnanalyze.diagnosis.diagnose import UNDONE
 from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import State, given
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
+from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.noise_model import NoiseModel
 
 
@@ -50,6 +53,24 @@ def test_what_is_still_wrong_makes_gains_count_for_less():
     assert unsure < 0.9
     clean = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)], 3.0)
     assert clean[1] > clean[0]  # b leaves nothing wrong with what it touches
+
+
+def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
+    found = made(effect.name, gain, 1.0, spread)
+    return dataclasses.replace(
+        found, state=dataclasses.replace(found.state, model=NoiseModel((effect,)))
+    )
+
+
+@pytest.mark.parametrize("spread", [1.0, 3.0])
+def test_what_few_sensors_have_needs_its_odds_in_evidence(spread):
+    """Of a dozen hot pixels either law does: an equal share of both, ten hot pixels to one."""
+    steps, hot = (of(e, 200.0 * spread, spread) for e in (DarkCurrentSteps(), HotPixels()))
+    chances = confidences([steps, hot], 3.0)
+    assert chances[1] / chances[0] == pytest.approx(1.0 / DarkCurrentSteps.prior)
+    assert hot.standing == hot.evidence > steps.standing
+    sure = of(DarkCurrentSteps(), 400.0 * spread, spread)
+    assert confidences([sure, hot], 3.0)[0] > 0.99  # spacings that are seen speak for themselves
 
 
 def test_a_near_rival_is_named():

@@ -29,6 +29,7 @@ class DarkCurrentSteps(Effect):
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
     even: ClassVar[bool] = True
+    prior: ClassVar[float] = 0.1  # few sensors are contaminated, nearly all have hot pixels
     summary: ClassVar[str] = "equally spaced peaks in the dark current: counted impurity atoms"
     physics: ClassVar[str] = (
         "Each atom of a metal that contaminates the silicon generates the same dark current, so "

@@ -163,22 +163,27 @@ class Dpc(Effect):
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess"))
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
+        if rare:  # the fit without it has made the tail as short as the correction leaves it
+            low = bounded(cls, "threshold", 0.25 * threshold)
+            found.append(cls(low, kind="multiple"))
         if sparse or cut:
             found.append(cls(kind="static"))
         if rare:
-            level = np.asarray(clues.measured("median"), float)
-            level = level[np.isfinite(level)]
-            black = float(level.min()) if level.size else 0.0
-            found.append(cls(threshold, 2.0, black, kind="ratio"))
-            half = bounded(cls, "threshold", 0.5 * threshold)
-            found.append(cls(half, 2.0, black, kind="multiple"))
+            found.append(cls(threshold, kind="ratio"))
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess", sides="both"))
             found.append(cls(threshold, kind="median"))
             found.append(cls(threshold, kind="clamp"))
-        # idle where there is no list, but at hand should it turn out to be one
+        # idle in most kinds, but at hand should it turn out to be another
         share, warmer = bounded(cls, "fraction", _listed(clues)), _hottest(clues)
-        return [replace(guess, fraction=share, warmer=warmer) for guess in found]
+        black = _darkest(clues)
+        return [replace(guess, black=black, fraction=share, warmer=warmer) for guess in found]
+
+
+def _darkest(clues: Clues) -> float:
+    """DN of the setting with the least signal."""
+    level = np.asarray(clues.measured("median"), float)
+    return float(np.nanmin(level)) if np.isfinite(level).any() else 0.0
 
 
 def _hottest(clues: Clues) -> float:

@@ -3,6 +3,7 @@ import pytest
 from readout_bench import POINT, Given, frames
 from scipy import ndimage
 
+from dnanalyze.diagnosis.screening import FIRST
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.dpc import Dpc
@@ -121,7 +122,19 @@ def test_guess_takes_the_threshold_from_what_is_missing():
     found = {e.kind: e for e in Dpc.guess(clues)}
     assert set(found) == {"excess", "median", "clamp", "ratio", "multiple"}
     assert found["median"].threshold == pytest.approx(16.0)
-    assert found["ratio"].black == 66.0
+    assert {e.black for e in found.values()} == {66.0}  # each may turn out to be a multiple
+
+
+def test_a_multiple_of_the_median_is_looked_at_low_and_first():
+    """The fit without it has made the tail as short as it leaves it: little is missing above."""
+    clues = Given(
+        seen={"temporal_noise_core": 2.0, "median": 66.0},
+        off={"excess_4": -4.0, "excess_8": -6.0, "hot_count_16": -7.0},
+    )
+    found = [e.kind for e in Dpc.guess(clues)[:FIRST]]
+    assert "multiple" in found
+    lowest = min(Dpc.guess(clues), key=lambda e: e.threshold if e.kind == "multiple" else 1e9)
+    assert lowest.threshold <= 2.0 * 2.0  # above black, of net signal: what noise reaches
 
 
 def test_settings_of_different_noise_bracket_the_threshold():
