@@ -30,7 +30,7 @@ def bands(window: Window, rows: int) -> list[Window]:
 
 def band_rows(model: NoiseModel, columns: int) -> int:
     """Rows of a band that stays in the cache, and mostly its own where effects look around."""
-    reach = sum(effect.reach for effect in model.effects)
+    reach = sum(effect.margin() for effect in model.effects)
     return max(BAND_PIXELS // columns, REACHES * reach, 1)
 
 

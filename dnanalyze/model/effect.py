@@ -186,10 +186,10 @@ class Effect:
     "both" or "digital"; ``summary`` one line; ``physics`` the paragraph for the user: what it is,
     its law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the
     statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
-    pixels around the window that it looks at; ``memory`` earlier frames that it looks at; ``even``
-    whether every part of the field shows it alike: not what lies somewhere, along lines, or in
-    few pixels, of which a part has its own luck; ``prior`` odds of it, before the data speak,
-    against what most sensors have.
+    pixels around the window that it looks at, unless `margin` tells; ``memory`` earlier frames that
+    it looks at; ``even`` whether every part of the field shows it alike: not what lies somewhere,
+    along lines, or in few pixels, of which a part has its own luck; ``prior`` odds of it, before
+    the data speak, against what most sensors have.
     """
 
     name: ClassVar[str] = ""
@@ -252,6 +252,10 @@ class Effect:
         "pedestal"; (1, 0) for what is not bent. ``noise``: of the quietest frames, DN.
         """
         return 1.0, 0.0
+
+    def margin(self) -> int:
+        """Pixels around the window that it looks at, with its present choices."""
+        return self.reach
 
     def lies_in(self, window: Window) -> bool:
         """Whether any of it lies in this part of the field; named places may say that none does."""

@@ -13,19 +13,32 @@ from numba import njit
 from dnanalyze.model.kernels import exp
 
 WAVELET_LEVELS = 3
+HAAR = (2**-0.5, 2**-0.5)
+DB2 = tuple((c + s * 3**0.5) / 32**0.5 for c, s in ((1, 1), (3, 1), (3, -1), (1, -1)))
+
+
+Corner = tuple[int, int]
 
 
 def planewise(
-    function: Callable[[np.ndarray], np.ndarray], image: np.ndarray, spacing: int
+    function: Callable[[np.ndarray, Corner], np.ndarray],
+    image: np.ndarray,
+    spacing: int,
+    corner: Corner = (0, 0),
 ) -> np.ndarray:
-    """Apply a filter to each of the spacing x spacing interleaved planes of a mosaic by itself."""
+    """Apply a filter to each of the spacing x spacing interleaved planes of a mosaic by itself.
+
+    ``corner``: row and column of the frame at which the image begins; the filter is told those of
+    its plane.
+    """
     if spacing == 1:
-        return function(image)
+        return function(image, corner)
     result = np.empty_like(image)
     for dy in range(spacing):
         for dx in range(spacing):
             plane = np.ascontiguousarray(image[dy::spacing, dx::spacing])
-            result[dy::spacing, dx::spacing] = function(plane)
+            begins = (corner[0] + dy) // spacing, (corner[1] + dx) // spacing
+            result[dy::spacing, dx::spacing] = function(plane, begins)
     return result
 
 
@@ -333,11 +346,92 @@ def _shrink(smooth: np.ndarray, threshold: float, level: int, levels: int) -> np
     low, high = _split(smooth, step, 0)
     bands = [*_split(low, step, 1), *_split(high, step, 1)]
     limit = np.float32(threshold / 2 ** (level + 1))  # coefficients shrink by 2 a level
-    details = [np.sign(b) * np.maximum(np.abs(b) - limit, 0) for b in bands[1:]]
+    details = [_soft(b, limit) for b in bands[1:]]
     smooth = _shrink(bands[0], threshold, level + 1, levels)
     low = _join(smooth, details[0], step, 1)
     high = _join(details[1], details[2], step, 1)
     return _join(low, high, step, 0)
+
+
+def wavelet_on_grid(
+    image: np.ndarray,
+    threshold: float,
+    basis: tuple[float, ...],
+    corner: Corner = (0, 0),
+    levels: int = WAVELET_LEVELS,
+) -> np.ndarray:
+    """Soft shrinkage of the coefficients of an orthonormal wavelet, decimated: on one grid.
+
+    It leaves a lattice of 2, 4 ... 2^levels pixels (Mallat, IEEE PAMI 11, 674, 1989).
+
+    Parameters
+    ----------
+    image : ndarray, shape (rows, columns), float32
+    threshold : float
+        DN, on the orthonormal scale, where white noise of s DN has coefficients of s DN.
+    basis : tuple of float
+        Taps of the low pass: ``HAAR``, ``DB2``.
+    corner : (int, int)
+        Row and column of the frame at which the image begins; the grid begins with the frame.
+    levels : int
+        Scales, each twice the one before.
+    """
+    block = 2**levels
+    far = -(-grid_reach(basis, levels) // block) * block
+    pads = [
+        (far + at % block, far + -(at + n) % block)
+        for at, n in zip(corner, image.shape, strict=True)
+    ]
+    low = np.array(basis, np.float32)
+    high = low[::-1] * np.resize(np.float32([1, -1]), low.size)
+    kept = _shrink_on_grid(np.pad(image, pads, "reflect"), np.float32(threshold), low, high, levels)
+    inside = [slice(a, a + n) for (a, _), n in zip(pads, image.shape, strict=True)]
+    return kept[tuple(inside)]
+
+
+def grid_reach(basis: tuple[float, ...], levels: int = WAVELET_LEVELS) -> int:
+    """Pixels around one that the coefficients which it belongs to look at."""
+    return (len(basis) - 1) * (2**levels - 1)
+
+
+def _shrink_on_grid(
+    image: np.ndarray, threshold: np.float32, low: np.ndarray, high: np.ndarray, levels: int
+) -> np.ndarray:
+    if levels == 0:
+        return image
+    rows = [_coefficients(image, taps, 0) for taps in (low, high)]
+    smooth, *details = (_coefficients(part, taps, 1) for part in rows for taps in (low, high))
+    smooth = _shrink_on_grid(smooth, threshold, low, high, levels - 1)
+    across, down, both = (_soft(d, threshold) for d in details)
+    rows = [_signal(smooth, across, low, high, 1), _signal(down, both, low, high, 1)]
+    return _signal(*rows, low, high, 0)
+
+
+def _coefficients(a: np.ndarray, taps: np.ndarray, axis: int) -> np.ndarray:
+    """Every second value of the correlation with the taps, around the end."""
+    a = np.moveaxis(a, axis, 0)
+    longer = np.concatenate([a, a[: len(taps) - 2]])
+    found = sum(t * longer[k : k + len(a) : 2] for k, t in enumerate(taps))
+    return np.moveaxis(np.asarray(found), 0, axis)
+
+
+def _signal(
+    smooth: np.ndarray, detail: np.ndarray, low: np.ndarray, high: np.ndarray, axis: int
+) -> np.ndarray:
+    """What has these coefficients: the transpose of `_coefficients` of both, and its inverse."""
+    parts = [np.moveaxis(p, axis, 0) for p in (smooth, detail)]
+    length, beyond = 2 * len(parts[0]), len(low) - 2
+    longer = np.zeros((length + beyond, parts[0].shape[1]), np.float32)
+    for part, taps in zip(parts, (low, high), strict=True):
+        for k, t in enumerate(taps):
+            longer[k : k + length : 2] += t * part
+    longer[:beyond] += longer[length:]
+    return np.moveaxis(longer[:length], 0, axis)
+
+
+def _soft(values: np.ndarray, threshold: np.float32) -> np.ndarray:
+    """Values drawn towards 0 by the threshold, and not beyond it."""
+    return np.sign(values) * np.maximum(np.abs(values) - threshold, 0)
 
 
 def _split(a: np.ndarray, step: int, axis: int) -> tuple[np.ndarray, np.ndarray]:

@@ -14,15 +14,17 @@ USUAL = 0.55  # eV
 ENERGIES = np.array([USUAL, *np.linspace(0.0, 1.5, 31)])  # eV; the first where none is told
 REACHES = 0.3, 500.0, 60  # robust sigmas that the mean signal may be of, where it shows most
 UNLIKE = 0.1  # share of a count by which no exponential tail is exact
+TYPICAL = 1e-3, 30.0  # fraction of the pixels; mean signal in robust sigmas, where these are most
 
 
 def hot_signals(clues: Clues) -> list[HotSignal]:
     """The unexplained hot pixels.
 
     Read in two ways, of all settings together and of each by itself: together they tell more,
-    unless a correction has taken the hot pixels of some.
+    unless a correction has taken the hot pixels of some. Where it has taken those of all, the few
+    that are left (neighbours of each other) tell nothing of the rest: as many as are usual.
     """
-    readings = _of_all(clues), _of_each(clues)
+    readings = _of_all(clues), _of_each(clues), _typical(clues)
     return [found for found in readings if found is not None]
 
 
@@ -78,6 +80,17 @@ def _of_each(clues: Clues) -> HotSignal | None:
         return None
     fraction = float(max(fractions)[1]) / float(np.prod(clues.shape))
     return HotSignal(fraction, *fitted)
+
+
+def _typical(clues: Clues) -> HotSignal | None:
+    """As many as many sensors have, and as hot."""
+    sigma = _sigma(clues) / hints.exposure_and_gain(clues)
+    growth = hints.thermal_growth(clues, np.array([USUAL]))[0]
+    if not np.isfinite(sigma).any():
+        return None
+    most = int(np.nanargmax(sigma))
+    fraction, sigmas = TYPICAL
+    return HotSignal(fraction, float(sigmas * sigma[most] / growth[most]), USUAL)
 
 
 def _sigma(clues: Clues) -> np.ndarray:

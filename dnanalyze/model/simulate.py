@@ -128,7 +128,7 @@ class Simulator:
     ) -> np.ndarray:
         """The last of ``count`` effects, put on the signal of those before it."""
         effect = chain[count - 1]
-        grown = window.grown(effect.reach, self.shape)
+        grown = window.grown(effect.margin(), self.shape)
         if effect.memory:
             first = -effect.warm_up(point)
             signal = np.stack(
@@ -145,7 +145,7 @@ class Simulator:
             return self._after(count - 1, chain, there, n, Window.whole(self.shape))
 
         signal = effect.apply(signal, self._site(effect, point, number, grown, calibration))
-        if effect.reach:
+        if grown != window:
             signal = signal[window.within(grown)]
         last_before = count == len(chain) or chain[count].stage > Stage.PEDESTAL
         if effect.stage < Stage.PEDESTAL and last_before:

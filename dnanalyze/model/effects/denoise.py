@@ -22,7 +22,7 @@ _MEDIAN_VARIANCE = 0.166  # of the median of 9 Gaussian values of variance 1, by
 _PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
 _PATTERN = 0.25  # of the noise, in fixed offsets
 _RANGES = 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0  # over the noise left
-_BY_SIZE = ("bilateral", 1.5), ("wavelet", 0.7), ("nlm", 0.7), ("bilateral", 0.8)
+_BY_SIZE = ("bilateral", 1.5), ("wavelet", 0.7), ("nlm", 0.7), ("bilateral", 0.8), ("db2", 0.7)
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,9 @@ class Denoise(Effect):
         "frequencies falls, extremes become rare. A Gaussian blurs everything, as crosstalk does. "
         "A median removes isolated pixels. Edge-preserving filters average only what is alike: "
         "bilateral (pixels within range of each other), non-local means (pixels with like "
-        "patches), wavelet shrinkage (coefficients below range are dropped); they smooth the read "
+        "patches), wavelet shrinkage (coefficients are drawn towards 0 by range): 'wavelet' on all "
+        "shifts of the grid, 'haar' and 'db2' (Haar's and Daubechies' second basis) on one, as "
+        "packages do it, which leaves a lattice of 2, 4 and 8 pixels. They smooth the read "
         "noise of a cold frame and leave the large dark signal of a hot one alone, so high "
         "frequencies return with temperature. Strength below 1 mixes the filtered frame with the "
         "original. Numbers such as the read noise are then too good, and detail is lost. Cure: "
@@ -53,6 +55,7 @@ class Denoise(Effect):
         "Tomasi, Manduchi, Bilateral filtering for gray and color images, ICCV 1998",
         "Buades, Coll, Morel, A non-local algorithm for image denoising, CVPR 2005",
         "Coifman, Donoho, Translation-invariant de-noising, 1995",
+        "Donoho, De-noising by soft-thresholding, IEEE Trans. Inf. Theory 41, 613 (1995)",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "temporal_pmax8", "frame_pmax8",
@@ -66,16 +69,17 @@ class Denoise(Effect):
         "dpc": "touches outliers only: the core of the noise stays white",
         "temporal_denoise": "frames are correlated in time, the frame itself stays white",
     }
-    reach: ClassVar[int] = 2 * max(_GAUSSIAN_RADIUS, 7, _NLM_PATCH + _NLM_DISTANCE)
-
     strength: float = parameter(1.0, "1", 0.0, 1.0, "share of the filtered frame", "linear")
     range: float = parameter(
-        4.0, "DN", 0.01, 1e4, "difference up to which pixels are averaged (bilateral, nlm, wavelet)"
+        4.0, "DN", 0.01, 1e4, "difference up to which pixels are averaged (bilateral, nlm, wavelets)"
     )
     space: float = parameter(
         0.7, "pixel", 0.2, 2.0, "sigma of the weight over distance (gaussian, bilateral)"
     )
-    kind: str = choice("bilateral", "filter", "gaussian", "median", "bilateral", "nlm", "wavelet")
+    kind: str = choice(
+        "bilateral", "filter",
+        "gaussian", "median", "bilateral", "nlm", "wavelet", "haar", "db2",
+    )  # fmt: skip
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
     def idle(self) -> tuple[str, ...]:
@@ -84,9 +88,7 @@ class Denoise(Effect):
             "gaussian": ("space",),
             "median": (),
             "bilateral": ("range", "space"),
-            "nlm": ("range",),
-            "wavelet": ("range",),
-        }[self.kind]
+        }.get(self.kind, ("range",))
         plain = ("strength",) if self.strength in _PLAIN else ()
         return (*plain, *(n for n in ("range", "space") if n not in used))
 
@@ -138,23 +140,46 @@ class Denoise(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Mix the frame with its filtered copy; codes stay codes."""
         numbers = (self.value(name, site.point) for name in ("strength", "range", "space"))
-        return self._mixed(signal, *numbers)
+        return self._mixed(signal, *numbers, (site.window.top, site.window.left))
 
     def filtered(self, frame: np.ndarray) -> np.ndarray:
         """A frame, (rows, columns), after the filter, with numbers that hold at every setting."""
-        return self._mixed(frame, self.strength, self.range, self.space)
+        return self._mixed(frame, self.strength, self.range, self.space, (0, 0))
+
+    def margin(self) -> int:
+        """As far as the filter of this kind looks, within its colour."""
+        from dnanalyze.model import filters
+
+        reaches = {
+            "gaussian": _GAUSSIAN_RADIUS,
+            "median": 1,
+            "bilateral": _BILATERAL_RADIUS,
+            "nlm": _NLM_PATCH + _NLM_DISTANCE,
+        }
+        basis = filters.DB2 if self.kind == "db2" else filters.HAAR
+        return self.spacing * reaches.get(self.kind, filters.grid_reach(basis))
 
     def _mixed(
-        self, frame: np.ndarray, strength: float, range_dn: float, space: float
+        self,
+        frame: np.ndarray,
+        strength: float,
+        range_dn: float,
+        space: float,
+        corner: tuple[int, int],
     ) -> np.ndarray:
         from dnanalyze.model import filters
 
         smooth = filters.planewise(
-            lambda plane: self._smooth(plane, range_dn, space), frame, self.spacing
+            lambda plane, begins: self._smooth(plane, range_dn, space, begins),
+            frame,
+            self.spacing,
+            corner,
         )
         return filters.rounded_like(frame, frame + np.float32(strength) * (smooth - frame))
 
-    def _smooth(self, plane: np.ndarray, range_dn: float, space: float) -> np.ndarray:
+    def _smooth(
+        self, plane: np.ndarray, range_dn: float, space: float, corner: tuple[int, int]
+    ) -> np.ndarray:
         from dnanalyze.model import filters
 
         if self.kind == "gaussian":
@@ -165,7 +190,10 @@ class Denoise(Effect):
             return filters.bilateral(plane, range_dn, space, _BILATERAL_RADIUS)
         if self.kind == "nlm":
             return filters.nonlocal_means(plane, range_dn, 0.0, _NLM_PATCH, _NLM_DISTANCE)
-        return filters.wavelet(plane, range_dn)
+        if self.kind == "wavelet":
+            return filters.wavelet(plane, range_dn)
+        basis = filters.DB2 if self.kind == "db2" else filters.HAAR
+        return filters.wavelet_on_grid(plane, range_dn, basis, corner)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:

@@ -102,7 +102,7 @@ class Dpc(Effect):
         """Replace what stands out; codes stay codes."""
         from dnanalyze.model import filters
 
-        corrected = filters.planewise(lambda p: self._correct(p, site), signal, self.spacing)
+        corrected = filters.planewise(lambda p, _: self._correct(p, site), signal, self.spacing)
         if self.kind == "static":
             corrected = np.where(self._listed(site), corrected, signal)
         return filters.rounded_like(signal, corrected)

@@ -3,7 +3,7 @@ import pytest
 from readout_bench import Given, frames
 from scipy import ndimage
 
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import filters
 from dnanalyze.model.effects.denoise import WIDE, Denoise
 from dnanalyze.model.effects.missing_codes import MissingCodes
@@ -12,7 +12,7 @@ from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.white_codes import left_of, likeness, noise_before
 
 SENSOR = (ReadNoise(5.0),)
-KINDS = ("gaussian", "median", "bilateral", "nlm", "wavelet")
+KINDS = ("gaussian", "median", "bilateral", "nlm", "wavelet", "haar", "db2")
 
 
 def before():
@@ -35,6 +35,8 @@ def test_each_kind_is_its_filter():
         "bilateral": filters.bilateral(y, 7.0, 0.8, 2),
         "nlm": filters.nonlocal_means(y, 7.0, 0.0, 2, 5),
         "wavelet": filters.wavelet(y, 7.0),
+        "haar": filters.wavelet_on_grid(y, 7.0, filters.HAAR),
+        "db2": filters.wavelet_on_grid(y, 7.0, filters.DB2),
     }
     for kind in KINDS:
         z = frames(*SENSOR, Denoise(1.0, 7.0, 0.8, kind))[0]
@@ -69,7 +71,7 @@ def test_edge_preserving_kinds_leave_large_signals_alone(kind):
     kept = effect.filtered(hot)[20, 30] / 500.0
     if kind in ("bilateral", "nlm"):
         assert kept > 0.95
-    elif kind == "wavelet":
+    elif kind in ("wavelet", "haar", "db2"):
         assert kept > 0.9
     else:
         assert kept < 0.5
@@ -87,9 +89,9 @@ def test_guess_offers_every_kind_scaled_to_the_noise():
     )  # fmt: skip
     every = Denoise.guess(clues)
     found = {e.kind: e for e in reversed(every)}
-    assert set(found) == set(KINDS)
+    assert set(found) == {*KINDS} - {"haar"}  # a kind of the other wavelets
     assert {e.spacing for e in every} == {1}
-    for kind in ("bilateral", "nlm", "wavelet"):
+    for kind in ("bilateral", "nlm", "wavelet", "db2"):
         left = left_of(found[kind].filtered, noise_before(found[kind].filtered, 3.0))
         assert left.std() == pytest.approx(3.0, rel=0.1)
         assert likeness(left) == pytest.approx(0.2, abs=0.02)
@@ -118,7 +120,9 @@ def test_a_bilateral_that_is_wide_for_the_noise_is_guessed_from_what_it_leaves(s
 
 
 @pytest.mark.parametrize("noise", [5.0, 20.0])
-@pytest.mark.parametrize(("kind", "share"), [("bilateral", 1.4), ("wavelet", 1.4), ("nlm", 0.6)])
+@pytest.mark.parametrize(
+    ("kind", "share"), [("bilateral", 1.4), ("wavelet", 1.4), ("nlm", 0.6), ("db2", 1.4)]
+)
 def test_what_goes_by_the_size_of_noise_is_tried_on_codes(kind, share, noise):
     """The noise before it comes back from what it leaves, with it the range from the likeness."""
     hidden = Denoise(1.0, share * noise, 1.5, kind)
@@ -197,3 +201,27 @@ def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_filter_leaves(
     assert y.std() * factor + shift == pytest.approx(5.0, rel=5 * 3 / np.sqrt(2 * y.size))
     assert filtered.bent("dark_shot_noise.dn_per_e", "DN/e-")[0] == pytest.approx(factor**2)
     assert filtered.bent("convolved_lognormal.phi", "1") == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("spacing", [1, 2])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_window_is_that_part_of_the_frame(kind, spacing):
+    """Whatever its corner, and however far the kind looks around."""
+    chain = *SENSOR, Denoise(0.8, 7.0, kind=kind, spacing=spacing)
+    (whole,) = frames(*chain, count=1, shape=(150, 160))
+    for window in (Window(63, 90, 45, 101), Window(0, 11, 150, 160), Window(148, 150, 0, 160)):
+        (part,) = frames(*chain, count=1, shape=(150, 160), window=window)
+        np.testing.assert_allclose(part, whole[window.slices], rtol=1e-5)
+
+
+def test_a_grid_leaves_a_lattice_and_all_shifts_none():
+    """Where every detail is dropped, blocks of 8 pixels stay: steps are at their seams alone."""
+
+    def across_seams(kind):
+        z = frames(*SENSOR, Denoise(1.0, 25.0, kind=kind), shape=(256, 256), pedestal=0.0)
+        steps = np.mean(np.diff(z, axis=2) ** 2, axis=(0, 1))
+        return steps[7::8].sum() / steps.sum()
+
+    assert across_seams("haar") > 0.999
+    assert across_seams("wavelet") == pytest.approx(1 / 8, rel=0.1)
+    assert 1 / 8 < across_seams("db2") < 0.5  # a basis that is continuous

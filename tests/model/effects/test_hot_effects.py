@@ -59,15 +59,15 @@ def test_hot_pixels_are_guessed_from_the_counts_over_temperature():
     seen = _counts(2e-3, scale, sigma, N) | {"pattern_noise_core": sigma}
     model = dict.fromkeys(_counts(1, 1, 1, 1), 0.0)
     clues = MadeUpClues(points, HERE, SHAPE, seen, model, ("hot_count_16",))
-    together, each = HotPixels.guess(clues)
+    together, each, _ = HotPixels.guess(clues)
     for guess in (together, each):
         assert guess.fraction == pytest.approx(2e-3, rel=0.3)
         assert guess.scale == pytest.approx(60, rel=0.2)
         assert guess.ea_ev == pytest.approx(0.5, abs=0.05)
     clues.stands_out = ("hot_pairs", "hot_count_16")
     small, large, *again = HotClusters.guess(clues)
-    assert len(again) == 2
-    for guess in (small, large, *again):
+    assert len(again) == 4
+    for guess in (small, large, *again[:2]):
         assert guess.density * guess.members == pytest.approx(2e-3, rel=0.3)
     assert small.radius < large.radius
 
@@ -83,13 +83,23 @@ def test_where_only_warm_frames_show_hot_pixels_the_cold_ones_tell_their_energy_
     seen["pattern_noise_core"] = sigma
     model = dict.fromkeys(expected, 0.0)
     clues = MadeUpClues(points, points[2], SHAPE, seen, model, ("hot_count_16",))
-    guess, _ = HotPixels.guess(clues)
+    guess, *_ = HotPixels.guess(clues)
     # 9 pixels in 100 lie beyond 5 sigma at 65 C: two dozen tell the energy
     assert guess.ea_ev == pytest.approx(0.9, abs=0.1)
     assert guess.scale == pytest.approx(12.0, rel=0.3)
     assert guess.fraction == pytest.approx(1e-3, rel=0.3)
-    clues.seen |= dict.fromkeys(expected, 0.0)
-    assert HotPixels.guess(clues) == []
+
+
+def test_where_none_is_left_as_many_as_are_usual_are_tried():
+    """Neighbours of each other stay where a correction took the rest, and tell nothing of it."""
+    points = (HERE, WARM)
+    sigma = np.array([3.0, 12.0])
+    counts = dict.fromkeys(_counts(1, 1, 1, 1), np.zeros(2))
+    (usual,) = HotPixels.guess(_hot(counts, sigma, points))
+    assert usual.fraction == 1e-3
+    assert usual.scale * growth(0.55) == pytest.approx(30.0 * 12.0)  # where it is most
+    counts["pattern_noise_core"] = counts["frame_noise_core"] = np.full(2, np.nan)
+    assert HotPixels.guess(_hot(counts, np.full(2, np.nan), points)) == []
 
 
 def _hot(expected, sigma, points, model=None):
@@ -102,12 +112,12 @@ def _hot(expected, sigma, points, model=None):
 def test_the_hot_signal_is_that_of_the_reference_exposure_and_gain():
     points = (HERE, OperatingPoint(25.0, 4.0, 1.0), OperatingPoint(25.0, 1.0, 2.0))
     scale, sigma = np.array([60.0, 240.0, 120.0]), np.array([3.0, 3.0, 6.0])
-    guess, _ = HotPixels.guess(_hot(_counts(2e-3, scale, sigma, N), sigma, points))
+    guess, *_ = HotPixels.guess(_hot(_counts(2e-3, scale, sigma, N), sigma, points))
     assert guess.scale == pytest.approx(60.0, rel=0.1)
     assert guess.fraction == pytest.approx(2e-3, rel=0.1)
     counts = _counts(2e-3, scale, sigma, N)
     counts["hot_count_64"][[0, 2]] = np.nan
-    guess, _ = HotPixels.guess(_hot(counts, sigma, points))  # what is not known is left out
+    guess, *_ = HotPixels.guess(_hot(counts, sigma, points))  # what is not known is left out
     assert guess.scale == pytest.approx(60.0, rel=0.1)
 
 
@@ -117,7 +127,7 @@ def test_where_a_correction_took_those_of_cold_frames_each_setting_is_read_by_it
     sigma = np.array([3.0, 5.0, 9.0])
     left = np.array([0.0, 1.0, 1.0])
     counts = {k: n * left for k, n in _counts(2e-3, scale, sigma, N).items()}
-    together, each = HotPixels.guess(_hot(counts, sigma, points))
+    together, each, _ = HotPixels.guess(_hot(counts, sigma, points))
     assert each.ea_ev == pytest.approx(0.5, abs=0.02)
     assert each.scale == pytest.approx(60.0, rel=0.05)
     assert together.ea_ev > 1.0  # none may reach there
@@ -128,7 +138,7 @@ def test_where_no_two_temperatures_tell_the_energy_it_is_the_usual_one(temperatu
     points = tuple(OperatingPoint(temperature_c, t, 1.0) for t in (1.0, 4.0))
     sigma = np.array([3.0, 3.0])
     counts = _counts(2e-3, np.array([60.0, 240.0]), sigma, N)
-    guess, _ = HotPixels.guess(_hot(counts, sigma, points))
+    guess, *_ = HotPixels.guess(_hot(counts, sigma, points))
     assert guess.ea_ev == 0.55
     assert guess.scale == pytest.approx(60.0, rel=0.1)  # tried in steps of an eighth
 
@@ -141,7 +151,7 @@ def test_many_pixels_just_over_the_noise_do_not_hide_a_tail(crowd):
     counts = _counts(1e-3, scale, sigma, N)
     counts["hot_count_5"] = counts["hot_count_5"] + np.array([0.0, max(crowd, 0.0)])
     model = dict.fromkeys(counts, 0.0) | {"hot_count_5": np.array([0.0, max(-crowd, 0.0)])}
-    guess, _ = HotPixels.guess(_hot(counts, sigma, points, model))
+    guess, *_ = HotPixels.guess(_hot(counts, sigma, points, model))
     assert guess.fraction == pytest.approx(1e-3, rel=0.3)
     assert guess.scale == pytest.approx(150.0, rel=0.3)
 
