@@ -9,9 +9,9 @@ import numpy as np
 from dnanalyze.diagnosis.deviance import DEFLATION
 from dnanalyze.diagnosis.trial import Trial
 
-# "Nothing is missing" is credited with a gain that noise does not reach, in proportion to the misfit
-# that is left. Where nothing, or nothing more, was missing in 60 virtual sensors, 19 candidates were
-# refitted: their lesser half gained 10 at the most, the mean of both 28.
+# "Nothing is missing" is credited with a gain that noise does not reach, in proportion to the
+# misfit that is left. Where nothing, or nothing more, was missing in 60 virtual sensors, 19
+# candidates were refitted: their lesser half gained 10 at the most, the mean of both 28.
 NOTHING = 25.0
 CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
 # The few defects or tracks of a half may be more or fewer than their density says: where the

@@ -343,14 +343,62 @@ def _shrink(smooth: np.ndarray, threshold: float, level: int, levels: int) -> np
     if level == levels:
         return smooth
     step = 2**level
-    low, high = _split(smooth, step, 0)
-    bands = [*_split(low, step, 1), *_split(high, step, 1)]
-    limit = np.float32(threshold / 2 ** (level + 1))  # coefficients shrink by 2 a level
-    details = [_soft(b, limit) for b in bands[1:]]
-    smooth = _shrink(bands[0], threshold, level + 1, levels)
-    low = _join(smooth, details[0], step, 1)
-    high = _join(details[1], details[2], step, 1)
-    return _join(low, high, step, 0)
+    bands = _quads(smooth, step, threshold / 2 ** (level + 1))
+    bands[0] = _shrink(bands[0], threshold, level + 1, levels)
+    return _mean_of_quads(bands, step)
+
+
+@njit(cache=True, nogil=True)
+def _quads(a: np.ndarray, step: int, limit: float) -> np.ndarray:
+    """Mean of every four pixels so far apart, and their differences drawn towards 0 by a limit.
+
+    Around the end. Coefficients shrink by 2 a level against the orthonormal scale.
+    """
+    rows, columns = a.shape
+    bands = np.empty((4, rows, columns), np.float32)
+    for r in range(rows):
+        here, below = a[r], a[(r + step) % rows]
+        for part in range(2):
+            first, last = (0, columns - step) if part == 0 else (columns - step, columns)
+            far = step - part * columns
+            for c in range(first, last):
+                upper, lower = here[c] + here[c + far], below[c] + below[c + far]
+                left, right = here[c] - here[c + far], below[c] - below[c + far]
+                bands[0, r, c] = np.float32(0.25) * (upper + lower)
+                bands[1, r, c] = _drawn(np.float32(0.25) * (left + right), limit)
+                bands[2, r, c] = _drawn(np.float32(0.25) * (upper - lower), limit)
+                bands[3, r, c] = _drawn(np.float32(0.25) * (left - right), limit)
+    return bands
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _drawn(x: float, limit: float) -> float:
+    """Drawn towards 0 by a limit, and not beyond it."""
+    return x - _larger(_smaller(x, limit), -limit)
+
+
+@njit(cache=True, nogil=True)
+def _mean_of_quads(bands: np.ndarray, step: int) -> np.ndarray:
+    """Every pixel as the mean of what the four quads say that it is a part of."""
+    _, rows, columns = bands.shape
+    result = np.empty((rows, columns), np.float32)
+    for r in range(rows):
+        here, above = bands[:, r], bands[:, (r - step) % rows]
+        for part in range(2):
+            first, last = (step, columns) if part == 0 else (0, step)
+            back = part * columns - step
+            for c in range(first, last):
+                b = c + back
+                as_upper = (
+                    here[0, c] + here[1, c] + here[2, c] + here[3, c]
+                    + here[0, b] - here[1, b] + here[2, b] - here[3, b]
+                )  # fmt: skip
+                as_lower = (
+                    above[0, c] + above[1, c] - above[2, c] - above[3, c]
+                    + above[0, b] - above[1, b] - above[2, b] + above[3, b]
+                )  # fmt: skip
+                result[r, c] = np.float32(0.25) * (as_upper + as_lower)
+    return result
 
 
 def wavelet_on_grid(
@@ -383,7 +431,7 @@ def wavelet_on_grid(
         for at, n in zip(corner, image.shape, strict=True)
     ]
     low = np.array(basis, np.float32)
-    high = low[::-1] * np.resize(np.float32([1, -1]), low.size)
+    high = low[::-1] * np.resize(np.array([1, -1], np.float32), low.size)
     kept = _shrink_on_grid(np.pad(image, pads, "reflect"), np.float32(threshold), low, high, levels)
     inside = [slice(a, a + n) for (a, _), n in zip(pads, image.shape, strict=True)]
     return kept[tuple(inside)]
@@ -403,8 +451,8 @@ def _shrink_on_grid(
     smooth, *details = (_coefficients(part, taps, 1) for part in rows for taps in (low, high))
     smooth = _shrink_on_grid(smooth, threshold, low, high, levels - 1)
     across, down, both = (_soft(d, threshold) for d in details)
-    rows = [_signal(smooth, across, low, high, 1), _signal(down, both, low, high, 1)]
-    return _signal(*rows, low, high, 0)
+    upper = _signal(smooth, across, low, high, 1)
+    return _signal(upper, _signal(down, both, low, high, 1), low, high, 0)
 
 
 def _coefficients(a: np.ndarray, taps: np.ndarray, axis: int) -> np.ndarray:
@@ -431,18 +479,7 @@ def _signal(
 
 def _soft(values: np.ndarray, threshold: np.float32) -> np.ndarray:
     """Values drawn towards 0 by the threshold, and not beyond it."""
-    return np.sign(values) * np.maximum(np.abs(values) - threshold, 0)
-
-
-def _split(a: np.ndarray, step: int, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """Half sum and half difference of a[i] and a[i + step], around the end."""
-    b = np.roll(a, -step, axis)
-    return 0.5 * (a + b), 0.5 * (a - b)
-
-
-def _join(low: np.ndarray, high: np.ndarray, step: int, axis: int) -> np.ndarray:
-    """Mean of the two reconstructions of every sample."""
-    return 0.5 * (low + high + np.roll(low - high, step, axis))
+    return values - np.clip(values, -threshold, threshold)
 
 
 @njit(cache=True, nogil=True)

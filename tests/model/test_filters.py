@@ -142,7 +142,9 @@ def test_a_window_has_the_grid_of_the_frame(basis, corner, size):
     far = filters.grid_reach(basis)
     inside = [slice(a, min(a + n, m)) for a, n, m in zip(corner, size, NOISE.shape, strict=True)]
     grown = [slice(max(s.start - far, 0), s.stop + far) for s in inside]
-    part = filters.wavelet_on_grid(NOISE[tuple(grown)], 4.0, basis, (grown[0].start, grown[1].start))
+    part = filters.wavelet_on_grid(
+        NOISE[tuple(grown)], 4.0, basis, (grown[0].start, grown[1].start)
+    )
     cut = [slice(s.start - g.start, s.stop - g.start) for s, g in zip(inside, grown, strict=True)]
     np.testing.assert_allclose(part[tuple(cut)], whole[tuple(inside)], atol=1e-4)
 

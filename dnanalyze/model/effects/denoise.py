@@ -71,7 +71,11 @@ class Denoise(Effect):
     }
     strength: float = parameter(1.0, "1", 0.0, 1.0, "share of the filtered frame", "linear")
     range: float = parameter(
-        4.0, "DN", 0.01, 1e4, "difference up to which pixels are averaged (bilateral, nlm, wavelets)"
+        4.0,
+        "DN",
+        0.01,
+        1e4,
+        "difference up to which pixels are averaged (bilateral, nlm, wavelets)",
     )
     space: float = parameter(
         0.7, "pixel", 0.2, 2.0, "sigma of the weight over distance (gaussian, bilateral)"
@@ -139,8 +143,11 @@ class Denoise(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Mix the frame with its filtered copy; codes stay codes."""
-        numbers = (self.value(name, site.point) for name in ("strength", "range", "space"))
-        return self._mixed(signal, *numbers, (site.window.top, site.window.left))
+        strength, range_dn, space = (
+            self.value(name, site.point) for name in ("strength", "range", "space")
+        )
+        corner = site.window.top, site.window.left
+        return self._mixed(signal, strength, range_dn, space, corner)
 
     def filtered(self, frame: np.ndarray) -> np.ndarray:
         """A frame, (rows, columns), after the filter, with numbers that hold at every setting."""
