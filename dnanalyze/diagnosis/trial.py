@@ -82,8 +82,9 @@ class Trial:
     @property
     def standing(self) -> float:
         """Evidence and what is known before the data speak, by which rivals are ranked."""
-        effect = self.state.model.get(self.effect)
-        odds = 1.0 if effect is None else effect.prior
+        model = self.state.model
+        effect = model.get(self.effect)
+        odds = 1.0 if effect is None else effect.odds(model.names)
         return self.evidence + 2.0 * DEFLATION * self.spread * math.log(odds)
 
 

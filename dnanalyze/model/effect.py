@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -188,8 +188,7 @@ class Effect:
     statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
     pixels around the window that it looks at, unless `margin` tells; ``memory`` earlier frames that
     it looks at; ``even`` whether every part of the field shows it alike: not what lies somewhere,
-    along lines, or in few pixels, of which a part has its own luck; ``prior`` odds of it, before
-    the data speak, against what most sensors have.
+    along lines, or in few pixels, of which a part has its own luck.
     """
 
     name: ClassVar[str] = ""
@@ -204,7 +203,6 @@ class Effect:
     reach: ClassVar[int] = 0
     memory: ClassVar[int] = 0
     even: ClassVar[bool] = False
-    prior: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):
@@ -256,6 +254,11 @@ class Effect:
     def margin(self) -> int:
         """Pixels around the window that it looks at, with its present choices."""
         return self.reach
+
+    @classmethod
+    def odds(cls, others: Collection[str]) -> float:
+        """Odds of it against another effect, before the data speak, beside these in the model."""
+        return 1.0
 
     def lies_in(self, window: Window) -> bool:
         """Whether any of it lies in this part of the field; named places may say that none does."""

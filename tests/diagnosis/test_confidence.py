@@ -22,7 +22,9 @@ from dnanalyze.diagnosis.trial import Trial
 from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
+from dnanalyze.model.effects.dpc import Dpc
 from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.noise_model import NoiseModel
 
 
@@ -67,10 +69,22 @@ def test_what_few_sensors_have_needs_its_odds_in_evidence(spread):
     """Of a dozen hot pixels either law does: an equal share of both, ten hot pixels to one."""
     steps, hot = (of(e, 200.0 * spread, spread) for e in (DarkCurrentSteps(), HotPixels()))
     chances = confidences([steps, hot], 3.0)
-    assert chances[1] / chances[0] == pytest.approx(1.0 / DarkCurrentSteps.prior)
+    assert chances[1] / chances[0] == pytest.approx(10.0)
     assert hot.standing == hot.evidence > steps.standing
     sure = of(DarkCurrentSteps(), 400.0 * spread, spread)
     assert confidences([sure, hot], 3.0)[0] > 0.99  # spacings that are seen speak for themselves
+
+
+def test_beside_a_correction_hot_pixels_are_what_it_is_for():
+    def beside(effect: Effect) -> Trial:
+        found = of(effect, 100.0)
+        model = NoiseModel((effect, Dpc()))
+        return dataclasses.replace(found, state=dataclasses.replace(found.state, model=model))
+
+    alone = confidences([of(HotPixels(), 100.0), of(Rts(), 100.0)], 3.0)
+    assert alone[0] == pytest.approx(alone[1])
+    both = confidences([beside(HotPixels()), beside(Rts())], 3.0)
+    assert both[0] / both[1] == pytest.approx(10.0)
 
 
 def test_a_near_rival_is_named():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -29,7 +30,6 @@ class DarkCurrentSteps(Effect):
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
     even: ClassVar[bool] = True
-    prior: ClassVar[float] = 0.1  # few sensors are contaminated, nearly all have hot pixels
     summary: ClassVar[str] = "equally spaced peaks in the dark current: counted impurity atoms"
     physics: ClassVar[str] = (
         "Each atom of a metal that contaminates the silicon generates the same dark current, so "
@@ -80,6 +80,11 @@ class DarkCurrentSteps(Effect):
         tail = pdtrc(np.arange(int(lam + 12 * np.sqrt(lam) + 24)), lam).astype(np.float32)
         number = tail.size - np.searchsorted(tail[::-1], site.fixed_uniform(), side="right")
         return np.float32(step) * number.astype(np.float32)
+
+    @classmethod
+    def odds(cls, others: Collection[str]) -> float:
+        """Few sensors are contaminated, nearly all have hot pixels."""
+        return 0.1
 
     def variance(self, point: OperatingPoint) -> float:
         """lambda q^2, DN^2, at the reference temperature, exposure and gain."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from typing import ClassVar
 
@@ -87,6 +88,11 @@ class HotPixels(HotTail):
         share = np.float32(self.value("fraction", site.point)) / site.fixed_uniform()
         hot = amplitude(np.maximum(share, np.float32(1)), self.value("tail", site.point))
         return np.float32(self.scale_at(site)) * hot
+
+    @classmethod
+    def odds(cls, others: Collection[str]) -> float:
+        """Hot pixels are what corrections are made for."""
+        return 10.0 if "dpc" in others else 1.0
 
     def variance(self, point: OperatingPoint) -> float | None:
         """nu^2 (2 p / ((1 - s) (1 - 2 s)) - (p / (1 - s))^2), DN^2, at the reference temperature,
