@@ -20,7 +20,7 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE
+from dnanalyze.model.registry import BASE, EVERYDAY
 
 UNBENT = (1.0, 0.0)
 FACTORS = (0.5, 0.65, 0.8, 1.25, 1.5, 2.0)
@@ -105,6 +105,21 @@ def _turned(model: NoiseModel, right: Callable[[Knob, float], float]) -> NoiseMo
         return None
     where = [k.inside(k.position(x)) for k, x in zip(knobs, other, strict=True)]
     return turned(model, knobs, np.array(where))
+
+
+def beside(bench: Bench, model: NoiseModel, effect: Effect) -> NoiseModel | None:
+    """The model with what every sensor has begun again, by the moments less what an effect adds.
+
+    None where it does not tell.
+    """
+    if any(effect.adds(p, model.reference) is None for p, _ in bench.plan.settings):
+        return None
+    begun = ordinary_start(bench, effect)
+    for name in (BASE, *EVERYDAY):
+        other = begun.get(name)
+        if other is not None and model.get(name) is not None:
+            model = model.with_effect(other)
+    return replace(model, pedestal=begun.pedestal)
 
 
 def relevelled(model: NoiseModel, begun: NoiseModel) -> NoiseModel | None:

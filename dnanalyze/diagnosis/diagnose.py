@@ -111,7 +111,7 @@ def diagnose(
         tell("what every sensor has")
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
-    tried = trials(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
+    tried = ranked(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
     found = judge(captures.name, held, state, tried, known)
     return beside_everyday(held, asked, stages, found) if stages else found
 
@@ -151,6 +151,32 @@ def beside_everyday(
         candidates=[*found.candidates[:first], *ordinary, *found.candidates[first:]],
         ordinary=[c.effect for c in ordinary],
     )
+
+
+def ranked(
+    held: Bench,
+    state: State,
+    known: dict[str, type[Effect]],
+    tell: Callable[[str], None] = lambda _: None,
+) -> list[Trial]:
+    """The trials of what may be missing, the likeliest first, and not one that is refuted.
+
+    A count of clusters scatters as these do, and to a model without any it is no great surprise in
+    such errors. Its own sensors never show it: where those of the leader refute it, and a rival
+    that explains nearly as much puts that right, the rival is certain beside it.
+    """
+    tried = trials(held, state, known, tell)
+    close = rivals(tried[0], tried) if tried else []
+    if not close or tried[0].spread > 1.0:
+        return tried
+    leader, left = tried[0], adequacy(held, tried[0].state, FEW).left
+    for other in tried[1:]:
+        if left and other.effect in close and mends(held, left[:1], leader.state, other.state):
+            less = leader.standing - other.standing + CERTAIN
+            gain, fitted = leader.gain - less, leader.fitted_gain - less
+            refuted = replace(leader, gain=gain, fitted_gain=fitted)
+            return sorted([refuted, *tried[1:]], key=lambda t: -t.standing)
+    return tried
 
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.bend import least_noise, relevelled, unbent
+from dnanalyze.diagnosis.bend import beside, least_noise, relevelled, unbent
 from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import ordinary_start
@@ -202,7 +202,8 @@ def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Prospect]:
     for guess in guesses:
         right = unbent(state.model, guess, view.noise)
         levelled = view.levelled and unbent(view.levelled, guess, view.noise)
-        for model in [state.model] if right is None else [state.model, right]:
+        rest = beside(bench, state.model, guess) if view.levelled else None
+        for model in [m for m in (state.model, right, rest) if m is not None]:
             with suppress(InputError):
                 other = levelled.with_effect(guess) if levelled and model is right else None
                 made.append((guess, model.with_effect(guess), other))

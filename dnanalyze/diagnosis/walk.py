@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from dnanalyze.diagnosis.background import along_background
 from dnanalyze.diagnosis.bend import along_bend, begun_again
 from dnanalyze.diagnosis.confidence import confidences, rivals, significant
-from dnanalyze.diagnosis.diagnose import missing, retold
+from dnanalyze.diagnosis.diagnose import missing, ranked, retold
 from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.needless import needless
@@ -20,7 +20,6 @@ from dnanalyze.diagnosis.trial import (
     error_of,
     preferred,
     settled,
-    trials,
 )
 from dnanalyze.fitting.least_squares import State, converge, derive, minimise
 from dnanalyze.fitting.predictor import Bench
@@ -69,7 +68,7 @@ class Walk:
         while not self._near_enough(path):
             state, error = path.state, error_of(held, path.state)
             open_to = candidates_of(state, self.known, [BASE, *path.dropped])
-            tried = trials(held, state, open_to, self.trying)
+            tried = ranked(held, state, open_to, self.trying)
             path = replace(path, tried=tuple(tried))
             added = self.added(state)
             best, among, gone = missing(held, state, tried), tried, []

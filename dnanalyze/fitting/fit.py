@@ -19,12 +19,19 @@ from dnanalyze.fitting.least_squares import (
     unseen,
     weights,
 )
-from dnanalyze.fitting.moments import Moments, converter_bits, moments, serial_correlation
+from dnanalyze.fitting.moments import (
+    Moments,
+    converter_bits,
+    less,
+    moments,
+    serial_correlation,
+)
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 
 REPLICATES = 24
@@ -109,11 +116,15 @@ def paper_start(held: Bench) -> NoiseModel:
     return models[int(np.argmin(losses))]
 
 
-def ordinary_start(held: Bench) -> NoiseModel:
-    """The model of what every sensor has by moments of the train half."""
+def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
+    """The model of what every sensor has by moments of the train half.
+
+    ``beside``: an effect whose share of them, where it tells one, is not the sensor's.
+    """
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
-    return ordinary_model(at_a_glance(held), bits, serial)
+    found = at_a_glance(held)
+    return ordinary_model(found if beside is None else less(found, beside), bits, serial)
 
 
 def at_a_glance(held: Bench) -> Moments:

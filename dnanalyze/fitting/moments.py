@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import nnls
 
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import Law, TableLaw, arrhenius
 
 LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+REST = 0.02  # share of a moment that is the sensor's at least
 NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
 
 
@@ -67,6 +69,24 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
     signal = np.maximum(mean - pedestal, least)
     black = black_over_temperature(readings.points, mean, readings.error("mean"))
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
+
+
+def less(m: Moments, effect: Effect) -> Moments:
+    """The moments of a sensor without an effect, where it tells its share of them.
+
+    Shot noise is of all charge: the temporal variance that the effect's charge makes goes with it,
+    in proportion to the signal, or what is left would seem to have a larger gain.
+    """
+    told = [effect.adds(p, m.reference) for p in m.points]
+    if None in told:
+        return m
+    level, variance = np.array(told, float).T
+    rest = np.maximum(m.signal - level, REST * m.signal)
+    design = np.stack([np.ones_like(m.signal), m.signal], 1) / m.total[:, None]
+    (_, slope), _ = nnls(design, m.temporal / m.total)
+    temporal = np.maximum(m.temporal - slope * (m.signal - rest), REST * m.temporal)
+    pattern = np.maximum(m.pattern - variance, REST * m.pattern)
+    return replace(m, signal=rest, temporal=temporal, pattern=pattern)
 
 
 def black_over_temperature(

@@ -255,6 +255,14 @@ class Effect:
         """Pixels around the window that it looks at, with its present choices."""
         return self.reach
 
+    def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float] | None:
+        """What it adds to the level and to the variance of the pattern, DN and DN^2.
+
+        Where that is told, and much: a fit without it then has another sensor's dark current, noise
+        and level, and is begun again with the rest of what the frames say at a glance.
+        """
+        return None
+
     @classmethod
     def odds(cls, others: Collection[str]) -> float:
         """Odds of it against another effect, before the data speak, beside these in the model."""

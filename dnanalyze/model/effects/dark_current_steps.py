@@ -13,9 +13,11 @@ from scipy.special import pdtrc
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
+from dnanalyze.model.counted_steps import counted_steps
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.evidence import SIGN, curve, shows
 from dnanalyze.model.hot_signal import HotSignal
+from dnanalyze.model.laws import arrhenius
 
 FAR = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20  # hot pixels that show how they are spread
@@ -93,7 +95,7 @@ class DarkCurrentSteps(Effect):
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
         """The spacing of the peaks, setting by setting; few or many atoms a pixel."""
-        found: list[Effect] = []
+        found = _counted(cls, clues)
         rare = _single_peak(clues)
         if rare is not None:
             found += _grown(cls, clues, rare[0], [rare[1]])
@@ -102,6 +104,15 @@ class DarkCurrentSteps(Effect):
             spacing = np.asarray(clues.measured("pattern_step_dn"), float)
             found += _grown(cls, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
         return found
+
+    def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float]:
+        """lambda q and lambda q^2."""
+        number, origin = self.value("mean_number", point), reference.temperature_c
+        step = self.value("step", point) * point.exposure_over(reference)
+        if origin is not None:
+            step *= arrhenius(point.temperature_c, origin, self.value("ea_ev", point))
+        step *= point.gain_over(reference)
+        return number * step, number * step**2
 
     def hot_signal(self, reference: OperatingPoint) -> HotSignal:
         """Of the pixels with an atom or more."""
@@ -115,6 +126,20 @@ class DarkCurrentSteps(Effect):
         number = -math.log1p(-min(found.fraction, 0.5))
         step = found.scale * found.fraction / number
         return [cls(**hints.clip(cls, step=step, mean_number=number, ea_ev=found.ea_ev))]
+
+
+def _counted(cls: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
+    """Of the ripples in the characteristic functions of all settings."""
+    if not shows(clues, cls.fingerprint):
+        return []
+    spacing, numbers = np.full(len(clues.points), np.nan), []
+    for setting in range(spacing.size):
+        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
+        found = None if x is None or n is None else counted_steps(x, n)
+        if found is not None:
+            spacing[setting] = found[0]
+            numbers.append(found[1])
+    return _grown(cls, clues, spacing, [float(np.median(numbers))]) if numbers else []
 
 
 def _grown(
