@@ -14,6 +14,7 @@ from dnanalyze.model.evidence import bounded, excess, shows, strongest, typical_
 
 _CALIBRATION_FRAMES = 2
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
+FAR = 3.0  # times the usual threshold from which that is looked at too
 _ENOUGH = 5.0  # pixels that should stand out
 _TAIL = (  # quantiles of the pattern, and the share of the pixels above them
     ("pattern_q0.9", 0.1), ("pattern_q0.99", 0.01), ("pattern_q0.999", 1e-3),
@@ -163,16 +164,21 @@ class Dpc(Effect):
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess"))
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
-        if rare:  # the fit without it has made the tail as short as the correction leaves it
-            low = bounded(cls, "threshold", 0.25 * threshold)
+        # the fit without it has made the tail as short as the correction leaves it: then few are
+        # missing where it begins
+        usual = bounded(cls, "threshold", usual)
+        if rare:
+            low = bounded(cls, "threshold", 0.25 * min(threshold, usual))
             found.append(cls(low, kind="multiple"))
+        if (rare or ranks or tied) and threshold > FAR * usual:
+            found.append(cls(usual, kind="excess"))
         if sparse or cut:
             found.append(cls(kind="static"))
         if rare:
-            found.append(cls(threshold, kind="ratio"))
+            found.append(cls(low, kind="ratio"))
         if rare or ranks or tied:
             found.append(cls(threshold, kind="excess", sides="both"))
-            found.append(cls(threshold, kind="median"))
+            found.append(cls(min(threshold, usual), kind="median"))
             found.append(cls(threshold, kind="clamp"))
         # idle in most kinds, but at hand should it turn out to be another
         share, warmer = bounded(cls, "fraction", _listed(clues)), _hottest(clues)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from dnanalyze.model.evidence import bounded, curve, shows
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
 ALIKE = 3.0  # times: two fractions nearer than this are one guess
+SLOW = (
+    2.0  # frames: a pixel that hardly changes while the frames are taken shows in the pattern too
+)
 
 
 @dataclass(frozen=True)
@@ -198,8 +201,9 @@ class Rts(Effect):
         # the noisiest pixels of few frames overstate the step; p E[A^2] o (1 - o) is kept
         shares = {"exponential": (0.35, 2.0), "fixed": (0.6, 1.0)}
         guesses: list[Effect] = []
-        centred = {"polarity": "centred", "occupancies": "spread"}
-        for shape, law in itertools.product(({}, centred), shares):
+        shapes: list[dict[str, Any]] = [{}, {"dwell_frames": SLOW}]
+        shapes.append({"polarity": "centred", "occupancies": "spread"})
+        for law, shape in itertools.product(shares, shapes):
             share, square = shares[law]
             for fraction, (size, ea, exposure) in itertools.product(fractions, kinds):
                 p = fraction / (share**2 * square)
