@@ -18,7 +18,8 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
     The characteristic function of the sum is the product of the core's and exp(lambda (e^(2 pi i f
     q) - 1)): its log power is a smooth function of f, and 2 lambda (cos(2 pi f q) - 1), a ripple
     whose period tells q and whose height lambda, however few peaks can be counted (the cepstrum;
-    Bogert, Healy, Tukey, 1963). Few steps in many pixels make none that stands out.
+    Bogert, Healy, Tukey, 1963). Few steps in many pixels make none that stands out; of
+    many in each, the power between the ripples is lost in chance.
 
     Parameters
     ----------

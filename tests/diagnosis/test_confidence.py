@@ -175,6 +175,31 @@ def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already(ask
 
 
 @pytest.mark.parametrize(
+    ("left", "mended", "spread", "first"),
+    [
+        (["hot_pairs"], ["hot_pairs"], 1.0, "b"),
+        ([], ["hot_pairs"], 1.0, "a"),
+        (["hot_pairs"], [], 1.0, "a"),
+        (["drift", "hot_pairs"], ["hot_pairs"], 1.0, "a"),  # not the worst
+        (["hot_pairs"], ["hot_pairs"], 3.0, "a"),  # more is missing
+    ],
+)
+def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, spread, first):
+    """To a rival that explains nearly as much, and puts that right."""
+    tried = [made("a", 900.0, 1.0, spread), made("b", 850.0, 1.0), made("c", 90.0, 1.0)]
+    asked.setattr(diagnose, "trials", lambda *_: tried)
+    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
+    asked.setattr(diagnose, "mends", lambda _held, names, *_: set(names) <= set(mended))
+    found = diagnose.ranked(None, None, {})
+    assert found[0].effect == first
+    assert {t.effect for t in found} == {*"abc"}
+    if first == "b":
+        assert confidences(found, 3.0)[0] > 0.95
+    asked.setattr(diagnose, "trials", lambda *_: tried[:1])
+    assert diagnose.ranked(None, None, {}) == tried[:1]
+
+
+@pytest.mark.parametrize(
     ("gain", "spread", "added"), [(100.0, 1.0, False), (400.0, 1.0, True), (400.0, 2.0, False)]
 )
 def test_what_is_one_sensors_luck_is_not_added(asked, gain, spread, added):

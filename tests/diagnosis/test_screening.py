@@ -203,6 +203,22 @@ def test_where_much_is_missing_a_guess_that_bends_is_ready_at_the_level_of_the_m
         assert bent.levelled.get(name) == bent.model.get(name)
 
 
+def test_a_guess_that_moves_the_moments_is_looked_at_beside_an_ordinary_sensor(held, state):
+    """Begun again by the moments less what it adds: the fit without it is another sensor."""
+    off = replace(state, train=np.full(len(state.train), np.sqrt(1.1 * PLAIN)))
+    guess = KNOWN["dark_current_steps"](step=5.0, mean_number=0.3)
+    straight, begun = screening._at_guesses(screening._View.of(held, off, [0, 1]), [guess])
+    assert straight.model.get(BASE) == off.model.get(BASE)
+    wanted = ordinary_start(held, guess)
+    for name in (BASE, "dark_shot_noise", "read_noise"):
+        assert begun.model.get(name) == wanted.get(name)
+    assert begun.model.pedestal == wanted.pedestal
+    assert wanted.get(BASE) != ordinary_start(held).get(BASE)
+    assert begun.model.get(guess.name) == guess
+    little = replace(state, train=np.full(len(state.train), np.sqrt(0.9 * PLAIN)))
+    assert len(screening._at_guesses(screening._View.of(held, little, [0, 1]), [guess])) == 1
+
+
 def _shown(train, test):
     """A bench of three settings, and what it shows of "drift" at each."""
     half = SimpleNamespace(names=np.array(["drift"] * 3), setting=np.arange(3))

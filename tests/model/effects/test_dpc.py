@@ -6,7 +6,7 @@ from scipy import ndimage
 from dnanalyze.diagnosis.screening import FIRST
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-from dnanalyze.model.effects.dpc import Dpc
+from dnanalyze.model.effects.dpc import FAR, Dpc
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
@@ -135,6 +135,23 @@ def test_a_multiple_of_the_median_is_looked_at_low_and_first():
     assert "multiple" in found
     lowest = min(Dpc.guess(clues), key=lambda e: e.threshold if e.kind == "multiple" else 1e9)
     assert lowest.threshold <= 2.0 * 2.0  # above black, of net signal: what noise reaches
+
+
+def test_where_nothing_is_missing_up_to_far_out_the_usual_threshold_is_tried_too():
+    """A bent fit lacks at the warmest setting alone what stands out by 16 deviations."""
+    clues = Given(
+        points=tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0)),
+        seen={"temporal_noise_core": [2.0, 2.0, 40.0], "excess_4": 120.0, "excess_8": 90.0,
+              "excess_16": [40.0, 40.0, 2.0]},
+        model={"excess_4": 100.0, "excess_8": 80.0, "excess_16": 40.0},
+        off={"excess_16": -6.0},
+    )  # fmt: skip
+    far, usual = (e.threshold for e in Dpc.guess(clues)[:FIRST] if e.kind == "excess")
+    assert 8 * 40.0 < far < 16 * 40.0
+    assert usual == pytest.approx(16 * 2.0)
+    clues.seen["temporal_noise_core"] = 2.0
+    (near,) = (e.threshold for e in Dpc.guess(clues)[:FIRST] if e.kind == "excess")
+    assert near < FAR * usual
 
 
 def test_settings_of_different_noise_bracket_the_threshold():

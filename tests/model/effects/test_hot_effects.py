@@ -7,11 +7,12 @@ import pytest
 from charge_bench import HERE, LOUD, WARM, MadeUpClues, frames, growth
 from scipy import stats
 
+from dnanalyze.diagnosis.screening import FIRST
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
-from dnanalyze.model.effects.rts import Rts
+from dnanalyze.model.effects.rts import SLOW, Rts
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import arrhenius
 
@@ -265,6 +266,36 @@ def test_steps_of_blinking_pixels_scale_as_told():
     assert abs(frames(trap).mean()) < 5 * 10 * np.sqrt(0.1) / 256
 
 
+@pytest.mark.parametrize("point", [HERE, WARM, OperatingPoint(25.0, 4.0, 1.0), LOUD])
+def test_what_steps_add_to_level_and_variance_is_what_they_draw(point):
+    effect = DarkCurrentSteps(step=7.0, mean_number=0.4, ea_ev=0.35)
+    drawn = frames(effect, SHAPE, point=point)
+    level, variance = effect.adds(point, HERE)
+    n = drawn.size
+    assert drawn.mean() == pytest.approx(level, abs=5 * np.sqrt(variance / n))
+    # fourth moment of a Poisson law: 3 + 1 / lambda
+    assert drawn.var() == pytest.approx(variance, rel=5 * np.sqrt((2 + 1 / 0.4) / n))
+
+
+def test_steps_of_which_many_pixels_have_one_are_counted_over_temperature():
+    rng = np.random.default_rng(6)
+    n, core = rng.poisson(0.3, 512 * 512), rng.lognormal(0.0, 0.3, 512 * 512)
+    curves = {"pattern_hist_x": [], "pattern_hist_n": []}
+    for point in (HERE, WARM):
+        grown = arrhenius(point.temperature_c, HERE.temperature_c, 0.35)
+        y = 2.0 * grown * core + rng.standard_normal(n.size) + 9.0 * grown * n
+        counts, edges = np.histogram(y, np.arange(y.min(), y.max(), 0.05 * grown))
+        curves["pattern_hist_x"].append((edges[1:] + edges[:-1]) / 2)
+        curves["pattern_hist_n"].append(counts)
+    clues = MadeUpClues((HERE, WARM), stands_out=("pattern_q0.99",), curves=curves)
+    guess = DarkCurrentSteps.guess(clues)[0]
+    assert guess.step == pytest.approx(9.0, rel=0.05)
+    assert guess.mean_number == pytest.approx(0.3, rel=0.2)
+    assert guess.ea_ev == pytest.approx(0.35, abs=0.02)
+    clues.stands_out = ()
+    assert DarkCurrentSteps.guess(clues) == []
+
+
 def test_blinking_is_guessed_from_the_noisiest_pixels():
     # a noise of 3 DN, 2 % of the pixels blink by 20 DN half of the time
     total = 9 + 0.02 * 100
@@ -284,6 +315,8 @@ def test_blinking_is_guessed_from_the_noisiest_pixels():
     assert 10 < fixed.amplitude < 40
     assert fixed.fraction * fixed.amplitude**2 == pytest.approx(0.02 * 400, rel=0.05)
     assert fixed.exposure == "none"  # alike at both temperatures
+    first = guesses[:FIRST]  # what nearly stays shows in the pattern too
+    assert {g.dwell_frames for g in first} == {0.5, SLOW}
 
 
 def test_few_blinking_pixels_are_guessed_from_how_far_down_the_noise_is_higher():
