@@ -224,7 +224,7 @@ CHARGE = (
                  "the spread of a hot frame", _hot_draw, _hot_pixels),
     HiddenEffect("hot_clusters", (1e-4, 3e-4, 1.5e-3), "clusters a pixel, with 5 hot pixels each",
                  _cluster_draw, _hot_clusters),
-    HiddenEffect("dark_current_steps", (3e-3, 0.015, 0.08), "atoms a pixel, each with 5 times the "
+    HiddenEffect("dark_current_steps", (3e-3, 0.015, 0.3), "atoms a pixel, each with 5 times the "
                  "spread of a hot frame", _steps_draw, _dark_current_steps),
     HiddenEffect("rts", (1e-3, 5e-3, 0.02), "fraction of the pixels, 6 times the noise or 3 times "
                  "the spread of a hot frame", _rts_draw, _rts),

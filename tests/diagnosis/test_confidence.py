@@ -23,6 +23,7 @@ from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.dpc import Dpc
+from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.noise_model import NoiseModel
@@ -65,13 +66,14 @@ def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
 
 
 @pytest.mark.parametrize("spread", [1.0, 3.0])
-def test_what_few_sensors_have_needs_its_odds_in_evidence(spread):
+@pytest.mark.parametrize(("rare", "odds"), [(DarkCurrentSteps(), 10.0), (HotClusters(), 1 / 0.3)])
+def test_what_few_sensors_have_needs_its_odds_in_evidence(rare, odds, spread):
     """Of a dozen hot pixels either law does: an equal share of both, ten hot pixels to one."""
-    steps, hot = (of(e, 200.0 * spread, spread) for e in (DarkCurrentSteps(), HotPixels()))
-    chances = confidences([steps, hot], 3.0)
-    assert chances[1] / chances[0] == pytest.approx(10.0)
-    assert hot.standing == hot.evidence > steps.standing
-    sure = of(DarkCurrentSteps(), 400.0 * spread, spread)
+    few, hot = (of(e, 200.0 * spread, spread) for e in (rare, HotPixels()))
+    chances = confidences([few, hot], 3.0)
+    assert chances[1] / chances[0] == pytest.approx(odds)
+    assert hot.standing == hot.evidence > few.standing
+    sure = of(rare, 400.0 * spread, spread)
     assert confidences([sure, hot], 3.0)[0] > 0.99  # spacings that are seen speak for themselves
 
 

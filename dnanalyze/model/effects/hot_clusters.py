@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -102,6 +103,11 @@ class HotClusters(HotTail):
             inside = (y >= 0) & (y < out.shape[0]) & (x >= 0) & (x < out.shape[1])
             np.add.at(out, (y[inside], x[inside]), hot[inside])
         return out.astype(np.float32)
+
+    @classmethod
+    def odds(cls, others: Collection[str]) -> float:
+        """Fewer sensors have clusters than single hot pixels, which a cluster of two may be."""
+        return 0.3
 
     def variance(self, point: OperatingPoint) -> float | None:
         """DN^2 at the reference: d nu^2 (m E a^2 + m^2 (E a)^2 c), a the amplitude over nu (E a^2 =
