@@ -191,7 +191,7 @@ def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, spr
     tried = [made("a", 900.0, 1.0, spread), made("b", 850.0, 1.0), made("c", 90.0, 1.0)]
     asked.setattr(diagnose, "trials", lambda *_: tried)
     asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
-    asked.setattr(diagnose, "mends", lambda _held, names, *_: set(names) <= set(mended))
+    asked.setattr(diagnose, "mends", lambda _held, names, *_: bool({*names} & {*mended}))
     found = diagnose.ranked(None, None, {})
     assert found[0].effect == first
     assert {t.effect for t in found} == {*"abc"}

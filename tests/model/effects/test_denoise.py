@@ -91,6 +91,8 @@ def test_guess_offers_every_kind_scaled_to_the_noise():
     found = {e.kind: e for e in reversed(every)}
     assert set(found) == {*KINDS} - {"haar"}  # a kind of the other wavelets
     assert {e.spacing for e in every} == {1}
+    patches = [e.range for e in every if e.kind == "nlm"]
+    assert patches[1] == pytest.approx(2.0 * patches[0])  # neighbours tell little of a mean of many
     for kind in ("bilateral", "nlm", "wavelet", "db2"):
         left = left_of(found[kind].filtered, noise_before(found[kind].filtered, 3.0))
         assert left.std() == pytest.approx(3.0, rel=0.1)
