@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -13,13 +14,15 @@ from dnanalyze.fitting.least_squares import State, converge, given, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.start import partly_named
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
+from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.laws import Law
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import EVERYDAY
 
 FAR_GAIN = 4.0  # times the conversion gain that the moments give
 FAR_OFF = 5.0  # loss a number from which what is missing will move all that is fitted here
-NO_WORSE = 0.03  # share of the loss by which a fit may lie higher and be as good
+HARDLY, SPREAD = 0.05, 0.2  # of read noise over the pixels: no derivative tells; tried then
+NO_WORSE = 0.03  # share of the loss by which a fit may lie higher or lower and be as good
 
 
 def everyday(
@@ -44,7 +47,7 @@ def everyday(
     for name in exclude:
         begun = begun.without(name)
     ended = partial(converge, own=True, hopeless=FAR_OFF)
-    full = told_gain(bench, fitted(bench, begun, ended), begun)
+    full = spread_out(bench, told_gain(bench, fitted(bench, begun, ended), begun))
     names = [n for n in EVERYDAY if n not in exclude]
 
     def stage(named: Sequence[str], pedestal: Law) -> State:
@@ -71,6 +74,24 @@ def lacks_everyday(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
     """
     wanted = any(name not in exclude for name in EVERYDAY)
     return wanted and all(model.get(name) is None for name in EVERYDAY)
+
+
+def spread_out(bench: Bench, fitted: State) -> State:
+    """The fit, or one whose read noise differs from pixel to pixel, where that lies lower.
+
+    At no spread at all no derivative tells of any.
+    """
+    read = fitted.model.get("read_noise")
+    if not isinstance(read, ReadNoise) or not isinstance(read.spread, float):
+        return fitted
+    if read.spread > HARDLY:
+        return fitted
+    model = fitted.model.with_effect(replace(read, spread=SPREAD))
+    begun = start(bench, model, fitted.knobs, like=fitted)
+    begun.jacobian[:, [k.name == "read_noise.spread" for k in fitted.knobs]] = np.nan
+    if begun.loss > (1.0 - NO_WORSE) * fitted.loss:
+        return fitted
+    return converge(bench, begun, own=True, hopeless=FAR_OFF)
 
 
 def told_gain(bench: Bench, fitted: State, begun: NoiseModel) -> State:

@@ -17,7 +17,6 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
-SPREAD = 0.1  # of read noise over the pixels: at none at all no derivative tells of any
 SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
 
 
@@ -97,7 +96,6 @@ def ordinary_model(
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
         known["read_noise"](  # type: ignore[call-arg]
             sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01)),
-            spread=SPREAD,
             serial=serial[0],
             serial2=serial[1],
         ),

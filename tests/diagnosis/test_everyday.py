@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.everyday import FAR_OFF, everyday, told_gain
+from dnanalyze.diagnosis.everyday import FAR_OFF, everyday, spread_out, told_gain
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import converge, start
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+from dnanalyze.model.simulate import simulate
 
 
 def of_dark(dark_e_s):
@@ -98,3 +103,22 @@ def test_at_rest_the_derivatives_of_the_part_will_do(monkeypatch):
     monkeypatch.setattr("dnanalyze.diagnosis.everyday.converge", settled)
     everyday(on, of_paper(on), (), lambda *_: None)
     assert trusted == [True]
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.4])
+def test_a_spread_of_read_noise_is_tried_where_none_was_fitted(spread):
+    """At none at all no derivative tells of any; where there is none the fit stays as it is."""
+    points = [OperatingPoint(t, 0.1) for t in (25.0, 45.0)]
+    names = ("convolved_lognormal", "dark_shot_noise", "read_noise", "pixel_fpn", "quantization")
+    plain = NoiseModel(tuple(built_in()[n]() for n in names), 64.0, points[0], seed=4)
+    sensor = plain.with_effect(ReadNoise(4.0, spread))
+    on = bench(design(simulate(sensor, (128, 128), [(p, 8) for p in points])))
+    without = plain.with_effect(ReadNoise(4.0 * np.exp(spread**2), 0.0))  # as noisy on average
+    state = start(on, without, knobs_of(without))
+    found = spread_out(on, state)
+    if not spread:
+        assert found is state
+    else:
+        assert found.loss < state.loss
+        # 8 frames of 8,192 pixels: the log of a variance is told to .5 a pixel
+        assert found.model.get("read_noise").spread == pytest.approx(spread, abs=0.04)

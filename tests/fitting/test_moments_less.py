@@ -51,8 +51,3 @@ def test_of_what_adds_more_than_there_is_something_stays():
 def test_an_effect_that_does_not_tell_leaves_them_as_they_are():
     found, _ = exact()
     assert less(found, HotPixels()) is found
-
-
-def test_read_noise_begins_with_a_spread_over_the_pixels():
-    """At none at all no derivative tells of any."""
-    assert ordinary_model(exact()[0]).get("read_noise").spread > 0.05

@@ -225,10 +225,10 @@ class Denoise(Effect):
         shapes = [cls(space=s, kind=k) for k, s in _BY_SIZE]
         sized = [_with_range(s, noise, alike, spacing) for s in shapes]
         # like patches lie anywhere: a mean of many leaves neighbours no more alike than one of few
-        far = [replace(s, range=bounded(cls, "range", 2.0 * s.range)) for s in sized]
+        wider = [replace(s, range=bounded(cls, "range", 2.0 * s.range)) for s in sized]
         return [
             *sized,
-            *(f for f in far if f.kind == "nlm"),
+            *(e for e in wider if e.kind == "nlm"),
             cls(1.0, wide_range, wide, "bilateral", spacing),
             cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
             cls(space=_space(lag1), kind="gaussian", spacing=spacing),
