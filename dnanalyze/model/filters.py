@@ -14,7 +14,8 @@ from dnanalyze.model.kernels import exp
 
 WAVELET_LEVELS = 3
 HAAR = (2**-0.5, 2**-0.5)
-DB2 = tuple((c + s * 3**0.5) / 32**0.5 for c, s in ((1, 1), (3, 1), (3, -1), (1, -1)))
+ROOT = 3**0.5
+DB2 = (1 + ROOT) / 32**0.5, (3 + ROOT) / 32**0.5, (3 - ROOT) / 32**0.5, (1 - ROOT) / 32**0.5
 
 
 Corner = tuple[int, int]

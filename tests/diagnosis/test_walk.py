@@ -20,14 +20,14 @@ from dnanalyze.model.registry import BASE
 def test_before_it_gives_up_on_a_poor_model_it_asks_once_more_with_true_derivatives(
     ordinary, known, monkeypatch, poor
 ):
-    asked, real = [], module.trials
+    asked, real = [], module.ranked
 
     def blind(held, state, *more):
         """Sees nothing at first."""
         asked.append(state)
         return real(held, state, *more) if len(asked) > 1 else []
 
-    monkeypatch.setattr(module, "trials", blind)
+    monkeypatch.setattr(module, "ranked", blind)
     monkeypatch.setattr(module, "POOR", 1.0 if poor else 1e3)
     begun = Path(ordinary.state, (Step(None, error_of(ordinary.bench, ordinary.state)),))
     found = Walk(ordinary.bench, known).to_end(begun)
@@ -95,7 +95,7 @@ def test_an_exchange_is_told_as_a_removal_and_an_addition(ordinary, completed_at
     found = module.Trial("row_fpn", state, 90.0, 90.0, 1.0)
     answers = iter([Exchange("row_noise", ordinary.state, found), None])
     monkeypatch.setattr(module, "POOR", 0.1)
-    monkeypatch.setattr(module, "trials", lambda *_: [])
+    monkeypatch.setattr(module, "ranked", lambda *_: [])
     monkeypatch.setattr(module, "exchange", lambda *_: next(answers))
     begun = Path(state, (Step(None, 2.0),))
     ended = walk.to_end(begun)
