@@ -170,13 +170,13 @@ def ranked(
     if not close or tried[0].spread > 1.0:
         return tried
     leader, left = tried[0], adequacy(held, tried[0].state, FEW).left
-    for other in tried[1:]:
-        if left and other.effect in close and mends(held, left[:1], leader.state, other.state):
-            less = leader.standing - other.standing + CERTAIN
-            gain, fitted = leader.gain - less, leader.fitted_gain - less
-            refuted = replace(leader, gain=gain, fitted_gain=fitted)
-            return sorted([refuted, *tried[1:]], key=lambda t: -t.standing)
-    return tried
+    near = (t for t in tried[1:] if left and t.effect in close)
+    mender = next((t for t in near if mends(held, left[:1], leader.state, t.state)), None)
+    if mender is None:
+        return tried
+    less = leader.standing - mender.standing + CERTAIN
+    refuted = replace(leader, gain=leader.gain - less, fitted_gain=leader.fitted_gain - less)
+    return sorted([refuted, *tried[1:]], key=lambda t: -t.standing)
 
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:

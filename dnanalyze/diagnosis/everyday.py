@@ -82,7 +82,7 @@ def spread_out(bench: Bench, fitted: State) -> State:
     At no spread at all no derivative tells of any.
     """
     read = fitted.model.get("read_noise")
-    if not isinstance(read, ReadNoise) or not isinstance(read.spread, float):
+    if not (isinstance(read, ReadNoise) and isinstance(read.spread, float)):
         return fitted
     if read.spread > HARDLY:
         return fitted

@@ -19,7 +19,8 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
     q) - 1)): its log power is a smooth function of f, and 2 lambda (cos(2 pi f q) - 1), a ripple
     whose period tells q and whose height lambda, however few peaks can be counted (the cepstrum;
     Bogert, Healy, Tukey, 1963). Few steps in many pixels make none that stands out; of
-    many in each, the power between the ripples is lost in chance.
+    many in each, the power between the ripples is lost in chance. A core as steep at its lower end
+    as a step, a log-normal wider than .5 with next to no noise, has a ripple too, of some .1.
 
     Parameters
     ----------

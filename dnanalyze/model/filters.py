@@ -12,13 +12,7 @@ from numba import njit
 
 from dnanalyze.model.kernels import exp
 
-WAVELET_LEVELS = 3
-HAAR = (2**-0.5, 2**-0.5)
-ROOT = 3**0.5
-DB2 = (1 + ROOT) / 32**0.5, (3 + ROOT) / 32**0.5, (3 - ROOT) / 32**0.5, (1 - ROOT) / 32**0.5
-
-
-Corner = tuple[int, int]
+Corner = tuple[int, int]  # row and column
 
 
 def planewise(
@@ -210,7 +204,7 @@ def neighbour_centre(image: np.ndarray, replacement: int) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def _with_margin(image: np.ndarray, margin: int) -> np.ndarray:
+def with_margin(image: np.ndarray, margin: int) -> np.ndarray:
     """The frame with as many pixels mirrored around it."""
     rows, columns = image.shape
     padded = np.empty((rows + 2 * margin, columns + 2 * margin), np.float32)
@@ -226,18 +220,20 @@ def _with_margin(image: np.ndarray, margin: int) -> np.ndarray:
 
 # Loops without branches, to fill whole vectors
 @njit(cache=True, nogil=True, inline="always")
-def _smaller(a: float, b: float) -> float:
+def smaller(a: float, b: float) -> float:
+    """The smaller of two."""
     return a if a < b else b
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _larger(a: float, b: float) -> float:
+def larger(a: float, b: float) -> float:
+    """The larger of two."""
     return a if a > b else b
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _middle(a: float, b: float, c: float) -> float:
-    return _larger(_smaller(a, b), _smaller(_larger(a, b), c))
+    return larger(smaller(a, b), smaller(larger(a, b), c))
 
 
 @njit(cache=True, nogil=True)
@@ -248,21 +244,21 @@ def median3(image: np.ndarray) -> np.ndarray:
     middle one of the middle ones, and the smallest of the largest.
     """
     rows, columns = image.shape
-    y = _with_margin(image, 1)
+    y = with_margin(image, 1)
     result = np.empty_like(image)
     low, mid = np.empty(columns + 2, np.float32), np.empty(columns + 2, np.float32)
     high = np.empty(columns + 2, np.float32)
     for r in range(rows):
         up, here, down = y[r], y[r + 1], y[r + 2]
         for c in range(columns + 2):
-            low[c] = _smaller(_smaller(up[c], here[c]), down[c])
+            low[c] = smaller(smaller(up[c], here[c]), down[c])
             mid[c] = _middle(up[c], here[c], down[c])
-            high[c] = _larger(_larger(up[c], here[c]), down[c])
+            high[c] = larger(larger(up[c], here[c]), down[c])
         for c in range(columns):
             result[r, c] = _middle(
-                _larger(_larger(low[c], low[c + 1]), low[c + 2]),
+                larger(larger(low[c], low[c + 1]), low[c + 2]),
                 _middle(mid[c], mid[c + 1], mid[c + 2]),
-                _smaller(_smaller(high[c], high[c + 1]), high[c + 2]),
+                smaller(smaller(high[c], high[c + 1]), high[c + 2]),
             )
     return result
 
@@ -284,7 +280,7 @@ def bilateral(image: np.ndarray, range_dn: float, space: float, radius: int) -> 
         Half width of the window, pixels.
     """
     rows, columns = image.shape
-    y = _with_margin(image, radius)
+    y = with_margin(image, radius)
     result = np.empty_like(image)
     like = np.float32(-0.5 / (range_dn * range_dn))
     total, weight = np.empty(columns, np.float32), np.empty(columns, np.float32)
@@ -320,169 +316,6 @@ def gaussian(image: np.ndarray, sigma: float, radius: int) -> np.ndarray:
     return correlate1d(once, kernel, axis=1, mode="mirror", output=np.float32)
 
 
-def wavelet(image: np.ndarray, threshold: float, levels: int = WAVELET_LEVELS) -> np.ndarray:
-    """Soft shrinkage of Haar coefficients, averaged over all shifts of the grid.
-
-    The mean over shifts of the orthonormal transform is the undecimated transform
-    (Coifman and Donoho, Translation-invariant de-noising, 1995).
-
-    Parameters
-    ----------
-    image : ndarray, shape (rows, columns), float32
-    threshold : float
-        DN, on the orthonormal scale, where white noise of s DN has coefficients of s DN.
-    levels : int
-        Scales, each twice the one before.
-    """
-    margin = 2**levels - 1
-    return _shrink(_with_margin(image, margin), threshold, 0, levels)[
-        margin:-margin, margin:-margin
-    ]
-
-
-def _shrink(smooth: np.ndarray, threshold: float, level: int, levels: int) -> np.ndarray:
-    if level == levels:
-        return smooth
-    step = 2**level
-    bands = _quads(smooth, step, threshold / 2 ** (level + 1))
-    bands[0] = _shrink(bands[0], threshold, level + 1, levels)
-    return _mean_of_quads(bands, step)
-
-
-@njit(cache=True, nogil=True)
-def _quads(a: np.ndarray, step: int, limit: float) -> np.ndarray:
-    """Mean of every four pixels so far apart, and their differences drawn towards 0 by a limit.
-
-    Around the end. Coefficients shrink by 2 a level against the orthonormal scale.
-    """
-    rows, columns = a.shape
-    bands = np.empty((4, rows, columns), np.float32)
-    for r in range(rows):
-        here, below = a[r], a[(r + step) % rows]
-        for part in range(2):
-            first, last = (0, columns - step) if part == 0 else (columns - step, columns)
-            far = step - part * columns
-            for c in range(first, last):
-                upper, lower = here[c] + here[c + far], below[c] + below[c + far]
-                left, right = here[c] - here[c + far], below[c] - below[c + far]
-                bands[0, r, c] = np.float32(0.25) * (upper + lower)
-                bands[1, r, c] = _drawn(np.float32(0.25) * (left + right), limit)
-                bands[2, r, c] = _drawn(np.float32(0.25) * (upper - lower), limit)
-                bands[3, r, c] = _drawn(np.float32(0.25) * (left - right), limit)
-    return bands
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _drawn(x: float, limit: float) -> float:
-    """Drawn towards 0 by a limit, and not beyond it."""
-    return x - _larger(_smaller(x, limit), -limit)
-
-
-@njit(cache=True, nogil=True)
-def _mean_of_quads(bands: np.ndarray, step: int) -> np.ndarray:
-    """Every pixel as the mean of what the four quads say that it is a part of."""
-    _, rows, columns = bands.shape
-    result = np.empty((rows, columns), np.float32)
-    for r in range(rows):
-        here, above = bands[:, r], bands[:, (r - step) % rows]
-        for part in range(2):
-            first, last = (step, columns) if part == 0 else (0, step)
-            back = part * columns - step
-            for c in range(first, last):
-                b = c + back
-                as_upper = (
-                    here[0, c] + here[1, c] + here[2, c] + here[3, c]
-                    + here[0, b] - here[1, b] + here[2, b] - here[3, b]
-                )  # fmt: skip
-                as_lower = (
-                    above[0, c] + above[1, c] - above[2, c] - above[3, c]
-                    + above[0, b] - above[1, b] - above[2, b] + above[3, b]
-                )  # fmt: skip
-                result[r, c] = np.float32(0.25) * (as_upper + as_lower)
-    return result
-
-
-def wavelet_on_grid(
-    image: np.ndarray,
-    threshold: float,
-    basis: tuple[float, ...],
-    corner: Corner = (0, 0),
-    levels: int = WAVELET_LEVELS,
-) -> np.ndarray:
-    """Soft shrinkage of the coefficients of an orthonormal wavelet, decimated: on one grid.
-
-    It leaves a lattice of 2, 4 ... 2^levels pixels (Mallat, IEEE PAMI 11, 674, 1989).
-
-    Parameters
-    ----------
-    image : ndarray, shape (rows, columns), float32
-    threshold : float
-        DN, on the orthonormal scale, where white noise of s DN has coefficients of s DN.
-    basis : tuple of float
-        Taps of the low pass: ``HAAR``, ``DB2``.
-    corner : (int, int)
-        Row and column of the frame at which the image begins; the grid begins with the frame.
-    levels : int
-        Scales, each twice the one before.
-    """
-    block = 2**levels
-    far = -(-grid_reach(basis, levels) // block) * block
-    pads = [
-        (far + at % block, far + -(at + n) % block)
-        for at, n in zip(corner, image.shape, strict=True)
-    ]
-    low = np.array(basis, np.float32)
-    high = low[::-1] * np.resize(np.array([1, -1], np.float32), low.size)
-    kept = _shrink_on_grid(np.pad(image, pads, "reflect"), np.float32(threshold), low, high, levels)
-    inside = [slice(a, a + n) for (a, _), n in zip(pads, image.shape, strict=True)]
-    return kept[tuple(inside)]
-
-
-def grid_reach(basis: tuple[float, ...], levels: int = WAVELET_LEVELS) -> int:
-    """Pixels around one that the coefficients which it belongs to look at."""
-    return (len(basis) - 1) * (2**levels - 1)
-
-
-def _shrink_on_grid(
-    image: np.ndarray, threshold: np.float32, low: np.ndarray, high: np.ndarray, levels: int
-) -> np.ndarray:
-    if levels == 0:
-        return image
-    rows = [_coefficients(image, taps, 0) for taps in (low, high)]
-    smooth, *details = (_coefficients(part, taps, 1) for part in rows for taps in (low, high))
-    smooth = _shrink_on_grid(smooth, threshold, low, high, levels - 1)
-    across, down, both = (_soft(d, threshold) for d in details)
-    upper = _signal(smooth, across, low, high, 1)
-    return _signal(upper, _signal(down, both, low, high, 1), low, high, 0)
-
-
-def _coefficients(a: np.ndarray, taps: np.ndarray, axis: int) -> np.ndarray:
-    """Every second value of the correlation with the taps, around the end."""
-    a = np.moveaxis(a, axis, 0)
-    longer = np.concatenate([a, a[: len(taps) - 2]])
-    found = sum(t * longer[k : k + len(a) : 2] for k, t in enumerate(taps))
-    return np.moveaxis(np.asarray(found), 0, axis)
-
-
-def _signal(
-    smooth: np.ndarray, detail: np.ndarray, low: np.ndarray, high: np.ndarray, axis: int
-) -> np.ndarray:
-    """What has these coefficients: the transpose of `_coefficients` of both, and its inverse."""
-    parts = [np.moveaxis(p, axis, 0) for p in (smooth, detail)]
-    length, beyond = 2 * len(parts[0]), len(low) - 2
-    longer = np.zeros((length + beyond, parts[0].shape[1]), np.float32)
-    for part, taps in zip(parts, (low, high), strict=True):
-        for k, t in enumerate(taps):
-            longer[k : k + length : 2] += t * part
-    longer[:beyond] += longer[length:]
-    return np.moveaxis(longer[:length], 0, axis)
-
-
-def _soft(values: np.ndarray, threshold: np.float32) -> np.ndarray:
-    """Values drawn towards 0 by the threshold, and not beyond it."""
-    return values - np.clip(values, -threshold, threshold)
-
-
 @njit(cache=True, nogil=True)
 def _add(w: np.ndarray, values: np.ndarray, total: np.ndarray, weight: np.ndarray, n: int) -> None:
     """The first ``n`` values with their weights."""
@@ -512,7 +345,7 @@ def nonlocal_means(
     """
     rows, columns = image.shape
     margin = patch + distance
-    padded = _with_margin(image, margin)
+    padded = with_margin(image, margin)
     size = (2 * patch + 1) ** 2
     scale = np.float32(-1.0 / (size * h * h))
     free = np.float32(2.0 * sigma * sigma * size)

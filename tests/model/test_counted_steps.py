@@ -30,12 +30,13 @@ def test_the_ripple_tells_spacing_and_number(number, core):
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.5), st.floats(0.5, 3.0))
+@given(st.integers(0, 2**32 - 1), st.floats(0.05, 1.3), st.floats(0.0, 3.0))
 def test_a_smooth_law_has_none(seed, spread, noise):
-    """Of a log-normal as steep as a step at its lower end, without noise, a faint one is told."""
+    """Or a faint one, where its lower end is as steep as a step."""
     rng = np.random.default_rng(seed)
     y = 5.0 * rng.lognormal(0.0, spread, PIXELS) + noise * rng.standard_normal(PIXELS)
-    assert counted_steps(*histogram(y)) is None
+    found = counted_steps(*histogram(y))
+    assert found is None or (spread > 0.5 and found[1] < 0.15)
 
 
 @pytest.mark.parametrize("counts", [np.zeros(64), np.eye(64)[30], np.ones(2)])

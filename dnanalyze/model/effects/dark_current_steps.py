@@ -76,8 +76,7 @@ class DarkCurrentSteps(Effect):
 
     def _map(self, site: Site) -> np.ndarray:
         lam = self.value("mean_number", site.point)
-        step = self.value("step", site.point) * site.thermal(self.value("ea_ev", site.point))
-        step *= site.exposure_ratio * site.gain_ratio
+        step = self._step_at(site.point, site.reference)
         # u is the probability of a larger number: it is finest near 0, where the tail is
         tail = pdtrc(np.arange(int(lam + 12 * np.sqrt(lam) + 24)), lam).astype(np.float32)
         number = tail.size - np.searchsorted(tail[::-1], site.fixed_uniform(), side="right")
@@ -107,12 +106,15 @@ class DarkCurrentSteps(Effect):
 
     def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float]:
         """lambda q and lambda q^2."""
-        number, origin = self.value("mean_number", point), reference.temperature_c
-        step = self.value("step", point) * point.exposure_over(reference)
+        number, step = self.value("mean_number", point), self._step_at(point, reference)
+        return number * step, number * step**2
+
+    def _step_at(self, point: OperatingPoint, reference: OperatingPoint) -> float:
+        """Signal of one atom, DN."""
+        step, origin = self.value("step", point), reference.temperature_c
         if origin is not None:
             step *= arrhenius(point.temperature_c, origin, self.value("ea_ev", point))
-        step *= point.gain_over(reference)
-        return number * step, number * step**2
+        return step * (point.exposure_over(reference) * point.gain_over(reference))
 
     def hot_signal(self, reference: OperatingPoint) -> HotSignal:
         """Of the pixels with an atom or more."""

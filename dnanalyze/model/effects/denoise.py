@@ -69,6 +69,7 @@ class Denoise(Effect):
         "dpc": "touches outliers only: the core of the noise stays white",
         "temporal_denoise": "frames are correlated in time, the frame itself stays white",
     }
+
     strength: float = parameter(1.0, "1", 0.0, 1.0, "share of the filtered frame", "linear")
     range: float = parameter(
         4.0,
@@ -155,16 +156,18 @@ class Denoise(Effect):
 
     def margin(self) -> int:
         """As far as the filter of this kind looks, within its colour."""
-        from dnanalyze.model import filters
+        from dnanalyze.model import wavelets
 
         reaches = {
             "gaussian": _GAUSSIAN_RADIUS,
             "median": 1,
             "bilateral": _BILATERAL_RADIUS,
             "nlm": _NLM_PATCH + _NLM_DISTANCE,
+            "wavelet": wavelets.reach(wavelets.HAAR),
         }
-        basis = filters.DB2 if self.kind == "db2" else filters.HAAR
-        return self.spacing * reaches.get(self.kind, filters.grid_reach(basis))
+        if self.kind in wavelets.BASES:
+            return self.spacing * wavelets.reach(wavelets.BASES[self.kind])
+        return self.spacing * reaches[self.kind]
 
     def _mixed(
         self,
@@ -187,7 +190,7 @@ class Denoise(Effect):
     def _smooth(
         self, plane: np.ndarray, range_dn: float, space: float, corner: tuple[int, int]
     ) -> np.ndarray:
-        from dnanalyze.model import filters
+        from dnanalyze.model import filters, wavelets
 
         if self.kind == "gaussian":
             return filters.gaussian(plane, space, _GAUSSIAN_RADIUS)
@@ -198,9 +201,8 @@ class Denoise(Effect):
         if self.kind == "nlm":
             return filters.nonlocal_means(plane, range_dn, 0.0, _NLM_PATCH, _NLM_DISTANCE)
         if self.kind == "wavelet":
-            return filters.wavelet(plane, range_dn)
-        basis = filters.DB2 if self.kind == "db2" else filters.HAAR
-        return filters.wavelet_on_grid(plane, range_dn, basis, corner)
+            return wavelets.over_all_shifts(plane, range_dn)
+        return wavelets.on_grid(plane, range_dn, wavelets.BASES[self.kind], corner)
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:

@@ -158,7 +158,7 @@ class Dpc(Effect):
         if not (rare or tied or ranks or sparse or cut):
             return []
         noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
-        usual = (rare[0] if rare else 4.0) * noise
+        usual = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
         threshold = bounded(cls, "threshold", _threshold(clues) or usual)
         found: list[Dpc] = []
         if rare or ranks or tied:
@@ -166,7 +166,6 @@ class Dpc(Effect):
             found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
         # the fit without it has made the tail as short as the correction leaves it: then few are
         # missing where it begins
-        usual = bounded(cls, "threshold", usual)
         if rare:
             low = bounded(cls, "threshold", 0.25 * min(threshold, usual))
             found.append(cls(low, kind="multiple"))

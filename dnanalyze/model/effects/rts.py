@@ -17,9 +17,7 @@ from dnanalyze.model.evidence import bounded, curve, shows
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
 ALIKE = 3.0  # times: two fractions nearer than this are one guess
-SLOW = (
-    2.0  # frames: a pixel that hardly changes while the frames are taken shows in the pattern too
-)
+SLOW = 2.0  # frames: a pixel that hardly changes in the series shows in the pattern too
 
 
 @dataclass(frozen=True)
@@ -201,8 +199,8 @@ class Rts(Effect):
         # the noisiest pixels of few frames overstate the step; p E[A^2] o (1 - o) is kept
         shares = {"exponential": (0.35, 2.0), "fixed": (0.6, 1.0)}
         guesses: list[Effect] = []
-        shapes: list[dict[str, Any]] = [{}, {"dwell_frames": SLOW}]
-        shapes.append({"polarity": "centred", "occupancies": "spread"})
+        centred = {"polarity": "centred", "occupancies": "spread"}
+        shapes: list[dict[str, Any]] = [{}, {"dwell_frames": SLOW}, centred]
         for law, shape in itertools.product(shares, shapes):
             share, square = shares[law]
             for fraction, (size, ea, exposure) in itertools.product(fractions, kinds):

@@ -4,7 +4,7 @@ from readout_bench import Given, frames
 from scipy import ndimage
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model import filters
+from dnanalyze.model import filters, wavelets
 from dnanalyze.model.effects.denoise import WIDE, Denoise
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -34,9 +34,9 @@ def test_each_kind_is_its_filter():
         "median": ndimage.median_filter(y, 3, mode="mirror"),
         "bilateral": filters.bilateral(y, 7.0, 0.8, 2),
         "nlm": filters.nonlocal_means(y, 7.0, 0.0, 2, 5),
-        "wavelet": filters.wavelet(y, 7.0),
-        "haar": filters.wavelet_on_grid(y, 7.0, filters.HAAR),
-        "db2": filters.wavelet_on_grid(y, 7.0, filters.DB2),
+        "wavelet": wavelets.over_all_shifts(y, 7.0),
+        "haar": wavelets.on_grid(y, 7.0, wavelets.HAAR),
+        "db2": wavelets.on_grid(y, 7.0, wavelets.DB2),
     }
     for kind in KINDS:
         z = frames(*SENSOR, Denoise(1.0, 7.0, 0.8, kind))[0]
