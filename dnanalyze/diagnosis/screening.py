@@ -169,12 +169,13 @@ def much_left(state: State) -> bool:
 
 
 def _two(made: Sequence[Prospect]) -> list[Prospect]:
-    """The best two, of two guesses where there are several; the rest is another way to one."""
-    ranked = sorted(made, key=lambda p: -p.promise)
-    first = ranked[:1]
-    guess = [p.model.get(p.effect) for p in ranked]
-    others = [p for p, g in zip(ranked[1:], guess[1:], strict=True) if g != guess[0]]
-    return first + (others or ranked[1:])[:1]
+    """The best two, of two guesses where there are several; else of two models with the one."""
+    if not made:
+        return []
+    first, *rest = sorted(made, key=lambda p: -p.promise)
+    rest = [p for p in rest if p.model != first.model]
+    other = [p for p in rest if p.model.get(p.effect) != first.model.get(p.effect)]
+    return [first, *(other or rest)[:1]]
 
 
 def _telling(bench: Bench, state: State) -> list[int]:

@@ -135,7 +135,10 @@ def test_later_guesses_wait_for_what_all_effects_promise(held, state, monkeypatc
 
     def at_guesses(view, guesses):
         tried.extend(guess.name for guess in guesses)
-        return [Prospect(guess.name, state.model, promised[guess.name]) for guess in guesses]
+        return [
+            Prospect(guess.name, state.model.with_effect(guess), promised[guess.name])
+            for guess in guesses
+        ]
 
     monkeypatch.setattr(screening, "_at_guesses", at_guesses)
     seen = prospects(held, state, {name: many(name) for name in promised})
@@ -274,5 +277,6 @@ def test_two_guesses_of_an_effect_are_kept_before_two_ways_to_one(state):
     straight, bent, other = seen(1.0, 9.0), seen(1.0, 8.0, seed=1), seen(2.0, 7.0)
     assert _two([other, bent, straight]) == [straight, other]
     assert _two([bent, straight]) == [straight, bent]
+    assert _two([seen(1.0, 8.5), straight]) == [straight]  # seen at other settings too
     assert _two([other]) == [other]
     assert _two([]) == []
