@@ -8,7 +8,7 @@ noise leaves the fit may have moved the level too, which the means of the frames
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -41,10 +41,7 @@ def along_bend(bench: Bench, state: State, name: str) -> State | None:
     State or None
         None where the effect bends nothing.
     """
-    others = _other_strengths(state.model, name, least_noise(bench))
-    begun = [start(bench, model, knobs_of(model)) for model in others]
-    best = min(begun, key=lambda s: s.loss, default=None)
-    return None if best is None else converge(bench, best)
+    return _best(bench, _other_strengths(state.model, name, least_noise(bench)))
 
 
 def begun_again(bench: Bench, state: State, name: str) -> State | None:
@@ -57,25 +54,53 @@ def begun_again(bench: Bench, state: State, name: str) -> State | None:
     effect, noise = state.model.get(name), least_noise(bench)
     if effect is None or unbent(state.model, effect, noise) is None:
         return None
-    begun = ordinary_start(bench)
-    level = relevelled(state.model, unbent(begun, effect, noise) or begun) or state.model
-    model = _turned(level, lambda k, x: _guessed(x, k, level, effect, noise)) or level
-    return converge(bench, start(bench, model, knobs_of(model)))
+    return _best(bench, [_afresh(bench, state.model, effect, noise)])
+
+
+def begun_elsewhere(bench: Bench, state: State, name: str) -> State | None:
+    """The effect at the best of its strengths that no bend leads to, begun again as `begun_again`.
+
+    Parameters and what is returned are those of `along_bend`.
+    """
+    effect, noise = state.model.get(name), least_noise(bench)
+    if effect is None or unbent(state.model, effect, noise) is None:
+        return None
+    others = [o for o in _strengths(effect) if unbent(state.model, o, noise, effect) is None]
+    return _best(bench, [_afresh(bench, state.model, other, noise) for other in others])
+
+
+def _afresh(bench: Bench, model: NoiseModel, effect: Effect, noise: float) -> NoiseModel:
+    begun, model = ordinary_start(bench), model.with_effect(effect)
+    level = relevelled(model, unbent(begun, effect, noise) or begun) or model
+    return _turned(level, lambda k, x: _guessed(x, k, level, effect, noise)) or level
+
+
+def _best(bench: Bench, models: Iterable[NoiseModel]) -> State | None:
+    """The one that begins best, at its end; None of none."""
+    begun = [start(bench, model, knobs_of(model)) for model in models]
+    best = min(begun, key=lambda s: s.loss, default=None)
+    return None if best is None else converge(bench, best)
 
 
 def _other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
     effect = model.get(name)
-    if effect is None:
-        return
+    for other in _strengths(effect) if effect is not None else ():
+        rest = unbent(model, other, noise, effect)
+        if rest is not None:
+            yield rest.with_effect(other)
+
+
+def _strengths(effect: Effect) -> Iterator[Effect]:
+    """The effect with each of its numbers at other values."""
     for parameter, info in effect.parameters().items():
         value = getattr(effect, parameter)
-        if info.scale in ("choice", "held") or not isinstance(value, (int, float)):
+        free = info.scale not in ("choice", "held") and parameter not in effect.idle()
+        if not (free and isinstance(value, (int, float))):
             continue
         for factor in FACTORS:
-            other = replace(effect, **{parameter: min(max(value * factor, info.lower), info.upper)})
-            rest = unbent(model, other, noise, effect)
-            if rest is not None:
-                yield rest.with_effect(other)
+            other = min(max(value * factor, info.lower), info.upper)
+            if other != value:
+                yield replace(effect, **{parameter: other})
 
 
 def least_noise(bench: Bench) -> float:

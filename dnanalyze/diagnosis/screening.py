@@ -20,7 +20,7 @@ from dnanalyze.model.evidence import SIGN
 from dnanalyze.model.noise_model import NoiseModel
 
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times
-FIRST = 4  # guesses of an effect that are simulated; the rest only where one of these promises
+FIRST = 6  # guesses of an effect that are simulated; the rest only where one of these promises
 HOPEFUL = 0.1  # share of the best promise of all from which the rest may come to something
 FAINT = 60.0  # best promise below which other settings may show what these do not
 PLAIN = 1.2  # loss a number from which much is missing

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.background import along_background
-from dnanalyze.diagnosis.bend import along_bend, begun_again
+from dnanalyze.diagnosis.bend import along_bend, begun_again, begun_elsewhere
 from dnanalyze.diagnosis.confidence import confidences, rivals, significant
 from dnanalyze.diagnosis.diagnose import missing, ranked, retold
 from dnanalyze.diagnosis.evidence import evidence_for
@@ -131,7 +131,8 @@ def completed(held: Bench, state: State, name: str) -> State:
     """
     if error_of(held, state) > POOR:
         state = converge(held, state)  # the others are at their ends when they are compared with it
-    for other in (begun_again, along_bend):  # of a wrong strength the wrong kind may be the better
+    # of a wrong strength the wrong kind may be the better
+    for other in (begun_again, along_bend, begun_elsewhere):
         if error_of(held, state) > POOR:
             state = preferred(state, other(held, state, name) or state)
     state = converge(held, settled(held, state, name, relatives=False))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from dnanalyze.diagnosis.bend import (
     _other_strengths,
     along_bend,
     begun_again,
+    begun_elsewhere,
     least_noise,
     relevelled,
     unbent,
@@ -135,13 +137,36 @@ def test_what_bends_nothing_is_not_begun_again(held):
     assert begun_again(held, start(held, model, []), "pixel_fpn") is None
 
 
+def test_where_no_bend_leads_to_other_strengths_it_is_begun_again_at_the_best(held, monkeypatch):
+    """Of a filter that looks at the noise: its noise is guessed at each strength."""
+    monkeypatch.setattr(bend, "converge", lambda _, there: there)
+    tried = []
+
+    def begin(bench, model, knobs):
+        effect = model.get("denoise")
+        tried.append(effect)
+        far = abs(effect.range - 1.2 * 0.65) + abs(effect.strength - 0.6)
+        return SimpleNamespace(model=model, loss=far)
+
+    monkeypatch.setattr(bend, "start", begin)
+    filtered = Denoise(range=1.2, strength=0.6, kind="nlm")
+    model = _model(SIGMA, None, 2).with_effect(ReadNoise(SIGMA, spread=0.3)).with_effect(filtered)
+    found = begun_elsewhere(held, SimpleNamespace(model=model), "denoise")
+    assert found.model.get("denoise") == replace(filtered, range=1.2 * 0.65)
+    assert found.model.get("read_noise").spread == 0.0
+    assert {e.space for e in tried} == {filtered.space}  # idle in this kind
+    assert filtered not in tried
+    assert begun_elsewhere(held, SimpleNamespace(model=model), "pixel_fpn") is None
+
+
 def test_a_poor_refit_is_begun_again_before_its_other_kinds_are_asked(held, monkeypatch):
     poor = start(held, _model(SIGMA, 0.25, 2), [])
     right = start(held, _model(SIGMA, SHARE, 2), [])
     asked, seen = [], []
     monkeypatch.setattr(walk, "converge", lambda _, there: there)
     monkeypatch.setattr(walk, "begun_again", lambda _, there, __: asked.append(there) or right)
-    monkeypatch.setattr(walk, "along_bend", lambda *_: None)
+    for later in ("along_bend", "begun_elsewhere"):
+        monkeypatch.setattr(walk, later, lambda *_: None)
     monkeypatch.setattr(walk, "settled", lambda _, there, *__, **___: seen.append(there) or there)
     for begun in (poor, right):
         assert walk.completed(held, begun, "temporal_denoise") is right

@@ -15,6 +15,7 @@ from dnanalyze.model.evidence import bounded, excess, shows, strongest, typical_
 _CALIBRATION_FRAMES = 2
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
 FAR = 3.0  # times the usual threshold from which that is looked at too
+_LEAST = 1.0, 2.0  # noise: net signal that a multiple of the median may be taken of
 _ENOUGH = 5.0  # pixels that should stand out
 _TAIL = (  # quantiles of the pattern, and the share of the pixels above them
     ("pattern_q0.9", 0.1), ("pattern_q0.99", 0.01), ("pattern_q0.999", 1e-3),
@@ -161,23 +162,25 @@ class Dpc(Effect):
         usual = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
         threshold = bounded(cls, "threshold", _threshold(clues) or usual)
         found: list[Dpc] = []
-        if rare or ranks or tied:
+        standing = bool(rare or ranks or tied)
+        if standing:
             found.append(cls(threshold, kind="excess"))
-            found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
+            found.append(cls(min(threshold, usual), kind="median"))
         # the fit without it has made the tail as short as the correction leaves it: then few are
         # missing where it begins
+        low, high = (bounded(cls, "threshold", k * noise) for k in _LEAST)
         if rare:
-            low = bounded(cls, "threshold", 0.25 * min(threshold, usual))
-            found.append(cls(low, kind="multiple"))
-        if (rare or ranks or tied) and threshold > FAR * usual:
-            found.append(cls(usual, kind="excess"))
+            found += [cls(high, kind="multiple"), cls(low, kind="multiple")]
+        if standing:
+            found.append(cls(bounded(cls, "threshold", 0.2 * noise), kind="clamp"))
         if sparse or cut:
             found.append(cls(kind="static"))
+        if standing and threshold > FAR * usual:
+            found.append(cls(usual, kind="excess"))
         if rare:
             found.append(cls(low, kind="ratio"))
-        if rare or ranks or tied:
+        if standing:
             found.append(cls(threshold, kind="excess", sides="both"))
-            found.append(cls(min(threshold, usual), kind="median"))
             found.append(cls(threshold, kind="clamp"))
         # idle in most kinds, but at hand should it turn out to be another
         share, warmer = bounded(cls, "fraction", _listed(clues)), _hottest(clues)
