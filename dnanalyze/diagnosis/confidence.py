@@ -13,6 +13,7 @@ from dnanalyze.diagnosis.trial import Trial
 # misfit that is left. Where nothing, or nothing more, was missing in 60 virtual sensors, 19
 # candidates were refitted: their lesser half gained 10 at the most, the mean of both 28.
 NOTHING = 25.0
+WITNESS = 20.0  # gain of the lesser half, twice what chance reached there
 CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
 # The few defects or tracks of a half may be more or fewer than their density says: where the
 # evidence is certain the error may rise by what it scatters over simulated sensors of one make (.06
@@ -57,11 +58,12 @@ def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
     "nothing is missing" less than one chance in ten (``least``); either half must give its part of
     it, and the pooled error of the unseen half must fall. Chance reaches farther in proportion to
     the misfit that is left (`Trial.spread`): a useless effect bends with it. Where none is left
-    there is chance alone, not alike in both halves: two witnesses, each beyond it, are enough.
+    there is chance alone, not alike in both halves: two witnesses, each beyond it, are enough to
+    make the effect likelier than nothing.
     """
     lesser = min(found.gain, found.fitted_gain) / found.spread
     enough = found.evidence > max(NOTHING, least) * found.spread
-    witnesses = found.spread == 1.0 and lesser > NOTHING
+    witnesses = found.spread == 1.0 and lesser > WITNESS and found.evidence > NOTHING
     return (enough or witnesses) and lesser > NOTHING / 4 and lowers(found, error)
 
 

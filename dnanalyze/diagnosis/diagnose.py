@@ -217,10 +217,10 @@ def _on_average(held: Bench, state: State, leader: Trial) -> Trial | None:
 
 
 def _fitted_alike(held: Bench, state: State, found: Trial) -> tuple[State, Trial]:
-    """An effect of little evidence, and the model without it, fitted as well as with it.
+    """An effect of little evidence, and the model without it, one fitted as well as the other.
 
     The refit had derivatives that the model without may have lacked: its last steps are not the
-    effect's.
+    effect's. Where the model without comes lower by its own, so may the one with it.
     """
     little = found.evidence < UNDONE * found.spread
     if not (little and significant(found, error_of(held, state), least=0.0)):
@@ -228,7 +228,8 @@ def _fitted_alike(held: Bench, state: State, found: Trial) -> tuple[State, Trial
     without = minimise(held, derive(held, state, anew=True), STEPS)
     if not without.loss < state.loss:
         return state, found
-    return without, replace(judged(held, without, found.effect, found.state), others=found.others)
+    within = minimise(held, derive(held, found.state, anew=True), STEPS)
+    return without, replace(judged(held, without, found.effect, within), others=found.others)
 
 
 def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:

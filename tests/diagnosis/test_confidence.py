@@ -98,9 +98,10 @@ def test_a_near_rival_is_named():
     ("gain", "fitted", "enough"),
     [
         (40.0, 90.0, True),
-        (24.0, 62.0, False),  # one chance in four that nothing is missing
-        (26.0, 60.0, True),  # less, by two witnesses
-        (60.0, 26.0, True),
+        (19.0, 67.0, False),  # one chance in four that nothing is missing
+        (21.0, 65.0, True),  # as little, by two witnesses
+        (65.0, 21.0, True),
+        (24.0, 24.0, False),  # nothing is likelier
         (55.0, 0.0, False),
         (2.0, 300.0, False),
         (14.0, 14.0, False),
@@ -283,6 +284,21 @@ def test_how_little_evidence_is_goes_by_what_is_left(asked):
     found = made("a", 150.0, 0.9, 2.0)  # 75 times the misfit left
     assert diagnose.missing(None, found.state, [found]).evidence == 150.0
     assert len(fits) == 1
+
+
+def test_the_model_with_it_goes_on_where_that_without_did(asked):
+    found, fits = made("a", 100.0, 0.9), []
+    begun, lower, on = SimpleNamespace(loss=5.0), SimpleNamespace(loss=4.0), SimpleNamespace()
+    asked.setattr(diagnose, "derive", lambda _, state, anew: state)
+    asked.setattr(
+        diagnose, "minimise", lambda _, s, steps: fits.append(s) or (lower if s is begun else on)
+    )
+    asked.setattr(
+        diagnose, "judged",
+        lambda _, before, __, after: made("a", 90.0 * (before is lower and after is on), 0.9),
+    )  # fmt: skip
+    assert diagnose.missing(None, begun, [found]).evidence == 90.0
+    assert fits == [begun, found.state]
 
 
 def test_what_is_judged_on_average_is_fitted_on_average_first(asked):

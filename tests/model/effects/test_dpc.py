@@ -131,10 +131,18 @@ def test_a_multiple_of_the_median_is_looked_at_low_and_first():
         seen={"temporal_noise_core": 2.0, "median": 66.0},
         off={"excess_4": -4.0, "excess_8": -6.0, "hot_count_16": -7.0},
     )
-    found = [e.kind for e in Dpc.guess(clues)[:FIRST]]
-    assert "multiple" in found
-    lowest = min(Dpc.guess(clues), key=lambda e: e.threshold if e.kind == "multiple" else 1e9)
-    assert lowest.threshold <= 2.0 * 2.0  # above black, of net signal: what noise reaches
+    found = [e.threshold for e in Dpc.guess(clues)[:FIRST] if e.kind == "multiple"]
+    assert found == [4.0, 2.0]  # above black, of net signal: what noise reaches
+
+
+def test_every_rule_is_among_the_first_guesses():
+    """Which of them it is no count tells: one may promise all of it and another nothing."""
+    clues = Given(
+        seen={"temporal_noise_core": 2.0, "median": 66.0},
+        off={"excess_4": -4.0, "excess_8": -6.0, "hot_count_16": -7.0},
+    )
+    found = {e.kind for e in Dpc.guess(clues)[:FIRST]}
+    assert found == {"excess", "median", "multiple", "clamp", "static"}
 
 
 def test_where_nothing_is_missing_up_to_far_out_the_usual_threshold_is_tried_too():
