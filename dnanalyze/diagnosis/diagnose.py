@@ -12,6 +12,7 @@ from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     STANDS_IN,
+    confidence_of_first,
     confidences,
     lowers,
     rivals,
@@ -278,6 +279,8 @@ def judge(
     best = missing(held, state, tried)
     tried = retold(tried, best)
     chances = confidences(tried, error)
+    if tried:
+        chances[0] = confidence_of_first(tried, error)
     seen = [
         (t, chance)
         for t, chance in zip(tried, chances, strict=False)

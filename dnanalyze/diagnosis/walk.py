@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.background import along_background
 from dnanalyze.diagnosis.bend import along_bend, begun_again, begun_elsewhere
-from dnanalyze.diagnosis.confidence import confidences, rivals, significant
+from dnanalyze.diagnosis.confidence import confidence_of_first, rivals, significant
 from dnanalyze.diagnosis.diagnose import missing, ranked, retold
 from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import exchange
@@ -87,7 +87,7 @@ class Walk:
             if best is None or self._full(len(added) - len(gone)):
                 return path
             path = self._without(_forked(path, best, among, error), state, gone)
-            path, fresh = self.add(path, best, float(confidences(among, error)[0])), False
+            path, fresh = self.add(path, best, confidence_of_first(among, error)), False
         return replace(path, tried=())
 
     def added(self, state: State) -> list[str]:

@@ -12,6 +12,8 @@ from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     NOTHING,
+    STANDS_IN,
+    confidence_of_first,
     confidences,
     lowers,
     rivals,
@@ -56,6 +58,18 @@ def test_what_is_still_wrong_makes_gains_count_for_less():
     assert unsure < 0.9
     clean = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)], 3.0)
     assert clean[1] > clean[0]  # b leaves nothing wrong with what it touches
+
+
+@pytest.mark.parametrize(
+    ("error", "spread", "sure"),
+    [(8.9, 10.0, False), (7.5, 10.0, False), (7.3, 10.0, True), (8.9, 1.0, True)],
+)
+def test_a_first_name_that_hardly_explains_the_error_is_even_odds_at_best(error, spread, sure):
+    """A fifth of what is beyond 1, by which chance leaves it, unless what it moves is right."""
+    tried = [made("a", 5000.0, error, spread), made("b", 900.0, 8.9, spread)]
+    alone = float(confidences(tried, 9.0)[0])
+    assert alone > 0.99
+    assert confidence_of_first(tried, 9.0) == (alone if sure else STANDS_IN)
 
 
 def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
