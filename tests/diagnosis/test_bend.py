@@ -145,11 +145,11 @@ def test_where_no_bend_leads_to_other_strengths_it_is_begun_again_at_the_best(he
     def begin(bench, model, knobs):
         effect = model.get("denoise")
         tried.append(effect)
-        far = abs(effect.range - 1.2 * 0.65) + abs(effect.strength - 0.6)
+        far = abs(effect.range - 1.2 * 0.65) + abs(effect.strength - 1.0)
         return SimpleNamespace(model=model, loss=far)
 
     monkeypatch.setattr(bend, "start", begin)
-    filtered = Denoise(range=1.2, strength=0.6, kind="nlm")
+    filtered = Denoise(range=1.2, kind="nlm")
     model = _model(SIGMA, None, 2).with_effect(ReadNoise(SIGMA, spread=0.3)).with_effect(filtered)
     found = begun_elsewhere(held, SimpleNamespace(model=model), "denoise")
     assert found.model.get("denoise") == replace(filtered, range=1.2 * 0.65)
@@ -157,16 +157,19 @@ def test_where_no_bend_leads_to_other_strengths_it_is_begun_again_at_the_best(he
     assert {e.space for e in tried} == {filtered.space}  # idle in this kind
     assert filtered not in tried
     assert begun_elsewhere(held, SimpleNamespace(model=model), "pixel_fpn") is None
+    linear = model.with_effect(Denoise(kind="gaussian"))  # a bend leads to all of its strengths
+    assert begun_elsewhere(held, SimpleNamespace(model=linear), "denoise") is None
 
 
-def test_a_poor_refit_is_begun_again_before_its_other_kinds_are_asked(held, monkeypatch):
+@pytest.mark.parametrize("way", ["begun_again", "begun_elsewhere"])
+def test_a_poor_refit_is_begun_again_before_its_other_kinds_are_asked(held, monkeypatch, way):
     poor = start(held, _model(SIGMA, 0.25, 2), [])
     right = start(held, _model(SIGMA, SHARE, 2), [])
     asked, seen = [], []
     monkeypatch.setattr(walk, "converge", lambda _, there: there)
-    monkeypatch.setattr(walk, "begun_again", lambda _, there, __: asked.append(there) or right)
-    for later in ("along_bend", "begun_elsewhere"):
-        monkeypatch.setattr(walk, later, lambda *_: None)
+    for other in ("begun_again", "along_bend", "begun_elsewhere"):
+        monkeypatch.setattr(walk, other, lambda *_: None)
+    monkeypatch.setattr(walk, way, lambda _, there, __: asked.append(there) or right)
     monkeypatch.setattr(walk, "settled", lambda _, there, *__, **___: seen.append(there) or there)
     for begun in (poor, right):
         assert walk.completed(held, begun, "temporal_denoise") is right

@@ -97,8 +97,12 @@ def test_an_exchange_is_told_as_a_removal_and_an_addition(ordinary, completed_at
     monkeypatch.setattr(module, "POOR", 0.1)
     monkeypatch.setattr(module, "ranked", lambda *_: [])
     monkeypatch.setattr(module, "exchange", lambda *_: next(answers))
+    monkeypatch.setattr(
+        module, "confidence_of_first", lambda among, _: 0.4 if among == [found] else None
+    )
     begun = Path(state, (Step(None, 2.0),))
     ended = walk.to_end(begun)
     assert [s.added for s in ended.steps] == [None, "-row_noise", "row_fpn"]
     assert ended.steps[1].error == error_of(ordinary.bench, ordinary.state)
     assert ended.dropped == ("row_noise",)
+    assert ended.steps[2].confidence == 0.4
