@@ -161,11 +161,12 @@ class Dpc(Effect):
         noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
         usual = bounded(cls, "threshold", (rare[0] if rare else 4.0) * noise)
         threshold = bounded(cls, "threshold", _threshold(clues) or usual)
+        near = min(threshold, usual)
         found: list[Dpc] = []
         standing = bool(rare or ranks or tied)
         if standing:
             found.append(cls(threshold, kind="excess"))
-            found.append(cls(min(threshold, usual), kind="median"))
+            found.append(cls(near, kind="median"))
         # the fit without it has made the tail as short as the correction leaves it: then few are
         # missing where it begins
         low, high = (bounded(cls, "threshold", k * noise) for k in _LEAST)
@@ -180,7 +181,7 @@ class Dpc(Effect):
         if rare:
             found.append(cls(low, kind="ratio"))
         if standing:
-            found.append(cls(threshold, kind="excess", sides="both"))
+            found.append(cls(near, kind="excess", sides="both"))
             found.append(cls(threshold, kind="clamp"))
         # idle in most kinds, but at hand should it turn out to be another
         share, warmer = bounded(cls, "fraction", _listed(clues)), _hottest(clues)

@@ -157,6 +157,7 @@ def test_where_nothing_is_missing_up_to_far_out_the_usual_threshold_is_tried_too
     far, usual = (e.threshold for e in Dpc.guess(clues)[:FIRST] if e.kind == "excess")
     assert 8 * 40.0 < far < 16 * 40.0
     assert usual == pytest.approx(16 * 2.0)
+    assert [e.threshold for e in Dpc.guess(clues) if e.sides == "both"] == [usual]
     clues.seen["temporal_noise_core"] = 2.0
     (near,) = (e.threshold for e in Dpc.guess(clues)[:FIRST] if e.kind == "excess")
     assert near < FAR * usual
