@@ -268,7 +268,7 @@ def settled(
     ``relatives``: also those forms with numbers to match, which tell little before the fit stands.
     """
     for choice, info in _effect(state.model, name).parameters().items():
-        if info.scale != "choice" or choice in UNTRIED:
+        if info.scale != "choice" or choice in (*UNTRIED, *_effect(state.model, name).idle()):
             continue
         for other in info.choices:
             effect = _effect(state.model, name)

@@ -326,52 +326,51 @@ def _add(w: np.ndarray, values: np.ndarray, total: np.ndarray, weight: np.ndarra
 
 
 @njit(cache=True, nogil=True)
-def nonlocal_means(
-    image: np.ndarray, h: float, sigma: float, patch: int, distance: int
-) -> np.ndarray:
+def nonlocal_means(image: np.ndarray, h: float, patch: int, distance: int) -> np.ndarray:
     """Mean of the pixels around, weighted by how alike their patches are.
 
-    w = exp(-max(D - 2 sigma^2, 0) / h^2), D the mean squared difference of two patches, over
-    (2 distance + 1)^2 places (Buades, Coll, Morel, CVPR 2005; flat patches, as in the fast
-    mode of scikit-image).
+    w = exp(-D / h^2), D the mean squared difference of two patches, over (2 distance + 1)^2 places
+    (Buades, Coll, Morel, CVPR 2005; flat patches).
 
     Parameters
     ----------
     image : ndarray, shape (rows, columns), float32
-    h, sigma : float
-        Strength, and the noise that differences are allowed for free; DN.
-    patch, distance : int
-        Half widths of the patch and of the search window, pixels.
+    h : float
+        DN.
+    patch : int
+        Pixels a side; of an even one a row and a column more lie after the pixel than before it, as
+        scikit-image's fast mode makes of the next odd one.
+    distance : int
+        Half width of the search window, pixels.
     """
     rows, columns = image.shape
-    margin = patch + distance
+    before, after = (patch - 1) // 2, patch // 2
+    margin = after + distance
     padded = with_margin(image, margin)
-    size = (2 * patch + 1) ** 2
-    scale = np.float32(-1.0 / (size * h * h))
-    free = np.float32(2.0 * sigma * sigma * size)
+    scale = np.float32(-1.0 / (patch * patch * h * h))
     total = padded.copy()  # each place is like itself
     weight = np.ones_like(padded)
     below, w = np.empty(columns + 2 * margin, np.float32), np.empty_like(padded[0])
     # Two places are as alike as the other way round: each pair is met once, at its upper place.
-    for r in range(patch, rows + margin):
+    for r in range(after, rows + margin):
         for dy in range(distance + 1):
             for dx in range(-distance if dy else 1, distance + 1):
                 first, many = max(0, -dx), columns + 2 * margin - abs(dx)
                 below[:many] = np.float32(0.0)
-                for k in range(-patch, patch + 1):
+                for k in range(-before, after + 1):
                     here = padded[r + k, first : first + many]
                     there = padded[r + k + dy, first + dx : first + dx + many]
                     for c in range(many):
                         d = here[c] - there[c]
                         below[c] += d * d
-                many, first = many - 2 * patch, first + patch
+                many, first = many - (patch - 1), first + before
                 w[:many] = np.float32(0.0)
-                for k in range(2 * patch + 1):
+                for k in range(patch):
                     part = below[k : k + many]
                     for c in range(many):
                         w[c] += part[c]
                 for c in range(many):
-                    s = scale * (w[c] - free if w[c] > free else np.float32(0.0))
+                    s = scale * w[c]
                     # weights below e^-5 count as none, as in scikit-image
                     w[c] = exp(s) if s >= np.float32(-5.0) else np.float32(0.0)
                 _add(w, padded[r + dy, first + dx :], total[r, first:], weight[r, first:], many)

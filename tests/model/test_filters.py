@@ -100,8 +100,8 @@ def test_bilateral_is_the_weighted_mean_of_its_window():
 
 def test_nonlocal_means_is_the_mean_weighted_by_likeness_of_patches():
     y = NOISE[:30, :28].astype(float)
-    h, patch, far = 5.0, 1, 2
-    padded = np.pad(y, patch + far, mode="reflect")
+    h, far = 5.0, 2
+    padded = np.pad(y, 1 + far, mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(padded, (3, 3))
     here = windows[far:-far, far:-far]
     total, weight = np.zeros_like(y), np.zeros_like(y)
@@ -111,15 +111,21 @@ def test_nonlocal_means_is_the_mean_weighted_by_likeness_of_patches():
             d = ((there - here) ** 2).mean(axis=(2, 3)) / h**2
             w = np.where(d > 5.0, 0.0, np.exp(-d))
             total, weight = total + w * there[..., 1, 1], weight + w
-    found = filters.nonlocal_means(np.ascontiguousarray(NOISE[:30, :28]), h, 0.0, patch, far)
+    found = filters.nonlocal_means(np.ascontiguousarray(NOISE[:30, :28]), h, 3, far)
     np.testing.assert_allclose(found, total / weight, rtol=1e-4)
 
 
-def test_nonlocal_means_agrees_with_scikit_image_in_kind():
-    ours = filters.nonlocal_means(NOISE, 5.0, 0.0, 2, 5)
-    theirs = denoise_nl_means(NOISE, 5, 5, h=5.0, fast_mode=True)
-    removed = (NOISE - ours).ravel(), (NOISE - theirs).ravel()
-    assert np.corrcoef(*removed)[0, 1] > 0.9
+@pytest.mark.parametrize(("theirs", "ours"), [(3, 2), (5, 4), (7, 6)])
+@pytest.mark.parametrize("distance", [3, 6])
+def test_an_even_patch_is_what_a_fast_mode_makes_of_the_next_odd_one(theirs, ours, distance):
+    """Its sum over the lesser patch is divided by the pixels of the larger one."""
+    h = 6.0
+    expected = denoise_nl_means(
+        NOISE.astype(float), theirs, distance, h=h * ours / theirs, fast_mode=True
+    )
+    found = filters.nonlocal_means(NOISE, h, ours, distance)
+    # its exponential is right within some percent
+    assert np.std(found - expected) < 0.01 * np.std(expected - NOISE)
 
 
 def test_planes_of_a_mosaic_do_not_mix():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,12 +17,15 @@ from dnanalyze.model.white_codes import left_of, likeness, noise_before, reached
 _GAUSSIAN_RADIUS = 6
 _BILATERAL_RADIUS = 2
 WIDE = 2.0  # range over the noise from which a bilateral averages all that it meets
-_NLM_PATCH, _NLM_DISTANCE = 2, 5
 _MEDIAN_VARIANCE = 0.166  # of the median of 9 Gaussian values of variance 1, by simulation
 _PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
 _PATTERN = 0.25  # of the noise, in fixed offsets
 _RANGES = 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0  # over the noise left
-_BY_SIZE = ("bilateral", 1.5), ("wavelet", 0.7), ("nlm", 0.7), ("bilateral", 0.8), ("db2", 0.7)
+_BY_SIZE: tuple[dict[str, Any], ...] = (
+    {"kind": "bilateral", "space": 1.5}, {"kind": "wavelet"}, {"kind": "nlm"},
+    {"kind": "nlm", "patch": 2, "window": 7}, {"kind": "bilateral", "space": 0.8}, {"kind": "db2"},
+    {"kind": "nlm", "patch": 4, "window": 13},
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,10 @@ class Denoise(Effect):
         "gaussian", "median", "bilateral", "nlm", "wavelet", "haar", "db2",
     )  # fmt: skip
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
+    patch: int = choice(
+        5, "pixels a side that are compared (nlm); even: a fast mode's", 2, 3, 4, 5, 6, 7
+    )
+    window: int = choice(11, "pixels a side that are searched (nlm)", 7, 11, 13, 21)
 
     def idle(self) -> tuple[str, ...]:
         """What the present kind does not use; a share in quarters is a maker's, and stays."""
@@ -93,9 +100,10 @@ class Denoise(Effect):
             "gaussian": ("space",),
             "median": (),
             "bilateral": ("range", "space"),
+            "nlm": ("range", "patch", "window"),
         }.get(self.kind, ("range",))
         plain = ("strength",) if self.strength in _PLAIN else ()
-        return (*plain, *(n for n in ("range", "space") if n not in used))
+        return (*plain, *(n for n in ("range", "space", "patch", "window") if n not in used))
 
     def relatives(self) -> list[Effect]:
         """Quarters: mixed codes then fall on halves, which are rounded to even ones."""
@@ -162,7 +170,7 @@ class Denoise(Effect):
             "gaussian": _GAUSSIAN_RADIUS,
             "median": 1,
             "bilateral": _BILATERAL_RADIUS,
-            "nlm": _NLM_PATCH + _NLM_DISTANCE,
+            "nlm": self.patch // 2 + self.window // 2,
             "wavelet": wavelets.reach(wavelets.HAAR),
         }
         if self.kind in wavelets.BASES:
@@ -199,7 +207,7 @@ class Denoise(Effect):
         if self.kind == "bilateral":
             return filters.bilateral(plane, range_dn, space, _BILATERAL_RADIUS)
         if self.kind == "nlm":
-            return filters.nonlocal_means(plane, range_dn, 0.0, _NLM_PATCH, _NLM_DISTANCE)
+            return filters.nonlocal_means(plane, range_dn, self.patch, self.window // 2)
         if self.kind == "wavelet":
             return wavelets.over_all_shifts(plane, range_dn)
         return wavelets.on_grid(plane, range_dn, wavelets.BASES[self.kind], corner)
@@ -224,8 +232,7 @@ class Denoise(Effect):
         alike = max(float(np.nan_to_num(corr[f"{spacing}0"][place])), 0.01)
         wide = _space(alike)
         wide_range = bounded(cls, "range", 1.5 * WIDE * noise / np.sum(_line(wide) ** 2))
-        shapes = [cls(space=s, kind=k) for k, s in _BY_SIZE]
-        sized = [_with_range(s, noise, alike, spacing) for s in shapes]
+        sized = [_with_range(cls(**shape), noise, alike, spacing) for shape in _BY_SIZE]
         # like patches lie anywhere: a mean of many leaves neighbours no more alike than one of few
         wider = [replace(s, range=bounded(cls, "range", 2.0 * s.range)) for s in sized]
         return [

@@ -91,14 +91,15 @@ class Dpc(Effect):
     def idle(self) -> tuple[str, ...]:
         """What the present kind does not use."""
         used = {
-            "excess": ("threshold",),
-            "median": ("threshold",),
-            "clamp": ("threshold",),
-            "ratio": ("threshold", "factor", "black"),
-            "multiple": ("threshold", "factor", "black"),
-            "static": ("fraction",),
+            "excess": ("threshold", "sides", "replacement", "neighbours"),
+            "median": ("threshold", "sides", "replacement", "unit"),
+            "clamp": ("threshold", "sides", "neighbours"),
+            "ratio": ("threshold", "factor", "black", "replacement", "neighbours"),
+            "multiple": ("threshold", "factor", "black", "replacement"),
+            "static": ("fraction", "replacement"),
         }[self.kind]
-        return tuple(n for n in ("threshold", "factor", "black", "fraction") if n not in used)
+        always = ("kind", "spacing", "warmer")
+        return tuple(n for n in self.parameters() if n not in (*always, *used))
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Replace what stands out; codes stay codes."""

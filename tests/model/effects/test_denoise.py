@@ -33,7 +33,7 @@ def test_each_kind_is_its_filter():
         "gaussian": ndimage.gaussian_filter(y.astype(float), 0.8, radius=6, mode="mirror"),
         "median": ndimage.median_filter(y, 3, mode="mirror"),
         "bilateral": filters.bilateral(y, 7.0, 0.8, 2),
-        "nlm": filters.nonlocal_means(y, 7.0, 0.0, 2, 5),
+        "nlm": filters.nonlocal_means(y, 7.0, 5, 5),
         "wavelet": wavelets.over_all_shifts(y, 7.0),
         "haar": wavelets.on_grid(y, 7.0, wavelets.HAAR),
         "db2": wavelets.on_grid(y, 7.0, wavelets.DB2),
@@ -91,10 +91,13 @@ def test_guess_offers_every_kind_scaled_to_the_noise():
     found = {e.kind: e for e in reversed(every)}
     assert set(found) == {*KINDS} - {"haar"}  # a kind of the other wavelets
     assert {e.spacing for e in every} == {1}
-    patches = [e.range for e in every if e.kind == "nlm"]
-    assert patches[1] == pytest.approx(2.0 * patches[0])  # neighbours tell little of a mean of many
-    for kind in ("bilateral", "nlm", "wavelet", "db2"):
-        left = left_of(found[kind].filtered, noise_before(found[kind].filtered, 3.0))
+    patches = [e for e in every if e.kind == "nlm"]
+    assert [e.patch for e in patches] == [5, 2, 4] * 2
+    for e, wider in zip(patches[:3], patches[3:], strict=True):
+        assert wider.range == pytest.approx(2.0 * e.range)  # neighbours tell little of many's mean
+    sized = [*patches[:3], *(found[kind] for kind in ("bilateral", "wavelet", "db2"))]
+    for effect in sized:
+        left = left_of(effect.filtered, noise_before(effect.filtered, 3.0))
         assert left.std() == pytest.approx(3.0, rel=0.1)
         assert likeness(left) == pytest.approx(0.2, abs=0.02)
     clues.seen.update({"temporal_corr_10": 0.0, "temporal_corr_20": 0.2})
@@ -179,9 +182,10 @@ def test_a_filter_whose_range_varies_bends_nothing_that_is_known():
 
 
 def test_idle_parameters():
-    assert Denoise(kind="median").idle() == ("range", "space")
-    assert Denoise(kind="gaussian").idle() == ("range",)
-    assert Denoise(kind="bilateral").idle() == ()
+    assert Denoise(kind="median").idle() == ("range", "space", "patch", "window")
+    assert Denoise(kind="gaussian").idle() == ("range", "patch", "window")
+    assert Denoise(kind="bilateral").idle() == ("patch", "window")
+    assert Denoise(kind="nlm").idle() == ("space",)
 
 
 def test_a_share_near_a_quarter_is_tried_as_one_and_then_held():

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from readout_bench import POINT, Given, frames
@@ -109,9 +111,28 @@ def test_static_correction_replaces_the_brightest_of_the_silicon_at_every_settin
 
 
 def test_idle_parameters():
-    assert Dpc(kind="median").idle() == ("factor", "black", "fraction")
-    assert Dpc(kind="ratio").idle() == ("fraction",)
-    assert Dpc(kind="static").idle() == ("threshold", "factor", "black")
+    assert Dpc(kind="median").idle() == ("factor", "black", "fraction", "neighbours")
+    assert Dpc(kind="ratio").idle() == ("fraction", "sides", "unit")
+    assert set(Dpc(kind="static").idle()) == {
+        "threshold", "factor", "black", "sides", "unit", "neighbours",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["excess", "median", "clamp", "ratio", "multiple", "static"])
+def test_idle_is_what_changes_nothing(kind):
+    """And nothing else is: each kind is tried in all its forms, and in no others."""
+    other = {
+        "threshold": 3.0, "factor": 1.2, "black": 20.0, "fraction": 0.02, "sides": "both",
+        "replacement": "mean", "unit": "local", "neighbours": 24,
+    }  # fmt: skip
+    effect = Dpc(threshold=6.0, factor=1.5, black=60.0, fraction=0.005, kind=kind)
+    silicon = (ReadNoise(2.0), PixelFpn(4.0), HotPixels(0.02, 60.0))
+    plain = frames(*silicon, effect, count=1)
+    same = {
+        name for name, value in other.items()
+        if np.array_equal(frames(*silicon, replace(effect, **{name: value}), count=1), plain)
+    }  # fmt: skip
+    assert same == set(effect.idle())
 
 
 def test_guess_takes_the_threshold_from_what_is_missing():
