@@ -42,12 +42,20 @@ class Prospect:
         parameters, free at two settings alone, would gain without it.
     levelled : NoiseModel, optional
         The guess at the level that moments tell, where the fit may have moved it.
+    spare : bool
+        Of another kind than those that promise more: refitted once the effect is the one to add.
     """
 
     effect: str
     model: NoiseModel
     promise: float
     levelled: NoiseModel | None = None
+    spare: bool = False
+
+    @property
+    def kind(self) -> object:
+        """Of the guess; None of an effect that has but one."""
+        return getattr(self.model.get(self.effect), "kind", None)
 
 
 def prospects(
@@ -86,7 +94,7 @@ def prospects(
     for name, made in found.items():
         if any(p.promise > max(LEAST, HOPEFUL * most) for p in made):
             made += _at_guesses(seen[name], guesses[name][FIRST:])
-    best = [p for made in found.values() for p in _two(made)]
+    best = [p for made in found.values() for p in _best(made)]
     return sorted(best, key=lambda p: -p.promise)
 
 
@@ -166,6 +174,14 @@ def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _V
 def much_left(state: State) -> bool:
     """Whether so much is missing that a part of the field shows it, and a fit bends for it."""
     return state.loss >= PLAIN * len(state.train)
+
+
+def _best(made: Sequence[Prospect]) -> list[Prospect]:
+    """The best two, and the best of another kind to spare."""
+    two = _two(made)
+    others = [p for p in made if p.kind not in {q.kind for q in two}]
+    spare = max(others, key=lambda p: p.promise, default=None)
+    return two if spare is None else [*two, replace(spare, spare=True)]
 
 
 def _two(made: Sequence[Prospect]) -> list[Prospect]:

@@ -108,7 +108,8 @@ def trials(
     best: dict[str, Trial] = {}
     others: dict[str, tuple[Prospect, ...]] = {}
     fell, error = 0.0, error_of(bench, state)
-    for p in [p for p in seen if p.promise >= least][:MOST_REFITS]:
+    worth = [p for p in seen if p.promise >= least]
+    for p in [p for p in worth if not p.spare][:MOST_REFITS]:
         first = best.get(p.effect)
         if first is not None and first.fitted_gain > SURE and first.error < error:
             others[p.effect] = (*others.get(p.effect, ()), p)
@@ -124,6 +125,8 @@ def trials(
         if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made
         fell = max(fell, state.loss - ended.loss)
+    for p in [p for p in worth if p.spare and p.effect in best]:
+        others[p.effect] = (*others.get(p.effect, ()), p)
     if best:
         _tried_again(bench, state, best, others, CLOSE * seen[0].promise, iterations)
         _from_leader(bench, state, known, best, iterations)

@@ -168,6 +168,20 @@ def test_who_could_not_come_near_the_leader_is_not_refitted_or_not_twice(monkeyp
     assert made == [("a", True), *tried]
 
 
+def test_another_kind_is_kept_for_the_one_to_add(monkeypatch):
+    names = np.array(["spectrum"] * 100)
+    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    refits = []
+    spare, faint = (Prospect("a", MODEL, promise, spare=True) for promise in (850.0, 10.0))
+    lone = Prospect("b", MODEL, 840.0, spare=True)
+    guesses = [Prospect("a", MODEL, 900.0), spare, lone, faint]
+    monkeypatch.setattr(trial, "prospects", lambda *_: guesses)
+    monkeypatch.setattr(trial, "refitted", lambda _, p, *__: refits.append(p) or state(1.0, 1.0))
+    (found,) = trials(bench, state(5.0, 5.0), {})
+    assert refits == guesses[:1]
+    assert found.others == (spare,)
+
+
 def test_what_the_best_took_off_the_loss_counts_though_its_evidence_is_less(monkeypatch):
     """Far off the evidence is a logarithm; promises are of the loss, as is the fall of the best."""
     names = np.array(["spectrum"] * 100)

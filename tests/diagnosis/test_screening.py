@@ -16,6 +16,7 @@ from dnanalyze.diagnosis.screening import (
     PLAIN,
     SIGN,
     Prospect,
+    _best,
     _two,
     prospects,
 )
@@ -280,3 +281,16 @@ def test_two_guesses_of_an_effect_are_kept_before_two_ways_to_one(state):
     assert _two([seen(1.0, 8.5), straight]) == [straight]  # seen at other settings too
     assert _two([other]) == [other]
     assert _two([]) == []
+
+
+def test_the_best_of_another_kind_is_kept_to_spare(state):
+    def seen(kind, promise, threshold=5.0):
+        dpc = KNOWN["dpc"](threshold, kind=kind)
+        return Prospect("dpc", state.model.with_effect(dpc), promise)
+
+    twice = [seen("multiple", 9.0), seen("multiple", 8.0, 9.0)]
+    median, clamp = seen("median", 5.0), seen("clamp", 3.0)
+    assert _best([clamp, *twice, median]) == [*twice, replace(median, spare=True)]
+    assert _best([clamp, median]) == [median, clamp]
+    assert _best(twice) == twice
+    assert _best([]) == []
