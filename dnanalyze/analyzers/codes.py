@@ -114,20 +114,21 @@ def _spike(inwards: np.ndarray, frames: int, repeats: float) -> Value:
     """Counts of the last code over the next one's: how much more often the last is given.
 
     Fewer counts than frames are strays, no pixel that stays there: they count with the next code. A
-    few counts in the last code are chance, without which the second would be the last.
+    few more may be chance, without which the second would be the last: the ratio goes from that of
+    both to the third to that of the last to the second as counts grow, for no count may jump it.
     """
     reached = np.cumsum(inwards)
     at = min(int(np.searchsorted(reached, frames)), inwards.size - 3)
     last, second, third = int(reached[at]), int(inwards[at + 1]), int(inwards[at + 2])
-    ends = [(last, second)]
-    if last < FEW:
-        ends.append((last + second, third))
-    end, next_to = max(ends, key=lambda pair: (pair[0] + 1) / (pair[1] + 1))
-    ratio = (end + 1) / (next_to + 1)
-    fall = min(math.log(ratio), 0.0) ** 2
+    outer = math.log((last + 1) / (second + 1))
+    inner = math.log((last + second + 1) / (third + 1))
+    above = max(last - frames, 0) + FEW
+    w = 1.0 - FEW / above
     # Poisson, with some counts more: which code is the last one seen is itself chance
-    se = math.sqrt(repeats * (1 / (end + 5) + 1 / (next_to + 5)) + fall / (end + 3))
-    return Value(ratio, max(se, 0.02))
+    steps = abs(outer - inner) * FEW / above**2 + w / (last + 5) + (1 - w) / (last + second + 5)
+    others = (w**2 + (1 - w) ** 2) / (second + 5) + (1 - w) ** 2 / (third + 5)
+    se = math.sqrt(repeats * (steps**2 * (last + 5) + others))
+    return Value(math.exp(w * outer + (1 - w) * inner), max(se, 0.02))
 
 
 def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -137,16 +138,22 @@ def _numbers(
             info = known.get(name)
             if info is not None and _compared(info, setting):
                 found[Key(*where, name)] = (v.value, _shared_error(halves, name, v.se), info)
-        for name, v in shading_values(upper, lower, part).items():
-            se = found[Key(*where, name)][1] if Key(*where, name) in found else v.se
-            found[Key(*where, name)] = (v.value, se, known[name])
+        colours = [shading_values(upper, lower, colour) for colour in (0, 1)]
+        for name, v in colours[part].items():
+            key = Key(*where, name)
+            se = found[key][1] if key in found else _together([c[name].se for c in colours])
+            found[key] = (v.value, se, known[name])
     return found
 
 
 def _shared_error(halves: list[SettingStatistics], name: str, own: float) -> float:
     """Of the halves together: one half's own may be small by luck, where codes are few, say."""
-    known = [h.values[name].se for h in halves if name in h.values]
-    return max(own, float(np.sqrt(np.mean(np.square(known)))))
+    return max(own, _together([h.values[name].se for h in halves if name in h.values]))
+
+
+def _together(errors: Sequence[float]) -> float:
+    """Of either of several that are alike, told by all of them."""
+    return float(np.sqrt(np.mean(np.square(errors))))
 
 
 def _order(statistics: Statistics, index: int) -> int:

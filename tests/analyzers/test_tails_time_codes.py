@@ -3,7 +3,10 @@ import math
 import numpy as np
 import pytest
 from dark_frames import dark_frames
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import ndimage, signal
+from scipy.stats import norm
 
 from dnanalyze.analyzers import codes, tails, time
 from dnanalyze.analyzers.streaming import accumulate
@@ -266,10 +269,45 @@ def test_a_pixel_that_stays_far_out_is_a_spike():
     assert codes._spike(np.array([6, 0, 0, 40, 300]), 6, 1.0).value == pytest.approx(7.0)
 
 
-def test_a_spike_of_many_counts_is_the_ratio_of_the_last_two_codes():
-    seen = codes._spike(np.array([900, 99, 5000]), 6, 1.0)
-    assert seen.value == pytest.approx(901 / 100, rel=1e-9)
-    assert seen.se == pytest.approx(math.sqrt(1 / 905 + 1 / 104), rel=1e-9)
+def test_a_spike_goes_from_the_last_codes_ratio_to_the_next_as_counts_get_few():
+    """Half way, in logs, where the last code has thirty counts more than there are frames."""
+    last, second, third = 6 + codes.FEW, 300, 3000
+    seen = codes._spike(np.array([last, second, third]), 6, 1.0)
+    ratios = (last + 1) / (second + 1), (last + second + 1) / (third + 1)
+    assert seen.value == pytest.approx(math.sqrt(ratios[0] * ratios[1]), rel=1e-9)
+    many = codes._spike(10_000 * np.array([9, 1, 50]), 6, 1.0)
+    assert many.value == pytest.approx(9.0, rel=0.01)
+    assert many.se == pytest.approx(0.02)
+    fewer = codes._spike(np.array([1000, 100, 100]), 6, 1.0)
+    assert fewer.se == pytest.approx(math.sqrt(1 / 1000 + 1 / 100), rel=0.1)
+
+
+@given(
+    last=st.integers(7, 400), more=st.floats(1.0, 20.0), fall=st.floats(1.0, 20.0),
+    frames=st.integers(1, 6),
+)  # fmt: skip
+def test_no_count_makes_the_spike_jump(last, more, fall, frames):
+    next_to = (int(last * more), int(last * more * fall), 1_000_000)
+    seen = [codes._spike(np.array([n, *next_to]), frames, 1.0) for n in (last, last + 1)]
+    assert abs(math.log(seen[0].value / seen[1].value)) < min(s.se for s in seen)
+
+
+def test_spikes_of_normal_codes_scatter_as_they_say():
+    """Of any noise at any level. Which code is the last one is chance, and allowed for."""
+    rng = np.random.default_rng(23)
+    pulls = [_pull(rng, sigma) for sigma in rng.uniform(0.4, 5.0, 600)]
+    assert max(map(abs, pulls)) < 4.5
+    assert 0.4 < np.std(pulls) < 1.1
+
+
+def _pull(rng, sigma):
+    """Difference of two draws of a histogram of 10^5 normal codes, over its error."""
+    level, code = rng.uniform(), np.arange(-40, 3)
+    share = np.diff(norm.cdf((np.append(code, 3) - 0.5 - level) / sigma))
+    seen = []
+    for drawn in rng.poisson(1e5 * share, (2, code.size)):
+        seen.append(codes._spike(drawn[np.argmax(drawn > 0) :], 6, 1.0))
+    return math.log(seen[0].value / seen[1].value) / math.hypot(seen[0].se, seen[1].se)
 
 
 def test_lattice_and_entropy():

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from dnanalyze.analyzers import shading
-from dnanalyze.analyzers.statistics import SettingStatistics, Value
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.analyzers.streaming import accumulate
 from dnanalyze.fitting.shading import shading_values
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.fitting.vectors import target
+from dnanalyze.loaders.captures import OperatingPoint, Sensor
 
 
 def halves(blocks, **more):
@@ -44,6 +45,21 @@ def test_errors_are_those_of_white_blocks():
         stated = np.mean([m[name].se for m in made])
         # 300 deviates tell a spread within 4 %; the stated error also allows for power above white
         assert 0.5 < values.std() / stated < 1.2
+
+
+def test_floors_are_told_by_both_colours():
+    """Few coefficients tell an error: of one colour alone it may be a third of the other's."""
+    whole = halves(np.random.default_rng(3).normal(size=(16, 16)))
+    alone = [shading_values(*whole, parity) for parity in (0, 1)]
+    statistics = [Statistics("", Sensor((256, 256)), (half,)) for half in whole]
+    seen = [target(statistics, parity) for parity in (0, 1)]
+    assert seen[0].keys == seen[1].keys
+    assert len(seen[0].keys) == 15
+    for i, key in enumerate(seen[0].keys):
+        both = np.mean([found[key.name].se ** 2 for found in alone])
+        for found, values in zip(seen, alone, strict=True):
+            assert found.floor[i] == pytest.approx((2.0 * both) ** 0.5)
+            assert found.coordinates[i] == pytest.approx(values[key.name].value)
 
 
 def test_random_rows_do_not_pass_for_shading():

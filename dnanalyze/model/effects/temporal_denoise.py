@@ -14,6 +14,8 @@ from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 TRACE = 0.02  # of a frame that is far back
+ROUNDING = 1.0 / 12.0  # DN^2
+UNLIKE = 1.1  # ratio of memories from which both are worth a look
 
 
 @dataclass(frozen=True)
@@ -102,10 +104,13 @@ class TemporalDenoise(Effect):
         r1 = np.asarray(clues.measured("temporal_r1"), float)
         means = [curve(clues, "frame_means", i) for i in range(len(clues.points))]
         frames = max((m.size for m in means if m is not None), default=8)
-        share = typical_positive(r1) / max(0.35, 1.0 - 3.0 / frames)
-        share = bounded(cls, "share", share)
-        noise = typical_positive(np.asarray(clues.measured("temporal_noise"), float)) or 1.0
-        # rounding after the filter is new in every frame: where noise is below a code it hides half
-        more = bounded(cls, "share", 2.0 * share)
-        threshold = bounded(cls, "threshold", 4.0 * noise)
-        return [cls(share), cls(more), cls(share, threshold, "on")]
+        kept = max(0.35, 1.0 - 3.0 / frames)
+        share = bounded(cls, "share", typical_positive(r1) / kept)
+        noise = np.asarray(clues.measured("temporal_noise"), float)
+        # rounding after the filter is new in every frame: it hides least where noise is most
+        most = int(np.argmax(np.where(np.isfinite(r1), np.nan_to_num(noise), 0.0)))
+        less = 1.0 - min(ROUNDING / max(noise[most], 1e-9) ** 2, 0.5)
+        more = bounded(cls, "share", r1[most] / less / kept)
+        shares = [share, more] if more > UNLIKE * share else [share]
+        threshold = bounded(cls, "threshold", 4.0 * (typical_positive(noise) or 1.0))
+        return [*map(cls, shares), cls(share, threshold, "on")]

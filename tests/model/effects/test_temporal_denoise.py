@@ -3,8 +3,10 @@ import pytest
 from readout_bench import Given, frames
 from scipy.signal import lfilter
 
-from dnanalyze.loaders.captures import Window
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.missing_codes import MissingCodes
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
@@ -72,12 +74,38 @@ def test_guess_from_the_autocorrelation(share, count):
         seen={"temporal_r1": r1, "temporal_noise": 2.0}, off={"temporal_r1": 40.0},
         curves={"frame_means": [y.mean(axis=(1, 2))]},
     )  # fmt: skip
-    plain, more, moving = TemporalDenoise.guess(clues)
+    plain, moving = TemporalDenoise.guess(clues)
     assert plain.share == pytest.approx(share, abs=0.07)
-    assert more.share == pytest.approx(min(2 * plain.share, 0.7))
     assert (plain.motion, moving.motion) == ("off", "on")
     assert plain.idle() == ("threshold",)
     assert TemporalDenoise.guess(Given(off={"temporal_r1": -9.0})) == []
+
+
+def test_where_rounding_hides_the_memory_it_is_guessed_where_noise_is_most():
+    """Codes of .29 and .69 DN of noise, rounded anew after the recursion."""
+    share, count = 0.4, 8
+    seen = [_rounded(sigma, TemporalDenoise(share), count) for sigma in (0.44, 0.44, 1.05)]
+    r1, noise = np.array(seen).T
+    clues = Given(
+        seen={"temporal_r1": r1, "temporal_noise": noise}, off={"temporal_r1": 40.0},
+        curves={"frame_means": [np.zeros(count)] * 3}, points=(OperatingPoint(),) * 3,
+    )  # fmt: skip
+    hidden, plain, _ = TemporalDenoise.guess(clues)
+    assert hidden.share < 0.5 * share
+    assert plain.share == pytest.approx(share, abs=0.1)
+
+
+def _rounded(sigma, memory, count):
+    """Lag-1 autocorrelation, as the statistic has it, and noise of rounded frames."""
+    y = frames(ReadNoise(sigma), PixelFpn(0.3), Quantization(), count=count, shape=(256, 256))
+    z = [y[0]]
+    for present in y[1:]:
+        z.append((1 - memory.share) * present + memory.share * z[-1])
+    d = np.rint(z)
+    d = d - d.mean(axis=0)
+    return np.sum(d[1:] * d[:-1]) / np.sum(d * d) + 1 / count, d.std() * (
+        count / (count - 1)
+    ) ** 0.5
 
 
 def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_recursion_leaves():
