@@ -25,6 +25,7 @@ STANDS_IN = 0.5
 # Of six names that took so small a share of an error above 3, and left wrong what they moved, one
 # was there: a crosstalk or a blinking for a correction, of which no guess had come near.
 HARDLY = 0.2
+APART = 0.25  # share of the lesser's gain that both have, below which each explains its own
 ALIKE = 0.75  # share of the best gain from which a rival is named as a possible confusion
 
 
@@ -49,13 +50,15 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     return weight / weight.sum()
 
 
-def confidence_of_first(trials: Sequence[Trial], error: float) -> float:
-    """Probability of the first candidate; even odds at best where it hardly explains the error.
+def confidence_of(found: Trial, trials: Sequence[Trial], error: float) -> float:
+    """Probability that a candidate is missing; even odds at best where it hardly lowers the error.
 
-    Parameters are those of `confidences`.
+    What explains other statistics may be missing beside it, and is no rival. Parameters are those
+    of `confidences`.
     """
-    sure, first = float(confidences(trials, error)[0]), trials[0]
-    hardly = first.spread > 1.0 and error - first.error < HARDLY * (error - 1.0)
+    others = [t for t in trials if t is not found and not apart(found, t)]
+    sure = float(confidences([found, *others], error)[0])
+    hardly = found.spread > 1.0 and error - found.error < HARDLY * (error - 1.0)
     return min(sure, STANDS_IN) if hardly else sure
 
 
@@ -80,6 +83,13 @@ def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
     return (enough or witnesses) and lesser > NOTHING / 4 and lowers(found, error)
 
 
+def apart(one: Trial, other: Trial) -> bool:
+    """Whether two candidates explain different statistics: neither stands in for the other."""
+    a, b = (np.maximum(t.falls, 0.0) for t in (one, other))
+    return bool(np.minimum(a, b).sum() < APART * min(a.sum(), b.sum()))
+
+
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[str]:
-    """Candidates that explain nearly as much as the best."""
-    return [t.effect for t in trials if t is not best and t.evidence > ALIKE * best.evidence > 0]
+    """Candidates that explain nearly as much as the best, and of the same."""
+    near = [t for t in trials if t is not best and t.evidence > ALIKE * best.evidence > 0]
+    return [t.effect for t in near if not apart(best, t)]

@@ -25,6 +25,20 @@ def _witness(z: np.ndarray) -> np.ndarray:
     return DOUBT**2 * np.log1p((z / DOUBT) ** 2)
 
 
+def falls(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Fall of the deviance of each statistic, over all settings.
+
+    Parameters are those of `dispersion`.
+
+    Returns
+    -------
+    ndarray
+        One a name, in their order.
+    """
+    _, which = np.unique(names, return_inverse=True)
+    return np.bincount(which, _witness(before) - _witness(after))
+
+
 def dispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
     """Misfit per statistic that an effect leaves where it changes the fit; 1 where tolerable.
 

@@ -12,7 +12,8 @@ from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     STANDS_IN,
-    confidence_of_first,
+    apart,
+    confidence_of,
     confidences,
     lowers,
     rivals,
@@ -29,7 +30,7 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, catalogue
+from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
 
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
@@ -113,7 +114,7 @@ def diagnose(
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
     tried = ranked(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
-    found = judge(captures.name, held, state, tried, known)
+    found = judge(captures.name, held, state, tried, missing(held, state, tried), known)
     return beside_everyday(held, asked, stages, found) if stages else found
 
 
@@ -183,24 +184,28 @@ def ranked(
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
     """The effect to add next: the leader, or None where the data do not support it.
 
-    Where one half speaks for the leader and the other hardly, both are asked once more, of what its
-    model shows on average: one simulated sensor has its luck of the places of few defects, and of
-    its clouds. To take the next in its place would be to choose by the luck of one half.
+    Where one half speaks for the leader and the other hardly, and where both say so little that the
+    luck of the simulated sensors may make it, all are asked once more, of what the models show on
+    average: one simulated sensor has its luck of the places of few defects, of its clouds, and of
+    noise that the leader draws anew. To take the next in its place would be to choose by luck.
     """
     if not tried:
         return None
     state, leader = _fitted_alike(held, state, tried[0])
     best = _supported(held, state, leader)
     least, most = sorted((leader.gain, leader.fitted_gain))
+    disagree = least < DISAGREE * most
     if best is None:
-        open_yet = most > CERTAIN * leader.spread
+        open_yet = disagree and most > CERTAIN * leader.spread
     else:
-        open_yet = leader.evidence < UNDONE * leader.spread
-    return _on_average(held, state, leader) if open_yet and least < DISAGREE * most else best
+        open_yet = leader.evidence < (UNDONE if disagree else CERTAIN) * leader.spread
+    return _on_average(held, state, leader, CERTAIN * disagree) if open_yet else best
 
 
-def _on_average(held: Bench, state: State, leader: Trial) -> Trial | None:
+def _on_average(held: Bench, state: State, leader: Trial, least: float) -> Trial | None:
     """The leader, judged and fitted by averages over sensors, if the evidence is enough then.
+
+    ``least``: what it must be beyond, whatever it puts right.
 
     A fit bends around the tracks or defects of the one sensor that it is made with.
     """
@@ -211,7 +216,8 @@ def _on_average(held: Bench, state: State, leader: Trial) -> Trial | None:
     before, after = minimise(bench, before, STEPS), minimise(its_own, after, STEPS)
     again = judged(held, before, leader.effect, after)
     again = replace(again, spread=leader.spread)  # averages lie nearer to the measurement
-    if not significant(again, error_of(held, before)) or _supported(held, before, again) is None:
+    enough = significant(again, error_of(held, before), least)
+    if not enough or _supported(held, before, again) is None:
         return None
     ended = start(held, after.model, after.knobs, like=after)
     return replace(again, state=ended, others=leader.others)
@@ -220,17 +226,32 @@ def _on_average(held: Bench, state: State, leader: Trial) -> Trial | None:
 def _fitted_alike(held: Bench, state: State, found: Trial) -> tuple[State, Trial]:
     """An effect of little evidence, and the model without it, one fitted as well as the other.
 
-    The refit had derivatives that the model without may have lacked: its last steps are not the
-    effect's. Where the model without comes lower by its own, so may the one with it.
+    The refit had derivatives that the model without may have lacked, and may have come upon better
+    numbers for what else was added: its last steps are not the effect's. Where the model without
+    comes lower by its own or by these, so may the one with it.
     """
     little = found.evidence < UNDONE * found.spread
     if not (little and significant(found, error_of(held, state), least=0.0)):
         return state, found
-    without = minimise(held, derive(held, state, anew=True), STEPS)
+    begun = [derive(held, state, anew=True)]
+    others = _as_with_it(state.model, found)
+    if others != state.model:
+        begun.append(start(held, others, state.knobs, like=begun[0]))
+    without = min((minimise(held, s, STEPS) for s in begun), key=lambda s: s.loss)
     if not without.loss < state.loss:
         return state, found
     within = minimise(held, derive(held, found.state, anew=True), STEPS)
     return without, replace(judged(held, without, found.effect, within), others=found.others)
+
+
+def _as_with_it(model: NoiseModel, found: Trial) -> NoiseModel:
+    """A model with the numbers that a trial gives to what is in both, what every sensor has apart:
+    these may have made room for the effect.
+    """
+    for effect in found.state.model.effects:
+        if model.get(effect.name) is not None and effect.name not in (BASE, *EVERYDAY):
+            model = model.with_effect(effect)
+    return model
 
 
 def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:
@@ -270,36 +291,28 @@ def judge(
     name: str,
     held: Bench,
     state: State,
-    tried: list[Trial],
+    tried: Sequence[Trial],
+    best: Trial | None,
     known: dict[str, type[Effect]],
     limits: bool = True,
 ) -> Diagnosis:
-    """The verdict, with candidates in the order of what they explain."""
+    """The verdict, with candidates in the order of what they explain; ``best``: see `missing`."""
     error = error_of(held, state)
-    best = missing(held, state, tried)
     tried = retold(tried, best)
-    chances = confidences(tried, error)
-    if tried:
-        chances[0] = confidence_of_first(tried, error)
-    seen = [
-        (t, chance)
-        for t, chance in zip(tried, chances, strict=False)
-        if t is best or (t.gain > 0 and lowers(t, error))
-    ]
-    kept = [t for t, _ in seen]
+    kept = [t for t in tried if t is best or (t.gain > 0 and lowers(t, error))]
     candidates = []
-    for t, chance in seen:
-        against = kept[1] if t is kept[0] and len(kept) > 1 else kept[0]
+    for t in kept:
         words = evidence_for(held, state, t.state, known[t.effect])
-        if t is kept[0] and against is not t:
-            more = evidence_against(held, against.state, t.state, against.effect, t.effect)
+        near = next((o for o in kept[1:] if t is kept[0] and not apart(t, o)), None)
+        if near is not None:
+            more = evidence_against(held, near.state, t.state, near.effect, t.effect)
             words += [more] if more else []
         candidates.append(
             Candidate(
                 t.effect,
                 t.error,
                 _explained(error, t.error),
-                float(chance),
+                confidence_of(t, tried, error),
                 rivals(t, kept),
                 words,
             )

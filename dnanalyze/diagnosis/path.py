@@ -31,6 +31,8 @@ class Path:
         Effects that were taken out again and do not come back.
     tried : tuple of Trial
         At its end: what was asked last.
+    best : Trial, optional
+        Of these, what the data support, where it was told to add no more.
     forks : tuple of Fork
         Where another effect explained nearly as much as the one that was added.
     """
@@ -39,6 +41,7 @@ class Path:
     steps: tuple[Step, ...]
     dropped: tuple[str, ...] = ()
     tried: tuple[Trial, ...] = ()
+    best: Trial | None = None
     forks: tuple[Fork, ...] = ()
 
     @property

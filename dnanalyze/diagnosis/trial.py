@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.deviance import DEFLATION, deviance, dispersion
+from dnanalyze.diagnosis.deviance import DEFLATION, deviance, dispersion, falls
 from dnanalyze.diagnosis.in_its_place import in_its_place
 from dnanalyze.diagnosis.refit import SURE, refitted
 from dnanalyze.diagnosis.screening import LEAST, Prospect, much_left, prospects
@@ -60,6 +60,8 @@ class Trial:
         Misfit per statistic that it leaves, the unit of its gains (see `dispersion`).
     others : tuple of Prospect
         Guesses of the effect that promised nearly as much and were not refitted.
+    falls : ndarray
+        Fall of the deviance of each statistic, on the judged and on the fitted half.
     """
 
     effect: str
@@ -69,6 +71,7 @@ class Trial:
     error: float
     spread: float = 1.0
     others: tuple[Prospect, ...] = ()
+    falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
 
     @property
     def evidence(self) -> float:
@@ -234,8 +237,12 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
 def judged(bench: Bench, before: State, effect: str, after: State) -> Trial:
     """A refit, with what it gained on either half."""
     gains = witnessed(bench, after.model.get(effect), *_gains(before, after))
-    left = dispersion(bench.test.names, before.test, after.test)
-    return Trial(effect, after, *gains, error_of(bench, after), left)
+    halves = (
+        (bench.test.names, before.test, after.test),
+        (bench.train.names, before.train, after.train),
+    )
+    fell = np.concatenate([falls(*half) for half in halves])
+    return Trial(effect, after, *gains, error_of(bench, after), dispersion(*halves[0]), falls=fell)
 
 
 def witnessed(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.background import along_background
 from dnanalyze.diagnosis.bend import along_bend, begun_again, begun_elsewhere
-from dnanalyze.diagnosis.confidence import confidence_of_first, rivals, significant
+from dnanalyze.diagnosis.confidence import confidence_of, rivals, significant
 from dnanalyze.diagnosis.diagnose import missing, ranked, retold
 from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import exchange
@@ -69,9 +69,9 @@ class Walk:
             state, error = path.state, error_of(held, path.state)
             open_to = candidates_of(state, self.known, [BASE, *path.dropped])
             tried = ranked(held, state, open_to, self.trying)
-            path = replace(path, tried=tuple(tried))
             added = self.added(state)
             best, among, gone = missing(held, state, tried), tried, []
+            path = replace(path, tried=tuple(tried), best=best)
             if best is None and error > POOR and not fresh:
                 # derivatives that many steps kept up may hide from the refits what true ones show
                 state, fresh = minimise(held, derive(held, state, anew=True)), True
@@ -87,8 +87,8 @@ class Walk:
             if best is None or self._full(len(added) - len(gone)):
                 return path
             path = self._without(_forked(path, best, among, error), state, gone)
-            path, fresh = self.add(path, best, confidence_of_first(among, error)), False
-        return replace(path, tried=())
+            path, fresh = self.add(path, best, confidence_of(best, among, error)), False
+        return replace(path, tried=(), best=None)
 
     def added(self, state: State) -> list[str]:
         """Effects of a model that were added to what it began with and every sensor has."""

@@ -175,4 +175,5 @@ def test_what_no_luck_makes_keeps_its_evidence():
     before = _at(seen, _model(seed=2))
     louder = replace(noisy, seed=2)
     found = judged(seen, before, "more_noise", _at(seen, louder))
+    assert found.falls.sum() / 2.0 == pytest.approx(found.evidence)
     assert sobered(seen, before, found).evidence > 0.7 * found.evidence > 60

@@ -49,7 +49,8 @@ def test_a_rival_is_tried_from_its_other_guess_where_the_leader_leaves_much(
 ):
     """The second guess of b would put all right; a bends around what b is."""
     names = np.array(["codes"] * 100)
-    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    half = SimpleNamespace(names=names, families=names)
+    bench = SimpleNamespace(train=half, test=half)
     begun, after = state(5.0, 5.0), {"a": state(left, left), "b": state(4.0, 4.0)}
     first, second = NoiseModel(()), NoiseModel(())
     guesses = [
@@ -76,7 +77,8 @@ def test_another_guess_is_refitted_where_the_first_gains_and_yet_raises_the_erro
     monkeypatch, judged, again
 ):
     names = np.array(["spectrum"] * 100)
-    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    half = SimpleNamespace(names=names, families=names)
+    bench = SimpleNamespace(train=half, test=half)
     first, second = NoiseModel(()), NoiseModel(())
     guesses = [Prospect("a", first, 900.0), Prospect("a", second, 800.0)]
     ended = {id(first): state(1.0, judged), id(second): state(0.5, 0.5)}
@@ -101,7 +103,8 @@ def test_where_a_refit_leaves_much_it_begins_at_the_level_of_the_moments_too(
     monkeypatch, left, levelled, taken
 ):
     names = np.array(["codes"] * 100)
-    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    half = SimpleNamespace(names=names, families=names)
+    bench = SimpleNamespace(train=half, test=half)
     bent, level = NoiseModel(()), NoiseModel(())
     ended = {id(bent): state(left, left), id(level): state(levelled, levelled)}
     monkeypatch.setattr(trial, "prospects", lambda *_: [Prospect("a", bent, 900.0, level)])
@@ -153,7 +156,8 @@ def test_rivals_go_on_and_the_leader_where_that_may_decide(monkeypatch, rival, a
 )
 def test_who_could_not_come_near_the_leader_is_not_refitted_or_not_twice(monkeypatch, share, tried):
     names = np.array(["spectrum"] * 100)
-    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    half = SimpleNamespace(names=names, families=names)
+    bench = SimpleNamespace(train=half, test=half)
     begun, right, made = state(5.0, 5.0), state(0.0, 0.0), []
     gained = trial.judged(bench, begun, "a", right).fitted_gain
     guesses = [Prospect("a", MODEL, 0.3 * gained), Prospect("b", MODEL, share * gained)]
@@ -170,7 +174,8 @@ def test_who_could_not_come_near_the_leader_is_not_refitted_or_not_twice(monkeyp
 
 def test_another_kind_is_kept_for_the_one_to_add(monkeypatch):
     names = np.array(["spectrum"] * 100)
-    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    half = SimpleNamespace(names=names, families=names)
+    bench = SimpleNamespace(train=half, test=half)
     refits = []
     spare, faint = (Prospect("a", MODEL, promise, spare=True) for promise in (850.0, 10.0))
     lone = Prospect("b", MODEL, 840.0, spare=True)
@@ -185,7 +190,8 @@ def test_another_kind_is_kept_for_the_one_to_add(monkeypatch):
 def test_what_the_best_took_off_the_loss_counts_though_its_evidence_is_less(monkeypatch):
     """Far off the evidence is a logarithm; promises are of the loss, as is the fall of the best."""
     names = np.array(["spectrum"] * 100)
-    bench = SimpleNamespace(test=SimpleNamespace(names=names, families=names))
+    half = SimpleNamespace(names=names, families=names)
+    bench = SimpleNamespace(train=half, test=half)
     begun, after, made = state(50.0, 50.0), {"a": 0.0, "b": 40.0}, []
     fall = begun.loss - state(0.0, 0.0).loss
     gained = trial.judged(bench, begun, "a", state(0.0, 0.0)).fitted_gain

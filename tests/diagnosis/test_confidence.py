@@ -13,7 +13,8 @@ from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     NOTHING,
     STANDS_IN,
-    confidence_of_first,
+    apart,
+    confidence_of,
     confidences,
     lowers,
     rivals,
@@ -27,6 +28,8 @@ from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.dpc import Dpc
 from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
+from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -69,7 +72,7 @@ def test_a_first_name_that_hardly_explains_the_error_is_even_odds_at_best(error,
     tried = [made("a", 5000.0, error, spread), made("b", 900.0, 8.9, spread)]
     alone = float(confidences(tried, 9.0)[0])
     assert alone > 0.99
-    assert confidence_of_first(tried, 9.0) == (alone if sure else STANDS_IN)
+    assert confidence_of(tried[0], tried, 9.0) == (alone if sure else STANDS_IN)
 
 
 def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
@@ -106,6 +109,41 @@ def test_beside_a_correction_hot_pixels_are_what_it_is_for():
 def test_a_near_rival_is_named():
     best, near, far = made("a", 300.0, 1.0), made("b", 280.0, 1.0), made("c", 90.0, 1.4)
     assert rivals(best, [best, near, far]) == ["b"]
+
+
+def with_falls(found: Trial, *falls: float) -> Trial:
+    return dataclasses.replace(found, falls=np.array(falls))
+
+
+@pytest.mark.parametrize(
+    ("other", "expected"),
+    [
+        ((0.0, 0.0, 90.0), True),
+        ((22.0, -500.0, 68.0), True),  # what it harms is none of what both have
+        ((23.0, 0.0, 67.0), False),
+        ((90.0, 0.0, 0.0), False),
+        ((30.0, 30.0, 5000.0), False),  # a quarter of the lesser's
+        ((10.0, 10.0, 5000.0), True),
+        ((), False),  # nothing is known of it
+    ],
+)
+def test_candidates_that_explain_different_statistics_are_apart(other, expected):
+    one, another = made("a", 50.0, 1.0), made("b", 45.0, 1.0)
+    if other:
+        one, another = with_falls(one, 60.0, 40.0, -9.0), with_falls(another, *other)
+    assert apart(one, another) is apart(another, one) is expected
+
+
+def test_what_explains_other_statistics_is_no_rival():
+    """Row noise and column offsets, each missing: both are sure, and neither stands for both."""
+    rows = with_falls(made("a", 4400.0, 2.1, spread=2.3), 8e3, 100.0, 0.0)
+    columns = with_falls(made("b", 3900.0, 2.5), 90.0, 0.0, 7e3)
+    like_rows = with_falls(made("c", 4100.0, 2.4, spread=2.3), 7e3, 100.0, 50.0)
+    tried = [rows, like_rows, columns]
+    assert rivals(rows, tried) == ["c"]
+    assert confidence_of(columns, tried, 3.3) > 0.999
+    assert confidence_of(rows, tried, 3.3) == confidences([rows, like_rows], 3.3)[0] > 0.99
+    assert confidence_of(like_rows, tried, 3.3) == confidences([like_rows, rows], 3.3)[0] < 0.01
 
 
 @pytest.mark.parametrize(
@@ -181,11 +219,12 @@ def test_where_the_halves_disagree_about_the_leader_nothing_is_added(asked):
 def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already(asked):
     some = dataclasses.replace(made("a", 0.9 * CERTAIN, 0.9), fitted_gain=0.3 * CERTAIN)
     chance = made("a", 0.9 * NOTHING, 0.9)
+    asked.setattr(diagnose, "judged", lambda *_: some)  # the average sensor says the same
     assert diagnose.missing(None, some.state, [some]) is None
     asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=["drift"]))
     assert diagnose.missing(None, some.state, [some]) is None
     asked.setattr(diagnose, "mends", lambda _held, names, *_: "drift" in names)
-    assert diagnose.missing(None, some.state, [some]) is some
+    assert diagnose.missing(None, some.state, [some]).evidence == some.evidence
     asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=[*"abc", "drift"]))
     assert diagnose.missing(None, some.state, [some]) is None  # not of the worst
     assert diagnose.missing(None, chance.state, [chance]) is None
@@ -238,7 +277,7 @@ def test_what_is_one_sensors_luck_is_not_added(asked, gain, spread, added):
 )
 def test_the_model_without_it_is_fitted_as_well_as_with_it(asked, gain, fell, again, told):
     found = dataclasses.replace(made("a", gain, 0.9), others=("kept",))
-    begun = SimpleNamespace(loss=5.0)
+    begun = SimpleNamespace(loss=5.0, model=NoiseModel(()))
     asked.setattr(diagnose, "minimise", lambda *_: SimpleNamespace(loss=5.0 - fell))
     asked.setattr(diagnose, "judged", lambda *_: made("a", again, 0.9))
     best = diagnose.missing(None, begun, [found])
@@ -279,6 +318,8 @@ def test_where_the_halves_disagree_the_average_sensor_decides(
         ((120.0, 14.0), 20.0, None),  # the luck of one sensor's clouds
         ((14.0, 120.0), 90.0, 90.0),
         ((60.0, 74.0), 20.0, 67.0),  # both say so
+        ((46.0, 70.0), 20.0, None),  # both do, but not more than noise drawn anew may
+        ((46.0, 70.0), 90.0, 90.0),
         ((300.0, 14.0), 20.0, 157.0),  # no luck makes that
     ],
 )
@@ -287,7 +328,8 @@ def test_what_one_half_hardly_speaks_for_is_asked_of_averages_too(asked, gains, 
     answers = iter([found] if found.evidence < UNDONE else [])  # beside the better fit
     asked.setattr(diagnose, "minimise", lambda *_: SimpleNamespace(loss=1.0, model=None, knobs=[]))
     asked.setattr(diagnose, "judged", lambda *_: next(answers, made("a", average, 0.9)))
-    best = diagnose.missing(None, SimpleNamespace(loss=2.0), [found])
+    begun = SimpleNamespace(loss=2.0, model=NoiseModel(()))
+    best = diagnose.missing(None, begun, [found])
     assert (best and best.evidence) == told
 
 
@@ -302,7 +344,7 @@ def test_how_little_evidence_is_goes_by_what_is_left(asked):
 
 def test_the_model_with_it_goes_on_where_that_without_did(asked):
     found, fits = made("a", 100.0, 0.9), []
-    begun, lower, on = SimpleNamespace(loss=5.0), SimpleNamespace(loss=4.0), SimpleNamespace()
+    begun, lower, on = (SimpleNamespace(loss=x, model=NoiseModel(())) for x in (5.0, 4.0, 3.0))
     asked.setattr(diagnose, "derive", lambda _, state, anew: state)
     asked.setattr(
         diagnose, "minimise", lambda _, s, steps: fits.append(s) or (lower if s is begun else on)
@@ -378,7 +420,22 @@ def test_what_the_verdict_calls_unexplained_is_what_little_evidence_may_put_righ
     asked.setattr(diagnose, "adequacy", seen)
     asked.setattr(diagnose, "mends", lambda _held, left, *_: bool(left))
     asked.setattr(diagnose, "sobered", lambda *_: found)
-    assert diagnose.missing(None, found.state, [found]) is found
+    asked.setattr(diagnose, "judged", lambda *_: found)
+    assert diagnose.missing(None, found.state, [found]).evidence == found.evidence
+
+
+def test_what_the_fit_with_it_found_for_others_is_open_to_the_model_without(asked):
+    """A pattern's place, say; not what every sensor has, which may have made room for it."""
+    pattern, noise = PeriodicPattern(0.5, 0.2, 0.1), ReadNoise(2.0)
+    moved, less = dataclasses.replace(pattern, u=0.3), ReadNoise(0.5)
+    before = dataclasses.replace(made("a", 0.0, 1.0).state, model=NoiseModel((noise, pattern)))
+    after = dataclasses.replace(before, model=NoiseModel((less, moved, HotPixels())))
+    found = Trial("hot_pixels", after, 100.0, 100.0, 0.9)
+    begun = []
+    asked.setattr(diagnose, "start", lambda _, model, knobs, like: begun.append(model) or like)
+    asked.setattr(diagnose, "sobered", lambda *_: found)
+    assert diagnose.missing(None, before, [found]) is found
+    assert begun == [NoiseModel((noise, moved))]
 
 
 def test_only_a_candidate_alone_before_what_it_leaves_over_is_doubted():

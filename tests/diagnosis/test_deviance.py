@@ -3,13 +3,23 @@
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.deviance import DOUBT, TOLERABLE, deviance, dispersion
+from dnanalyze.diagnosis.deviance import DOUBT, TOLERABLE, deviance, dispersion, falls
 
 NAMES = np.array(["lines"] * 3 + ["shading"] * 7)
 
 
 def halves(lines: float, shading: float) -> np.ndarray:
     return np.array([lines] * 3 + [shading] * 7)
+
+
+def test_a_statistic_falls_by_what_all_its_settings_do():
+    names = np.array(["lines", "shading", "lines"])
+    fell = falls(names, np.array([9.0, 1.0, 2.0]), np.array([1.0, 4.0, 2.5]))
+    expected = [
+        deviance(np.array([9.0, 2.0])) - deviance(np.array([1.0, 2.5])),
+        deviance(np.array([1.0])) - deviance(np.array([4.0])),
+    ]
+    np.testing.assert_allclose(fell, expected)
 
 
 def test_what_it_leaves_as_it_was_says_nothing_against_an_effect():

@@ -76,7 +76,7 @@ def test_an_error_that_no_single_statistic_makes_is_told_by_the_farthest(rows, m
     _, held = rows
     state = minimise(held, start(held, model := paper_start(held), knobs_of(model)), 1)
     monkeypatch.setattr("dnanalyze.diagnosis.diagnose.adequacy", lambda *_: Adequacy(False, []))
-    found = judge("rows", held, state, [], {}, limits=False)
+    found = judge("rows", held, state, [], None, {}, limits=False)
     assert found.verdict == "unexplained"
     assert found.unexplained == farthest(held, state)
     assert len(found.unexplained) == 3

@@ -52,8 +52,10 @@ def test_a_rival_that_its_own_guess_led_astray_begins_where_the_leader_ended(
     monkeypatch, ended, first
 ):
     names = np.array(["hot_count_8"] * 100)
+    half = SimpleNamespace(names=names, families=names)
     bench = SimpleNamespace(
-        test=SimpleNamespace(names=names, families=names),
+        train=half,
+        test=half,
         plan=SimpleNamespace(windows=[Window(0, 8, 0, 8), Window(8, 16, 0, 8)]),
     )
     base, leader, astray, like = stands(5.0), stands(2.0), stands(4.5), []

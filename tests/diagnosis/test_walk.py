@@ -98,7 +98,7 @@ def test_an_exchange_is_told_as_a_removal_and_an_addition(ordinary, completed_at
     monkeypatch.setattr(module, "ranked", lambda *_: [])
     monkeypatch.setattr(module, "exchange", lambda *_: next(answers))
     monkeypatch.setattr(
-        module, "confidence_of_first", lambda among, _: 0.4 if among == [found] else None
+        module, "confidence_of", lambda best, among, _: 0.4 if among == [best] == [found] else None
     )
     begun = Path(state, (Step(None, 2.0),))
     ended = walk.to_end(begun)

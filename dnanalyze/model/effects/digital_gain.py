@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
@@ -16,6 +17,8 @@ _CODES = 300  # of the histogram's body that are looked at
 _DEGREE = 6  # of the smooth log density under the comb
 _PHASES = 20  # whole codes about the level that are tried as the offset
 _CANDIDATES = 24
+_PLAIN = 4, 20, 100, 32  # parts of one of which factors are likely multiples
+_TIE = 0.003  # misfit by which chance tells factors apart
 _FINE = 2048  # parts of a code within which a product is a half
 
 
@@ -130,29 +133,45 @@ def _body(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, int]:
 def _best_gain(counts: np.ndarray, first: int) -> float | None:
     """Factor under which a smooth density makes this histogram; None: none does better than 1.
 
-    The histogram has lines at 1/s and its multiples, and those of all s whose 1/s differ by a whole
-    number or in sign are the same. So the strongest lines give candidates, and each is then tried,
-    with the plain numbers next to it, under which products fall on halves.
+    Which factors come near is seen with the density held; each of the best is then tried with its
+    own, and with the plain numbers next to it: under these products fall on halves.
     """
-    x = np.arange(counts.size)
-    smooth = np.convolve(counts, np.hanning(2 * (counts.size // 6) + 3), "same")
-    smooth *= counts.sum() / smooth.sum()
-    inverse = np.arange(0.25, 2.0, 0.2 / counts.size)
-    coherence = np.abs(np.exp(2j * np.pi * np.outer(inverse, x)) @ (counts - smooth))
-    middle = coherence[1:-1]
-    peak = np.r_[False, (middle >= coherence[:-2]) & (middle > coherence[2:]), False]
-    order = np.argsort(-np.where(peak, coherence, 0.0))[:_CANDIDATES]
-    tried = [_plain(1.0 / k, counts.size) for k in inverse[order]]
-    misfit = [min(_least(counts, first, gain) for gain in gains) for gains in tried]
-    near = tried[int(np.argmin(misfit))]
-    fine = 1.0 / near[0] + np.linspace(-0.4, 0.4, 33) / counts.size
+    tried = [_plain(gain, counts.size) for gain in _promising(counts, first)]
+    misfit = {gain: _least(counts, first, gain) for gains in tried for gain in gains}
+    near = min(misfit, key=lambda gain: misfit[gain])
+    fine = 1.0 / near + np.linspace(-0.4, 0.4, 33) / counts.size
     scan = np.array([_least(counts, first, 1.0 / k) for k in fine])
-    exact = {gain: _least(counts, first, gain) for gain in near[1:]}
-    best = min([float(scan.min()), *exact.values()])
+    best = min(float(scan.min()), misfit[near])
     if best > min(0.25, 0.6 * _misfit(counts, first, 1.0, 0.0)):
         return None
-    plain = [gain for gain, misfit in exact.items() if misfit <= best + 0.01]
-    return plain[0] if plain else float(1.0 / np.mean(fine[scan <= best + 0.01]))
+    plain = [gain for gains in tried for gain in gains[1:] if misfit[gain] <= best + _TIE]
+    if plain:
+        return min(plain, key=lambda gain: (_parts(gain), misfit[gain]))
+    return float(1.0 / np.mean(fine[scan <= best + _TIE]))
+
+
+def _parts(gain: float) -> int:
+    """Of how plain a factor it is a multiple."""
+    return next(i for i, n in enumerate(_PLAIN) if abs(gain * n - round(gain * n)) < 1e-9)
+
+
+def _promising(counts: np.ndarray, first: int) -> np.ndarray:
+    """Factors that lead to these counts best, from the smooth density that lies over them."""
+    size = counts.size
+    density = np.exp(_log_density(counts, counts > 0.1 * median_filter(counts, 7)))
+    plain = np.concatenate([np.arange(n // 2, 4 * n) / n for n in _PLAIN[2:]])
+    inverse = np.unique(np.r_[np.arange(0.25, 2.0, 0.2 / size), 1.0 / plain])
+    inverse = inverse[np.abs(inverse - 1.0) > 0.3 / size]
+    misfit = np.empty(inverse.size)
+    for n, gain in enumerate(1.0 / inverse):
+        ways = _ways(size, first, gain, _phases(first, gain))
+        expected = ways * density
+        expected *= counts.sum() / np.maximum(expected.sum(axis=1, keepdims=True), 1e-9)
+        misfit[n] = np.abs(counts - expected).sum(axis=1).min()
+    lowest = (misfit <= np.r_[np.inf, misfit[:-1]]) & (misfit < np.r_[misfit[1:], np.inf])
+    equal = np.isin(inverse, 1.0 / plain) & (misfit <= misfit.min() + 2.0 * _TIE * counts.sum())
+    chosen = np.flatnonzero(lowest | equal)
+    return 1.0 / inverse[chosen[np.argsort(misfit[chosen])[:_CANDIDATES]]]
 
 
 def _offset(counts: np.ndarray, first: int, gain: float, level: int) -> float:
@@ -165,29 +184,49 @@ def _offset(counts: np.ndarray, first: int, gain: float, level: int) -> float:
 
 
 def _plain(gain: float, codes: int) -> list[float]:
-    """A factor and the multiples of 1/4, 1/20, 1/100 and 1/32 that so many codes allow."""
-    rounded = [round(gain * n) / n for n in (4, 20, 100, 32)]
-    return [gain, *(r for r in rounded if r > 0 and abs(1.0 / r - 1.0 / gain) < 0.5 / codes)]
+    """A factor and the plain ones that so many codes allow."""
+    rounded = [round(gain * n) / n for n in _PLAIN]
+    near = [r for r in rounded if r > 0 and abs(1.0 / r - 1.0 / gain) < 0.5 / codes]
+    return [gain, *(r for r in near if r != 1.0)]
 
 
 def _least(counts: np.ndarray, first: int, gain: float) -> float:
     """Misfit of a factor at its best phase."""
-    return min(_misfit(counts, first, gain, phase) for phase in np.arange(0.0, 2.0, 0.05))
+    return min(_misfit(counts, first, gain, phase) for phase in _phases(first, gain))
+
+
+def _phases(first: int, gain: float) -> np.ndarray:
+    """Of a factor about whole codes, where products fall on halves, and between."""
+    whole = (np.arange(40) * (1.0 - gain) - first) % gain
+    return np.unique(np.round(np.r_[whole, np.arange(0.0, gain, 0.1)], 6))
 
 
 def _misfit(counts: np.ndarray, first: int, gain: float, phase: float) -> float:
     """Share of the counts that the best smooth density, sent through the factor, puts elsewhere."""
-    size = counts.size
-    odd = first % 2  # halves are rounded to even codes
-    inputs = np.arange(-3, int((size + 3) / gain) + 3)
-    codes = _rounded(inputs * gain + phase + odd).astype(int) - odd
-    ways = np.bincount(codes[(codes >= 0) & (codes < size)], minlength=size)
+    ways = _ways(counts.size, first, gain, np.array([phase]))[0]
     used = (ways > 0) & (counts > 0)
     if used.sum() <= _DEGREE + 1:
         return 1.0
-    basis = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, size), _DEGREE)
-    weight = np.sqrt(counts[used])
-    target = np.log(counts[used] / ways[used])
-    fit = np.linalg.lstsq(basis[used] * weight[:, None], target * weight, rcond=None)[0]
-    expected = ways * np.exp(np.clip(basis @ fit, -50.0, 50.0))
+    expected = ways * np.exp(_log_density(counts / np.maximum(ways, 1), used, counts))
     return float(0.5 * np.abs(counts - expected).sum() / counts.sum())
+
+
+def _ways(size: int, first: int, gain: float, phases: np.ndarray) -> np.ndarray:
+    """How many codes become each one, (phases, size)."""
+    odd = first % 2  # halves are rounded to even codes
+    inputs = np.arange(-3, int((size + 3) / gain) + 3)
+    codes = _rounded(inputs * gain + phases[:, None] + odd).astype(int) - odd
+    row, here = np.nonzero((codes >= 0) & (codes < size))
+    places = row * size + codes[row, here]
+    return np.bincount(places, minlength=phases.size * size).reshape(phases.size, size)
+
+
+def _log_density(
+    density: np.ndarray, used: np.ndarray, counts: np.ndarray | None = None
+) -> np.ndarray:
+    """Smooth log of a density through the codes that are used, each weighted by its counts."""
+    basis = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, density.size), _DEGREE)
+    weight = np.sqrt((density if counts is None else counts)[used])
+    target = np.log(density[used]) * weight
+    fit = np.linalg.lstsq(basis[used] * weight[:, None], target, rcond=None)[0]
+    return np.clip(basis @ fit, -50.0, 50.0)

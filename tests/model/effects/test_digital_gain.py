@@ -76,6 +76,26 @@ def test_guess_finds_the_factor_from_histograms(gain):
     assert len(inner - truth) <= 0.12 * len(inner)
 
 
+@pytest.mark.parametrize(
+    ("gain", "sigma", "skew"),
+    [(1.15, 1.6, 0.64), (0.9, 5.7, 0.4), (0.75, 5.8, 0.8), (1.1, 3.5, 0.8), (2.0, 4.5, 0.0),
+     (1.05, 8.7, 0.8)],
+)  # fmt: skip
+def test_guess_finds_the_factor_under_a_skewed_density(gain, sigma, skew):
+    """A line of the spectrum at a gap's own spacing is lost in the slope of the density."""
+    rng = np.random.default_rng(5)
+    dark = 2.0 * sigma * rng.lognormal(0.0, skew, 440_000) if skew else 0.0
+    codes = np.rint(64.0 + dark + sigma * rng.standard_normal(440_000))
+    made, counts = np.unique(np.rint((codes - 64.0) * gain + 64.0), return_counts=True)
+    clues = Given(
+        seen={"mean": 64.0},
+        off={"code_comb": 9.0},
+        curves={"histogram_codes": [made], "histogram_counts": [counts]},
+    )
+    (found,) = DigitalGain.guess(clues)
+    assert found.gain == pytest.approx(gain, rel=0.004)
+
+
 @pytest.mark.parametrize("sigma", [2.0, 6.0, 30.0, 70.0])
 def test_no_guess_from_a_smooth_histogram(sigma):
     codes, counts = histogram(1.0, 300.0, sigma)
