@@ -15,6 +15,7 @@ from dnanalyze.analyzers.uncertainty import QuantileErrors, block_sums, mean_err
 
 LEVELS = ("0.001", "0.01", "0.1", "0.25", "0.75", "0.9", "0.99", "0.999", "0.9999")
 TEMPORAL_LEVELS = ("0.001", "0.01", "0.99", "0.999")
+DRIFTING = 0.5  # scatter of the excess kurtosis of a few normal differences
 KURTOSIS_CUT = 8.0  # robust sigmas
 FEWEST = 4.0  # pixels expected beyond a quantile for it to be stated
 CURVE_BINS = 512
@@ -162,6 +163,8 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
         return
     ratio = m4 / m2**2
     error = _kurtosis_error(acc, np.float32(reach), m2, ratio) if acc.plan.errors else 0.0
+    moved = min(2.0 * acc.drift_variance / m2, 1.0)  # share of whole frames that move
+    error = math.hypot(error, DRIFTING * moved**2)
     out.values["temporal_kurtosis"] = Value(ratio - 3.0, max(error, 1e-4))
 
 

@@ -294,4 +294,7 @@ def _dead(acc: Accumulated, out: FamilyResult) -> None:
     elif acc.difference_sigma <= DEAD_NOISE:
         out.missing["dead_count"] = f"the temporal noise is below {DEAD_NOISE:g} DN"
     else:
-        out.values["dead_count"] = Value(float(np.sum(noise == 0)), 1.0)
+        count = float(np.sum(noise == 0))
+        # one code in all of K frames: as rare as noise, and what moves them, to the power K - 1
+        drifting = math.sqrt(count) * (acc.frames - 1) / 2 * acc.drift_error(acc.temporal_mean)
+        out.values["dead_count"] = Value(count, math.hypot(1.0, drifting))

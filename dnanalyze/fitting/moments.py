@@ -14,6 +14,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import Law, TableLaw, arrhenius
 
 LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+STILL = 0.1  # share of the temporal variance that is of pixels at least
 REST = 0.02  # share of a moment that is the sensor's at least
 NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
 
@@ -58,16 +59,21 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
     mean = readings.value("mean")
     frames = readings.frames
     single = readings.value("frame_noise_core") ** 2
-    seen = readings.value("temporal_noise_core") ** 2
+    whole = readings.value("temporal_noise_core") ** 2
+    # what moves whole frames is no noise of pixels, and tells nothing of the charge
+    levels = [readings.curve("frame_means", i) for i in range(len(readings.points))]
+    moved = np.array([np.var(np.diff(x)) / 2.0 if x.size > 1 else 0.0 for x in levels])
+    seen = np.maximum(whole - moved, STILL * whole)
     usual = float(np.nanmedian(seen)) if np.isfinite(seen).any() else np.inf
     temporal = np.where(np.isfinite(seen), seen, np.minimum(usual, single / 2))
     stack = readings.value("pattern_noise") ** 2 - temporal / frames
     fixed = np.where(frames > 1, stack, single - temporal)
     pattern = np.fmax(fixed, 1e-4 * single)  # of frames that are all alike nothing else is told
-    pedestal = pedestal_guess(readings.points, mean, black_level)
+    error = readings.error("mean")
+    pedestal = pedestal_guess(readings.points, mean, black_level, error)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
     signal = np.maximum(mean - pedestal, least)
-    black = black_over_temperature(readings.points, mean, readings.error("mean"))
+    black = black_over_temperature(readings.points, mean, error)
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
 
 
@@ -150,7 +156,10 @@ def _at_zero(
 
 
 def pedestal_guess(
-    points: list[OperatingPoint], mean: np.ndarray, black_level: float | None
+    points: list[OperatingPoint],
+    mean: np.ndarray,
+    black_level: float | None,
+    error: np.ndarray | float = 0.0,
 ) -> float:
     """Black level from the series, mean = pedestal + A t exp(-Ea/k (1/T - 1/T0)), Ea on a grid.
 
@@ -161,6 +170,8 @@ def pedestal_guess(
         DN, one a point.
     black_level : float, optional
         What the files state; used where the series cannot tell.
+    error : ndarray, optional
+        DN, of the means.
     """
     lowest = float(np.min(mean))
     growths = [
@@ -176,7 +187,7 @@ def pedestal_guess(
     varied = np.ptp(growths[0]) > 1e-6 * np.max(growths[0])
     if len(points) < 3 or not varied:
         return min(black_level, lowest) if black_level is not None else lowest - 0.05
-    weight = 1.0 / (0.03 * (mean - lowest) + 0.05)
+    weight = 1.0 / np.hypot(0.03 * (mean - lowest) + 0.05, error)
     best, pedestal = math.inf, lowest
     for growth in growths:
         design = np.stack([np.ones_like(mean), growth / np.max(growth)], 1) * weight[:, None]

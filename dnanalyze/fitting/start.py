@@ -18,6 +18,9 @@ from dnanalyze.model.registry import BASE, built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
 SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
+SEEN = (
+    0.02  # share of the temporal variance that is shot noise at least: of none a fit sees no slope
+)
 
 
 def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
@@ -76,6 +79,8 @@ def ordinary_model(
     above = m.pedestal + m.signal - [value_at(black, p) for p in m.points]
     m = replace(m, signal=np.maximum(above, 0.01 * np.sqrt(np.min(m.total)) + 1e-3))
     (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
+    brightest = int(np.argmax(m.signal))
+    slope = max(slope, SEEN * m.temporal[brightest] / m.signal[brightest])
     (offsets, relative), _ = nnls(
         _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
     )

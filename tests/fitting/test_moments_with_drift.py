@@ -1,0 +1,48 @@
+"""What a fit begins with where whole frames move up and down."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import VirtualSensor, generate
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.moments import Moments, moments, pedestal_guess
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.start import SEEN, ordinary_model
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import arrhenius
+
+POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (5.0, 15.0, 25.0, 35.0, 45.0)]
+DARK_E = np.array([2.0 * arrhenius(p.temperature_c, 25.0, 0.6) for p in POINTS])
+
+
+def temporal(drift: float) -> np.ndarray:
+    """Of shot noise of 1 DN/e- and 3 DN of read noise, where frames walk up and down; DN^2."""
+    sensor = VirtualSensor(1.0, 3.0, 1.0, 20.0, 0.2, 0.6, 100.0, 0.1)
+    hidden = {"offset_drift": {"e": drift}} if drift else {}
+    at = [p.temperature_c for p in POINTS]
+    held = bench(design(generate(sensor, hidden, (128, 128), at, seed=5)))
+    return moments(Readings(held.measured[0]), None).temporal
+
+
+def test_what_moves_whole_frames_is_no_noise_of_pixels():
+    """The quartiles of five steps and noise are wider than both variances by no fixed share."""
+    expected = 9.0 + DARK_E * np.exp(0.2**2 / 2) + 1 / 12
+    assert temporal(0.0) == pytest.approx(expected, rel=0.03)
+    assert temporal(3.0) == pytest.approx(expected, rel=0.25)
+
+
+def test_of_a_slope_lost_in_drift_a_fit_finds_some():
+    falling = np.array([20.0, 18.0, 16.0, 15.0, 14.0])
+    made = ordinary_model(Moments(POINTS, 100.0, DARK_E, falling, np.ones(5)))
+    assert made.get("dark_shot_noise").dn_per_e == pytest.approx(SEEN * 14.0 / DARK_E[-1])
+
+
+def test_levels_count_by_their_errors():
+    """One of five is 2 DN low by its drift, and says so."""
+    mean = 100.0 + DARK_E - [0.0, 2.0, 0.0, 0.0, 0.0]
+    error = np.array([0.05, 2.0, 0.05, 0.05, 0.05])
+    assert pedestal_guess(POINTS, mean, None, error) == pytest.approx(
+        min(100.0, mean.min()), abs=0.1
+    )
+    assert pedestal_guess(POINTS, 100.0 + DARK_E, None) == pytest.approx(100.0, abs=0.1)
