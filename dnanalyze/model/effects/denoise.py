@@ -92,7 +92,7 @@ class Denoise(Effect):
     patch: int = choice(
         5, "pixels a side that are compared (nlm); even: a fast mode's", 2, 3, 4, 5, 6, 7
     )
-    window: int = choice(11, "pixels a side that are searched (nlm)", 7, 11, 13, 21)
+    window: int = choice(11, "pixels a side that are searched (nlm)", 7, 9, 11, 13, 21)
 
     def idle(self) -> tuple[str, ...]:
         """What the present kind does not use; a share in quarters is a maker's, and stays."""
