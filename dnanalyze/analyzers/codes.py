@@ -14,6 +14,7 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 CENTRAL = 0.98  # share of a histogram that counts as its body
 GAUSSIAN = 3.45  # codes of the body over those between the quartiles, of a normal distribution
 FEW = 30  # counts
+STEEP = 4.0  # times what is smooth over it that a code counts for at most
 OVERUSED = 5.0  # standard errors above its neighbours
 
 INFOS = (
@@ -147,6 +148,7 @@ def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:
     core = min(body.size, GAUSSIAN * (last - first + 1))  # a long tail makes it no smoother
     width = int(min(max(5, 2 * (core // 8) + 1), 129))
     smooth = smoothed(counts.counts.astype(float), width)[low : high + 1]
+    smooth = np.maximum(smooth, body / STEEP)  # a cubic falls through 0 where a histogram ends
     rough = body / smooth - 1
     noise, weight = repeats / smooth, smooth / smooth.sum()
     power = float(weight @ rough**2)

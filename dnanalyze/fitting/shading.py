@@ -7,6 +7,7 @@ it: halves of the field whose levels differ are shaded, not wrong in level.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -16,6 +17,7 @@ from dnanalyze.analyzers.shading import NOISE, NOISE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 
 ORDER = 4
+CLEAR = 2.0  # standard errors from which blocks of a colour lie elsewhere than those of a half
 WIDE = 8
 LEVELS = ("mean", "median")
 
@@ -86,7 +88,7 @@ def shading_values(
         temporal variance over its mean. The squared error is that of the white residue plus the
         power of the next orders of its kind: a random low-frequency field shows there, and a
         second sensor would draw it anew. ``mean`` and ``median`` of the half are moved by how far
-        the blocks of the colour lie from its own.
+        the blocks of the colour lie from its own; the median by what of that is no scatter.
     """
     blocks = _whole(upper, lower, "block_means")
     if blocks is None:
@@ -97,7 +99,20 @@ def shading_values(
     shift = float(colour.mean() - half.curves["block_means"].mean())
     levels = {n: half.values[n] for n in LEVELS if n in half.values}
     moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
+    if "median" in levels:  # few bright pixels scatter the means of blocks, by which it is moved
+        own, error = levels["median"], _shift_error(blocks, colour.size)
+        share = max(0.0, 1.0 - (CLEAR * error / shift) ** 2) if shift else 0.0
+        se = math.hypot(own.se, share * error)
+        moved["median"] = replace(own, value=own.value + share * shift, se=se)
     return found | moved | _noise(upper, lower, parity)
+
+
+def _shift_error(blocks: np.ndarray, count: int) -> float:
+    """Of a mean of so many blocks, by how far neighbours differ, along the axis where they do less:
+    a half of another level is no scatter.
+    """
+    apart = min(float(np.mean(np.diff(blocks, axis=axis) ** 2)) for axis in (0, 1))
+    return math.sqrt(apart / 2.0 / count)
 
 
 def _noise(upper: SettingStatistics, lower: SettingStatistics, parity: int) -> dict[str, Value]:

@@ -141,7 +141,9 @@ def _numbers(
         colours = [shading_values(upper, lower, colour) for colour in (0, 1)]
         for name, v in colours[part].items():
             key = Key(*where, name)
-            se = found[key][1] if key in found else _together([c[name].se for c in colours])
+            se = _together([c[name].se for c in colours])
+            if key in found:
+                se = max(se, found[key][1])
             found[key] = (v.value, se, known[name])
     return found
 

@@ -324,3 +324,19 @@ def test_a_histogram_is_smoothed_by_the_filter_of_savitzky_and_golay(width):
     counts = np.random.default_rng(4).poisson(50, 300).astype(float)
     expected = signal.savgol_filter(counts, width, 3, mode="constant")
     np.testing.assert_allclose(codes.smoothed(counts, width), np.maximum(expected, 0.5), rtol=1e-9)
+
+
+def test_a_steep_end_of_a_narrow_histogram_is_not_rough():
+    """A cubic falls through 0 there; a second population beyond makes the end part of the body."""
+    counts = np.array([20, 205, 1279, 5641, 18879, 44976, 77357, 97184, 88952, 59024, 28768, 10298,
+                       2716, 558, 97, 11, *[0] * 30, 900, 2200, 2400, 900])  # fmt: skip
+    other = counts.copy()
+    other[12:16] = 2792, 546, 90, 13
+    seen = [values_of(codes, frames_of(n))["code_roughness"] for n in (counts, other)]
+    assert abs(math.log(seen[0].value / seen[1].value)) < seen[0].se
+
+
+def frames_of(counts):
+    """One frame with so many pixels of every code, up to a part of a row."""
+    values = np.repeat(np.arange(counts.size) + 94, counts).astype(np.uint16)
+    return [values[: values.size // 320 * 320].reshape(-1, 320)]

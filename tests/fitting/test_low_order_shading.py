@@ -104,5 +104,26 @@ def test_halves_of_different_level_are_shaded_and_not_wrong_in_level():
         found = shading_values(*parts, parity)
         # 128 blocks of each colour: .01 / sqrt(128), and as much of the level that is taken off
         assert abs(found["median"].value - 65.5) < 5 * 0.01 * np.sqrt(2 / 128)
-        assert abs(found["mean"].value - found["median"].value - tail) < 1e-9
-        assert (found["mean"].se, found["median"].se) == (0.02, 0.03)
+        # but for the share of the shift that may be scatter: two errors' square over that of 1.5 DN
+        assert abs(found["mean"].value - found["median"].value - tail) < 4e-4 / 128 / 1.5 * 1.1
+        assert found["mean"].se == 0.02
+        assert found["median"].se == pytest.approx(np.hypot(0.03, 0.01 / np.sqrt(128)), rel=1e-4)
+
+
+def test_the_median_is_moved_by_no_scatter_of_few_bright_pixels():
+    """They scatter the means of blocks; where these move it, it has the error of that."""
+    rng = np.random.default_rng(6)
+    stayed, pulls = 0, []
+    for _ in range(100):
+        bright = 0.6 * rng.poisson(4.0, (16, 16))
+        for step in (0.0, 3.0):
+            parts = halves(64.0 + bright + step * (np.arange(16) > 7)[:, None])
+            for part, level in zip(parts, (64.0, 64.0 + step), strict=True):
+                part.values.update(median=Value(level, 0.001))
+            seen = [shading_values(*parts, parity)["median"] for parity in (0, 1)]
+            if step:
+                pulls += [(v.value - 65.5) / v.se for v in seen]
+            else:
+                stayed += sum((v.value, v.se) == (64.0, 0.001) for v in seen)
+    assert stayed > 180  # beyond two standard errors lie 9 of 200
+    assert np.std(pulls) == pytest.approx(1.0, abs=0.2)
