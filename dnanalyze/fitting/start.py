@@ -18,9 +18,9 @@ from dnanalyze.model.registry import BASE, built_in
 
 ROUNDING_VARIANCE = 1.0 / 12.0
 SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
-SEEN = (
-    0.02  # share of the temporal variance that is shot noise at least: of none a fit sees no slope
-)
+# Shot noise has this share of the temporal variance at least, for of none a fit sees no slope; but
+# where there is hardly any charge no share makes a gain of more than that, DN/e-.
+SEEN, FAINT = 0.02, 0.1
 
 
 def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
@@ -80,7 +80,7 @@ def ordinary_model(
     m = replace(m, signal=np.maximum(above, 0.01 * np.sqrt(np.min(m.total)) + 1e-3))
     (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
     brightest = int(np.argmax(m.signal))
-    slope = max(slope, SEEN * m.temporal[brightest] / m.signal[brightest])
+    slope = max(slope, min(SEEN * m.temporal[brightest] / m.signal[brightest], FAINT))
     (offsets, relative), _ = nnls(
         _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
     )
