@@ -194,8 +194,12 @@ def _families(console: Console, families: Mapping[str, float]) -> None:
 
 
 def diagnosis(console: Console, captures: Any, result: Any) -> None:
-    """The verdict, the candidates with their evidence, the limits, the next capture."""
+    """The verdict, the candidates with their evidence, the limits, the next capture.
+
+    Where nothing is missing, what chance put forward is no candidate.
+    """
     _verdict(console, capture.one_line(captures), words.diagnose_headline(result))
+    candidates = [] if result.verdict == "adequate" else result.candidates
     _table(
         console,
         ("candidate", "error after", "explains", "confidence", "confused with"),
@@ -207,11 +211,11 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
                 words.percent(c.confidence),
                 ", ".join(c.confused_with) or "–",
             )
-            for c in result.candidates[:MOST_ROWS]
+            for c in candidates[:MOST_ROWS]
         ),
     )
-    if result.candidates:
-        best = result.candidates[0]
+    if candidates:
+        best = candidates[0]
         _points(console, f"Evidence for {best.effect}", list(best.evidence))
     _points(
         console,

@@ -199,3 +199,16 @@ def test_a_seed_without_a_model_seeds_the_papers(folder, calls, monkeypatch):
     assert calls["fit"][0][1].seed == 9
     assert main(["refine", str(folder), "-q"]) == 0
     assert calls["refine"][1]["model"] is None
+
+
+@pytest.mark.parametrize(("verdict", "shown"), [("missing", True), ("adequate", False)])
+def test_where_nothing_is_missing_the_terminal_shows_no_candidates(
+    folder, calls, monkeypatch, capsys, verdict, shown
+):
+    monkeypatch.setattr(
+        "dnanalyze.diagnosis.diagnose.diagnose", lambda *_, **__: fakes.diagnosis(verdict)
+    )
+    assert main(["diagnose", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert ("column_gain" in said) is shown
+    assert ("Evidence for" in said) is shown
