@@ -35,8 +35,14 @@ def falls(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarra
     ndarray
         One a name, in their order.
     """
+    _, was, now = _by_name(names, before, after)
+    return was - now
+
+
+def _by_name(names: np.ndarray, *z: np.ndarray) -> tuple[np.ndarray, ...]:
+    """How many numbers a statistic has, and its deviance by each of several misfits."""
     _, which = np.unique(names, return_inverse=True)
-    return np.bincount(which, _witness(before) - _witness(after))
+    return tuple(np.bincount(which, w) for w in (np.ones(names.size), *map(_witness, z)))
 
 
 def dispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
@@ -56,11 +62,7 @@ def dispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> floa
     """
     if not names.size:
         return 1.0
-    _, which = np.unique(names, return_inverse=True)
-    count, was, now = (
-        np.bincount(which, each)
-        for each in (np.ones(names.size), _witness(before), _witness(after))
-    )
+    count, was, now = _by_name(names, before, after)
     moved = np.abs(was - now)
     there = float(np.sum(moved * now / count) / np.sum(moved)) if moved.any() else np.inf
     left = min(there, float(now.sum() / names.size))

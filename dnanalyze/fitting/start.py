@@ -12,11 +12,11 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.moments import Moments, temperature_knots
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 
-ROUNDING_VARIANCE = 1.0 / 12.0
 SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
 # Shot noise has this share of the temporal variance at least, for of none a fit sees no slope; but
 # where there is hardly any charge no share makes a gain of more than that, DN/e-.

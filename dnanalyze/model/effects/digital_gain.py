@@ -158,8 +158,10 @@ def _parts(gain: float) -> int:
 def _promising(counts: np.ndarray, first: int) -> np.ndarray:
     """Factors that lead to these counts best, from the smooth density that lies over them."""
     size = counts.size
-    density = np.exp(_log_density(counts, counts > 0.1 * median_filter(counts, 7)))
-    plain = np.concatenate([np.arange(n // 2, 4 * n) / n for n in _PLAIN[2:]])
+    density = np.exp(_log_density(counts, counts > 0.1 * median_filter(counts, 7), counts))
+    plain = np.concatenate(
+        [np.arange(n // 2, 4 * n) / n for n in _PLAIN[2:]]
+    )  # the others among them
     inverse = np.unique(np.r_[np.arange(0.25, 2.0, 0.2 / size), 1.0 / plain])
     inverse = inverse[np.abs(inverse - 1.0) > 0.3 / size]
     misfit = np.empty(inverse.size)
@@ -221,12 +223,10 @@ def _ways(size: int, first: int, gain: float, phases: np.ndarray) -> np.ndarray:
     return np.bincount(places, minlength=phases.size * size).reshape(phases.size, size)
 
 
-def _log_density(
-    density: np.ndarray, used: np.ndarray, counts: np.ndarray | None = None
-) -> np.ndarray:
+def _log_density(density: np.ndarray, used: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """Smooth log of a density through the codes that are used, each weighted by its counts."""
     basis = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, density.size), _DEGREE)
-    weight = np.sqrt((density if counts is None else counts)[used])
+    weight = np.sqrt(counts[used])
     target = np.log(density[used]) * weight
     fit = np.linalg.lstsq(basis[used] * weight[:, None], target, rcond=None)[0]
     return np.clip(basis @ fit, -50.0, 50.0)

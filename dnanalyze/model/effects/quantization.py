@@ -12,6 +12,8 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice
 from dnanalyze.model.evidence import curve, shows
 
+ROUNDING_VARIANCE = 1.0 / 12.0  # of a step's square
+
 
 @dataclass(frozen=True)
 class Quantization(Effect):
@@ -55,7 +57,7 @@ class Quantization(Effect):
 
     def variance(self, point: OperatingPoint) -> float:
         """q^2 / 12, DN^2, where the noise before it exceeds .4 q."""
-        return self.step**2 / 12.0
+        return self.step**2 * ROUNDING_VARIANCE
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:

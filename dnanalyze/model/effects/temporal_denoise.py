@@ -11,10 +11,10 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 TRACE = 0.02  # of a frame that is far back
-ROUNDING = 1.0 / 12.0  # DN^2
 UNLIKE = 1.1  # ratio of memories from which both are worth a look
 
 
@@ -109,7 +109,7 @@ class TemporalDenoise(Effect):
         noise = np.asarray(clues.measured("temporal_noise"), float)
         # rounding after the filter is new in every frame: it hides least where noise is most
         most = int(np.argmax(np.where(np.isfinite(r1), np.nan_to_num(noise), 0.0)))
-        less = 1.0 - min(ROUNDING / max(noise[most], 1e-9) ** 2, 0.5)
+        less = 1.0 - min(ROUNDING_VARIANCE / max(noise[most], 1e-9) ** 2, 0.5)
         more = bounded(cls, "share", r1[most] / less / kept)
         shares = [share, more] if more > UNLIKE * share else [share]
         threshold = bounded(cls, "threshold", 4.0 * (typical_positive(noise) or 1.0))
