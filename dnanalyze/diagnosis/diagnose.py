@@ -11,7 +11,6 @@ from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
-    STANDS_IN,
     apart,
     confidence_of,
     confidences,
@@ -21,6 +20,7 @@ from dnanalyze.diagnosis.confidence import (
 )
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
+from dnanalyze.diagnosis.leftover import leftover
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
@@ -113,8 +113,9 @@ def diagnose(
         tell("what every sensor has")
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
-    tried = ranked(held, state, candidates_of(state, known, [BASE, *exclude]), tell)
-    found = judge(captures.name, held, state, tried, missing(held, state, tried), known)
+    open_to = {name: effect for name, effect in known.items() if name not in exclude}
+    tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
+    found = judge(captures.name, held, state, tried, missing(held, state, tried), open_to)
     return beside_everyday(held, asked, stages, found) if stages else found
 
 
@@ -134,7 +135,9 @@ def beside_everyday(
         Of the last of these states.
     """
     error, before = error_of(held, asked), asked
-    together = judged(held, asked, stages[-1][0], stages[-1][1])  # only all of them are refitted
+    # only all of them are refitted; beside what is missing, if that was found
+    ended = found.trials[0].state if found.verdict == "missing" else stages[-1][1]
+    together = judged(held, asked, stages[-1][0], ended)
     chance = float(confidences([together], error)[0])
     ordinary = []
     for name, stage in stages:
@@ -294,10 +297,18 @@ def judge(
     tried: Sequence[Trial],
     best: Trial | None,
     known: dict[str, type[Effect]],
-    limits: bool = True,
+    in_full: bool = True,
 ) -> Diagnosis:
-    """The verdict, with candidates in the order of what they explain; ``best``: see `missing`."""
+    """The verdict, with candidates in the order of what they explain; ``best``: see `missing`.
+
+    ``in_full``: with what these captures would not show, and with what the leader leaves over
+    followed up.
+    """
     error = error_of(held, state)
+    over = None
+    if best is not None:
+        over = leftover(held, state, best, tried, known if in_full else {})
+        best = over.found
     tried = retold(tried, best)
     kept = [t for t in tried if t is best or (t.gain > 0 and lowers(t, error))]
     candidates = []
@@ -317,32 +328,18 @@ def judge(
                 words,
             )
         )
-    # what an effect leaves over is told in passing; whether nothing is missing is the question
-    rest = adequacy(held, best.state, FEW) if best is not None else adequacy(held, state)
-    verdict = "missing" if best is not None else ("adequate" if rest.adequate else "unexplained")
-    if best is not None and rest.left and _lone(best, tried, error):
-        candidates[0] = _doubted(candidates[0], rest.left)
-    open_yet = rest.left or (farthest(held, state) if verdict == "unexplained" else [])
+    if over is not None:  # told in passing; whether nothing is missing is the question
+        verdict, open_yet = "missing", over.left
+        candidates[0] = over.told(candidates[0])
+    else:
+        rest = adequacy(held, state)
+        verdict = "adequate" if rest.adequate else "unexplained"
+        open_yet = rest.left or ([] if rest.adequate else farthest(held, state))
     made = Diagnosis(name, error, verdict, candidates, open_yet, {}, [], state.model, tried)
     return replace(
         made,
-        detection_limits=detection_limits(held, state, known) if limits else {},
+        detection_limits=detection_limits(held, state, known) if in_full else {},
         next_capture=next_capture(held, verdict, candidates),
-    )
-
-
-def _lone(best: Trial, tried: Sequence[Trial], error: float) -> bool:
-    """No other candidate has evidence enough to account for what this one leaves over."""
-    return not any(significant(t, error) for t in tried if t is not best)
-
-
-def _doubted(found: Candidate, left: Sequence[str]) -> Candidate:
-    words = (
-        f"it leaves {', '.join(left[:3])} unexplained, for which there is no other candidate: it "
-        "may stand in for an effect that is in no catalogue"
-    )
-    return replace(
-        found, confidence=found.confidence * STANDS_IN, evidence=[*found.evidence, words]
     )
 
 

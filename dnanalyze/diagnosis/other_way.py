@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from dnanalyze.diagnosis.completion import POOR
 from dnanalyze.diagnosis.confidence import confidences
 from dnanalyze.diagnosis.path import Fork, Path, Step
 from dnanalyze.diagnosis.trial import error_of, judged, preferred
-from dnanalyze.diagnosis.walk import POOR, Walk
+from dnanalyze.diagnosis.walk import Walk
 
 
 def by_another_way(walk: Walk, path: Path) -> Path:

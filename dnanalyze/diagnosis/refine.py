@@ -105,7 +105,7 @@ def refine(
             path = walk.note(path, stage, name)
         keep(path.state.model)
     path = by_another_way(walk, walk.to_end(path))
-    found = judge(captures.name, held, path.state, path.tried, path.best, known, limits=False)
+    found = judge(captures.name, held, path.state, path.tried, path.best, known, in_full=False)
     steps = list(path.steps)
     if found.verdict == "unexplained":
         steps = [_doubted(s) for s in steps]
@@ -141,7 +141,7 @@ def add(
     after = judged(held, before, name, minimise(held, begun, 8))
     why = evidence_for(held, before, after.state, effect)
     steps = [Step(None, error_of(held, before)), Step(name, after.error, None, why)]
-    found = judge(captures.name, held, after.state, [], None, known, limits=False)
+    found = judge(captures.name, held, after.state, [], None, known, in_full=False)
     state = after.state
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state

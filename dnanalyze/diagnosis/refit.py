@@ -12,6 +12,7 @@ from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
 
 BOLD = 50.0  # promise from which a bad beginning is worth derivatives of its own
+FAR = 3.0  # times the loss without it: where a few steps leave it farther off it is given up
 SURE = 100.0  # fall of the loss that leaves no doubt of a refit's worth
 
 
@@ -51,7 +52,8 @@ def _from_guess(
 
     An effect that bends the statistics much (a filter, a gain) begins farther off than the model
     without it stands, and the others' derivatives do not carry over: if it promises much they are
-    taken anew, and more steps allowed (``again``). Not where it gained ``sure`` without.
+    taken anew, and more steps allowed (``again``). Not where it gained ``sure`` without, nor where
+    it is so far off still that these steps would not bring it near.
     """
     begun = start(bench, seen.model, knobs_of(seen.model), like=like)
     guess = begun.model.get(seen.effect)
@@ -60,6 +62,8 @@ def _from_guess(
     moved = [bending(guess, k, begun.model, noise) != UNBENT for k in begun.knobs]
     begun.jacobian[:, moved] = np.nan
     ended = minimise(bench, begun, iterations, below=wanted)
-    if again and (seen.promise > BOLD or any(moved)) and begun.loss > like.loss < ended.loss + sure:
+    gained = like.loss >= begun.loss or ended.loss + sure <= like.loss
+    open_yet = again and not gained and ended.loss < FAR * like.loss
+    if open_yet and (seen.promise > BOLD or any(moved)):
         return minimise(bench, derive(bench, ended, anew=True), 3 * iterations, below=wanted)
     return ended

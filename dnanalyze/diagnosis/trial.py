@@ -12,7 +12,7 @@ import numpy as np
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.deviance import DEFLATION, deviance, dispersion, falls
 from dnanalyze.diagnosis.in_its_place import in_its_place
-from dnanalyze.diagnosis.refit import SURE, refitted
+from dnanalyze.diagnosis.refit import FAR, SURE, refitted
 from dnanalyze.diagnosis.screening import LEAST, Prospect, much_left, prospects
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
@@ -30,7 +30,6 @@ from dnanalyze.model.noise_model import NoiseModel
 
 MOST_REFITS = 4
 WORTH = 0.15  # share of the best promise from which a candidate is refitted
-FAR = 3.0  # times the present loss: another kind that a first step leaves farther off is given up
 CLOSE = 0.6  # share of the most evidence from which a rival is followed to the end
 REACH = 6.0  # times its promise, of the two most telling settings, more than which few refits gain
 TIE = 0.05  # share of the loss that a fit may still gain by derivatives taken anew

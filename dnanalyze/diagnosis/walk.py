@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.diagnosis.background import along_background
-from dnanalyze.diagnosis.bend import along_bend, begun_again, begun_elsewhere
+from dnanalyze.diagnosis.completion import POOR, completed
 from dnanalyze.diagnosis.confidence import confidence_of, rivals, significant
 from dnanalyze.diagnosis.diagnose import missing, ranked, retold
 from dnanalyze.diagnosis.evidence import evidence_for
@@ -18,16 +17,12 @@ from dnanalyze.diagnosis.trial import (
     best_guess,
     candidates_of,
     error_of,
-    preferred,
-    settled,
 )
-from dnanalyze.fitting.least_squares import State, converge, derive, minimise
+from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY
-
-POOR = 1.3  # error above which an early choice is reconsidered where nothing more can be added
 
 
 @dataclass(frozen=True)
@@ -117,30 +112,6 @@ class Walk:
 
     def _full(self, count: int) -> bool:
         return self.most_effects is not None and count >= self.most_effects
-
-
-def completed(held: Bench, state: State, name: str) -> State:
-    """The effect in its best kind and everything at its best place; each may change the other.
-
-    Parameters
-    ----------
-    held : Bench
-    state : State
-        With the effect, as refitted from its guess.
-    name : str
-    """
-    if error_of(held, state) > POOR:
-        state = converge(held, state)  # the others are at their ends when they are compared with it
-    # of a wrong strength the wrong kind may be the better
-    for other in (begun_again, along_bend, begun_elsewhere):
-        if error_of(held, state) > POOR:
-            state = preferred(state, other(held, state, name) or state)
-    state = converge(held, settled(held, state, name, relatives=False))
-    state = preferred(state, along_bend(held, state, name) or state)
-    if error_of(held, state) > POOR:
-        state = along_background(held, state)
-    again = settled(held, state, name)
-    return state if again is state else converge(held, again)
 
 
 def _forked(path: Path, best: Trial, among: Sequence[Trial], error: float) -> Path:

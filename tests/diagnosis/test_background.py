@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from dnanalyze.diagnosis import background, walk
+from dnanalyze.diagnosis import background, completion
 from dnanalyze.diagnosis.background import SHARES, along_background, other_backgrounds
 from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.fitting.design import design
@@ -98,16 +98,18 @@ def test_a_background_that_agrees_with_the_shading_of_the_noise_stays(held):
     assert along_background(held, plain) is plain
 
 
-@pytest.mark.parametrize(("error", "tried"), [(walk.POOR + 0.1, True), (walk.POOR, False)])
+@pytest.mark.parametrize(
+    ("error", "tried"), [(completion.POOR + 0.1, True), (completion.POOR, False)]
+)
 def test_a_completed_effect_is_given_another_background_where_the_model_is_poor(
     held, error, tried, monkeypatch
 ):
     state, other = (start(held, model(0.7, k, 2), []) for k in (8.0, 6.0))
-    monkeypatch.setattr(walk, "converge", lambda _, there: there)
-    monkeypatch.setattr(walk, "settled", lambda _, there, name, **more: there)
-    monkeypatch.setattr(walk, "error_of", lambda *_: error)
-    monkeypatch.setattr(walk, "along_background", lambda *_: other)
-    ended = walk.completed(held, state, "dark_gradient")
+    monkeypatch.setattr(completion, "converge", lambda _, there: there)
+    monkeypatch.setattr(completion, "settled", lambda _, there, name, **more: there)
+    monkeypatch.setattr(completion, "error_of", lambda *_: error)
+    monkeypatch.setattr(completion, "along_background", lambda *_: other)
+    ended = completion.completed(held, state, "dark_gradient")
     assert (ended is other) == tried
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis import bend, walk
+from dnanalyze.diagnosis import bend, completion
 from dnanalyze.diagnosis.bend import (
     _other_strengths,
     along_bend,
@@ -95,12 +95,12 @@ def test_an_effect_that_bends_nothing_stays(held):
 def test_a_completed_effect_is_moved_along_its_bend(held, monkeypatch):
     begun = _model(SIGMA * 0.8, 0.25, 2)
     state = start(held, begun, knobs_of(begun))
-    monkeypatch.setattr(walk, "converge", lambda _, there: there)
+    monkeypatch.setattr(completion, "converge", lambda _, there: there)
     settled = []
     monkeypatch.setattr(
-        walk, "settled", lambda _, there, name, **more: settled.append(there) or there
+        completion, "settled", lambda _, there, name, **more: settled.append(there) or there
     )
-    ended = walk.completed(held, state, "temporal_denoise")
+    ended = completion.completed(held, state, "temporal_denoise")
     assert ended.model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
     # kinds are told at the right strength: at a wrong one the wrong kind may be the better
     assert settled[0].model.get("temporal_denoise").share == pytest.approx(SHARE, abs=0.05)
@@ -166,13 +166,15 @@ def test_a_poor_refit_is_begun_again_before_its_other_kinds_are_asked(held, monk
     poor = start(held, _model(SIGMA, 0.25, 2), [])
     right = start(held, _model(SIGMA, SHARE, 2), [])
     asked, seen = [], []
-    monkeypatch.setattr(walk, "converge", lambda _, there: there)
+    monkeypatch.setattr(completion, "converge", lambda _, there: there)
     for other in ("begun_again", "along_bend", "begun_elsewhere"):
-        monkeypatch.setattr(walk, other, lambda *_: None)
-    monkeypatch.setattr(walk, way, lambda _, there, __: asked.append(there) or right)
-    monkeypatch.setattr(walk, "settled", lambda _, there, *__, **___: seen.append(there) or there)
+        monkeypatch.setattr(completion, other, lambda *_: None)
+    monkeypatch.setattr(completion, way, lambda _, there, __: asked.append(there) or right)
+    monkeypatch.setattr(
+        completion, "settled", lambda _, there, *__, **___: seen.append(there) or there
+    )
     for begun in (poor, right):
-        assert walk.completed(held, begun, "temporal_denoise") is right
+        assert completion.completed(held, begun, "temporal_denoise") is right
     assert asked == [poor]
     assert seen == [right] * 4
 
@@ -182,11 +184,11 @@ def test_a_poor_refit_goes_to_its_end_before_another_strength_is_held_against_it
     begun = start(held, _model(SIGMA, 0.25, 2), [])
     ended = start(held, _model(SIGMA, SHARE, 2), [])
     asked = []
-    monkeypatch.setattr(walk, "converge", lambda _, there: asked.append(there) or ended)
-    monkeypatch.setattr(walk, "along_bend", lambda _, there, __: asked.append(there))
-    monkeypatch.setattr(walk, "settled", lambda _, there, *__, **___: there)
-    assert walk.error_of(held, begun) > walk.POOR > walk.error_of(held, ended)
-    walk.completed(held, begun, "temporal_denoise")
+    monkeypatch.setattr(completion, "converge", lambda _, there: asked.append(there) or ended)
+    monkeypatch.setattr(completion, "along_bend", lambda _, there, __: asked.append(there))
+    monkeypatch.setattr(completion, "settled", lambda _, there, *__, **___: there)
+    assert completion.error_of(held, begun) > completion.POOR > completion.error_of(held, ended)
+    completion.completed(held, begun, "temporal_denoise")
     assert asked[0] is begun
     assert begun not in asked[1:]
 

@@ -8,7 +8,6 @@ import pytest
 
 from dnanalyze.diagnosis import diagnose
 from dnanalyze.diagnosis.adequacy import REPLICATES
-from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     NOTHING,
@@ -436,14 +435,3 @@ def test_what_the_fit_with_it_found_for_others_is_open_to_the_model_without(aske
     asked.setattr(diagnose, "sobered", lambda *_: found)
     assert diagnose.missing(None, before, [found]) is found
     assert begun == [NoiseModel((noise, moved))]
-
-
-def test_only_a_candidate_alone_before_what_it_leaves_over_is_doubted():
-    best, other = made("a", 500.0, 0.9), made("b", 3 * CERTAIN, 0.95)
-    assert diagnose._lone(best, [best], 1.0)
-    assert diagnose._lone(best, [best, made("c", 5.0, 0.99)], 1.0)
-    assert not diagnose._lone(best, [best, other], 1.0)
-    found = Candidate("a", 0.9, 0.5, 0.8, [], ["why"])
-    doubted = diagnose._doubted(found, ["temporal_v_first"])
-    assert doubted.confidence == pytest.approx(0.4)
-    assert "temporal_v_first" in doubted.evidence[-1]

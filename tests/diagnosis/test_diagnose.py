@@ -7,9 +7,11 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.adequacy import Adequacy, farthest
-from dnanalyze.diagnosis.diagnose import diagnose, judge
+from dnanalyze.diagnosis.diagnose import beside_everyday, diagnose, judge
+from dnanalyze.diagnosis.leftover import Leftover
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.diagnosis.residual import Residual
+from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -60,6 +62,32 @@ def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
     assert again.error == pytest.approx(every[-1].error_after, rel=0.1)
 
 
+def test_what_every_sensor_has_is_judged_beside_what_is_missing(rows, found):
+    """A filter hides the noise: without it these four may explain nothing."""
+    _, held = rows
+    full = start(held, found.model, knobs_of(found.model))
+    asked = start(held, model := paper_start(held), knobs_of(model))
+    nothing = judged(held, full, "row_fpn", asked)
+    for verdict, sure in (("missing", False), ("adequate", True)):
+        told = replace(found, verdict=verdict, candidates=found.candidates[:1], trials=[nothing])
+        every = beside_everyday(held, asked, [("quantization", full)], told)
+        last = next(c for c in every.candidates if c.effect == "quantization")
+        assert (last.confidence > 0.99) == sure
+
+
+def test_the_leader_is_told_at_its_end_and_with_what_it_leaves(rows, found, monkeypatch):
+    _, held = rows
+    state = start(held, found.model, knobs_of(found.model))
+    leader = found.trials[0]
+    ended = Leftover(replace(leader, error=0.5), ["temporal_v_first"])
+    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.leftover", lambda *_: ended)
+    told = judge("rows", held, state, [leader], leader, KNOWN, in_full=False)
+    assert (told.verdict, told.unexplained) == ("missing", ["temporal_v_first"])
+    assert told.candidates[0].error_after == 0.5
+    assert told.candidates[0].confidence < 0.6
+    assert "temporal_v_first" in told.candidates[0].evidence[-1]
+
+
 def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
     captures, held = of({})
     told = []
@@ -76,7 +104,7 @@ def test_an_error_that_no_single_statistic_makes_is_told_by_the_farthest(rows, m
     _, held = rows
     state = minimise(held, start(held, model := paper_start(held), knobs_of(model)), 1)
     monkeypatch.setattr("dnanalyze.diagnosis.diagnose.adequacy", lambda *_: Adequacy(False, []))
-    found = judge("rows", held, state, [], None, {}, limits=False)
+    found = judge("rows", held, state, [], None, {}, in_full=False)
     assert found.verdict == "unexplained"
     assert found.unexplained == farthest(held, state)
     assert len(found.unexplained) == 3

@@ -1,0 +1,103 @@
+"""What a first candidate leaves over: of its refit's few steps, of another effect, or its doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from dnanalyze.diagnosis.adequacy import FEW, adequacy, mends
+from dnanalyze.diagnosis.candidate import Candidate
+from dnanalyze.diagnosis.completion import completed
+from dnanalyze.diagnosis.confidence import STANDS_IN, significant
+from dnanalyze.diagnosis.refit import refitted
+from dnanalyze.diagnosis.screening import prospects
+from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.registry import BASE
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """What a candidate leaves unexplained, and what that says of it.
+
+    Parameters
+    ----------
+    found : Trial
+        The candidate, at its end if it left something after a few steps.
+    left : list of str
+        Statistics that are off still, worst first.
+    mender : str, optional
+        An effect that puts the worst of them right.
+    """
+
+    found: Trial
+    left: list[str]
+    mender: str | None = None
+
+    @property
+    def doubted(self) -> bool:
+        """Whether nothing is in sight that would account for what is left."""
+        return bool(self.left) and self.mender is None
+
+    def told(self, candidate: Candidate) -> Candidate:
+        """The candidate with what it leaves said, and less sure where that doubts it."""
+        worst = ", ".join(self.left[:3])
+        if self.doubted:
+            words = (
+                f"it leaves {worst} unexplained, for which there is no other candidate: it may "
+                "stand in for an effect that is in no catalogue"
+            )
+            sure = candidate.confidence * STANDS_IN
+            return replace(candidate, confidence=sure, evidence=[*candidate.evidence, words])
+        if self.mender is None:
+            return candidate
+        words = f"it leaves {worst}, which {self.mender} beside it would put right"
+        return replace(candidate, evidence=[*candidate.evidence, words])
+
+
+def leftover(
+    held: Bench,
+    state: State,
+    found: Trial,
+    tried: Sequence[Trial],
+    known: dict[str, type[Effect]],
+) -> Leftover:
+    """What a candidate leaves.
+
+    Parameters
+    ----------
+    held : Bench
+    state : State
+        The model without it.
+    found : Trial
+    tried : sequence of Trial
+        Of all candidates: another may account for what is left.
+    known : dict
+        Effects, by name, of which one may account for it too. Of none: nothing is followed up.
+    """
+    left, error = adequacy(held, found.state, FEW).left, error_of(held, state)
+    others = (t for t in tried if t is not found and significant(t, error))
+    mender = next((t.effect for t in others if mends(held, left[:1], state, t.state)), None)
+    elsewhere = found.spread == 1.0  # what it moves is right: the rest is another's
+    if elsewhere:
+        mender = mender or _mender(held, found.state, left, known)
+    if known and left and mender is None:
+        ended = completed(held, found.state, found.effect)
+        found = replace(judged(held, state, found.effect, ended), others=found.others)
+        left = adequacy(held, ended, FEW).left
+        mender = None if elsewhere else _mender(held, ended, left, known)
+    return Leftover(found, left, mender)
+
+
+def _mender(
+    held: Bench, state: State, left: Sequence[str], known: dict[str, type[Effect]]
+) -> str | None:
+    """The most promising effect, if it puts the worst of what a model leaves right."""
+    open_to = candidates_of(state, known, [BASE]) if left else {}
+    seen = prospects(held, state, open_to) if open_to else []
+    if not seen:
+        return None
+    ended = refitted(held, seen[0], state, state.loss, STEPS)
+    return seen[0].effect if mends(held, left[:1], state, ended) else None

@@ -1,0 +1,116 @@
+"""What a first candidate leaves over."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis import leftover as module
+from dnanalyze.diagnosis.adequacy import Adequacy
+from dnanalyze.diagnosis.candidate import Candidate
+from dnanalyze.diagnosis.confidence import STANDS_IN
+from dnanalyze.diagnosis.diagnose import ranked
+from dnanalyze.diagnosis.everyday import everyday
+from dnanalyze.diagnosis.leftover import leftover
+from dnanalyze.diagnosis.screening import Prospect
+from dnanalyze.diagnosis.trial import error_of
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.model.effects.row_fpn import RowFpn
+from dnanalyze.model.registry import built_in
+
+CANDIDATE = Candidate("a", 0.9, 0.5, 0.8, [], ["why"])
+
+
+@pytest.fixture(scope="module")
+def sensor():
+    """Rows and columns, both off; the state with what every sensor has."""
+    hidden = {"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}}
+    captures = generate(
+        draw_sensor(np.random.default_rng(11)), hidden, (128, 128), frames=4, seed=3
+    )
+    held, stages = bench(design(captures)), []
+    everyday(held, fitted(held, paper_start(held)), (), lambda _, stage: stages.append(stage))
+    return held, stages[-1]
+
+
+def of(*names):
+    return {name: effect for name, effect in built_in().items() if name in names}
+
+
+def test_what_another_effect_would_put_right_is_no_doubt(sensor):
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise"))
+    over = leftover(held, state, tried[0], tried, of("row_noise", "column_fpn", "row_fpn"))
+    assert over.mender == "column_fpn"
+    assert any(name.startswith("pattern_columns") for name in over.left)
+    told = over.told(CANDIDATE)
+    assert told.confidence == CANDIDATE.confidence
+    assert "column_fpn" in told.evidence[-1]
+
+
+def test_what_no_effect_would_put_right_doubts_it(sensor):
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise"))
+    over = leftover(held, state, tried[0], tried, of("row_noise", "row_fpn", "stuck_pixels"))
+    assert over.doubted
+    told = over.told(CANDIDATE)
+    assert told.confidence == pytest.approx(STANDS_IN * CANDIDATE.confidence)
+    assert over.left[0] in told.evidence[-1]
+
+
+def test_an_effect_that_promises_much_and_puts_nothing_right_does_not_account_for_it(
+    sensor, monkeypatch
+):
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise"))
+    useless = tried[0].state.model.with_effect(RowFpn(0.01))
+    monkeypatch.setattr(module, "prospects", lambda *_: [Prospect("row_fpn", useless, 900.0)])
+    assert leftover(held, state, tried[0], tried, of("row_noise", "row_fpn")).doubted
+
+
+def test_another_candidate_may_account_for_it(sensor, monkeypatch):
+    held, state = sensor
+    monkeypatch.setattr(module, "completed", lambda *_: pytest.fail("of no effect, no more steps"))
+    tried = ranked(held, state, of("row_noise", "column_fpn"))
+    over = leftover(held, state, tried[0], tried, {})
+    assert over.left
+    assert over.mender == tried[1].effect
+    weak = replace(tried[1], gain=1.0, fitted_gain=1.0)  # of no evidence
+    alone = leftover(held, state, tried[0], [tried[0], weak], {})
+    assert alone.doubted
+    other = replace(weak, gain=1e4, fitted_gain=1e4, state=state)  # of what is not left
+    assert leftover(held, state, tried[0], [tried[0], other], {}).doubted
+
+
+@pytest.mark.parametrize(("spread", "asked"), [(1.0, ["begun"]), (3.0, ["ended"])])
+def test_where_it_leaves_wrong_what_it_moves_it_goes_to_its_end_first(
+    sensor, spread, asked, monkeypatch
+):
+    """While it stands far off, what another effect would put right tells little."""
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise"))
+    end, seen = replace(tried[0].state), []
+    names = {id(tried[0].state): "begun", id(end): "ended"}
+    monkeypatch.setattr(module, "completed", lambda *_: end)
+    monkeypatch.setattr(module, "prospects", lambda _, s, __: seen.append(names[id(s)]) or [])
+    leader = replace(tried[0], spread=spread)
+    assert leftover(held, state, leader, [leader], of("row_noise", "row_fpn")).doubted
+    assert seen == asked
+
+
+def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monkeypatch):
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise", "column_fpn"))
+    end = next(t.state for t in tried if t.effect == "column_fpn")
+    left = {id(tried[0].state): ["pattern_columns_0.3_0.5"], id(end): []}
+    monkeypatch.setattr(module, "adequacy", lambda _, s, __: Adequacy(True, left[id(s)]))
+    monkeypatch.setattr(module, "prospects", lambda *_: [])
+    monkeypatch.setattr(module, "completed", lambda *_: end)
+    over = leftover(held, state, tried[0], [tried[0]], of("row_noise"))
+    assert over.found.state is end
+    assert over.found.error == pytest.approx(error_of(held, end))
+    assert (over.left, over.doubted, over.mender) == ([], False, None)
