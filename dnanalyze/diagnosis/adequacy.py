@@ -14,6 +14,7 @@ from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
+WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 SIGMAS = 4.0
 EXCUSED = 2.0  # error from which no luck of the replicates excuses a misfit
 BEYOND = 6.0  # times their scatter that a misfit must exceed the replicates' to be called left

@@ -6,7 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, farthest, mends, on_average, sobered
+from dnanalyze.diagnosis.adequacy import (
+    FEW,
+    WORST,
+    adequacy,
+    farthest,
+    mends,
+    on_average,
+    sobered,
+)
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
@@ -32,7 +40,6 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
 
-WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain

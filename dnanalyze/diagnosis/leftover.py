@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.diagnosis.adequacy import FEW, adequacy, mends
+from dnanalyze.diagnosis.adequacy import FEW, WORST, adequacy, mends
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.completion import completed
 from dnanalyze.diagnosis.confidence import STANDS_IN, significant
@@ -94,10 +94,11 @@ def leftover(
 def _mender(
     held: Bench, state: State, left: Sequence[str], known: dict[str, type[Effect]]
 ) -> str | None:
-    """The most promising effect, if it puts the worst of what a model leaves right."""
+    """The most promising effect, if it puts some of the worst of what a model leaves right."""
     open_to = candidates_of(state, known, [BASE]) if left else {}
     seen = prospects(held, state, open_to) if open_to else []
     if not seen:
         return None
-    ended = refitted(held, seen[0], state, state.loss, STEPS)
-    return seen[0].effect if mends(held, left[:1], state, ended) else None
+    found = judged(held, state, seen[0].effect, refitted(held, seen[0], state, state.loss, STEPS))
+    enough = significant(found, error_of(held, state), least=0.0)
+    return found.effect if enough and mends(held, left[:WORST], state, found.state) else None
