@@ -59,6 +59,15 @@ def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequa
     return Adequacy(calm and not left, left)
 
 
+def unexplained(bench: Bench, state: State, replicates: int = REPLICATES) -> list[str]:
+    """Statistics that a model leaves, worst first; none where it is adequate.
+
+    The farthest ones where the error as a whole is beyond chance, and none of them by itself.
+    """
+    found = adequacy(bench, state, replicates)
+    return found.left or ([] if found.adequate else farthest(bench, state))
+
+
 def farthest(bench: Bench, state: State, count: int = 3) -> list[str]:
     """Statistics that are farthest off on both halves, worst first."""
     own = _misfits(bench, state.train, state.test)

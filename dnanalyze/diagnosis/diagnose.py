@@ -10,10 +10,10 @@ from dnanalyze.diagnosis.adequacy import (
     FEW,
     WORST,
     adequacy,
-    farthest,
     mends,
     on_average,
     sobered,
+    unexplained,
 )
 from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
@@ -339,9 +339,8 @@ def judge(
         verdict, open_yet = "missing", over.left
         candidates[0] = over.told(candidates[0])
     else:
-        rest = adequacy(held, state)
-        verdict = "adequate" if rest.adequate else "unexplained"
-        open_yet = rest.left or ([] if rest.adequate else farthest(held, state))
+        open_yet = unexplained(held, state)
+        verdict = "unexplained" if open_yet else "adequate"
     made = Diagnosis(name, error, verdict, candidates, open_yet, {}, [], state.model, tried)
     return replace(
         made,

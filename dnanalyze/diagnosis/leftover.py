@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.diagnosis.adequacy import FEW, WORST, adequacy, mends
+from dnanalyze.diagnosis.adequacy import FEW, WORST, mends, unexplained
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.completion import completed
 from dnanalyze.diagnosis.confidence import STANDS_IN, significant
@@ -77,7 +77,7 @@ def leftover(
     known : dict
         Effects, by name, of which one may account for it too. Of none: nothing is followed up.
     """
-    left, error = adequacy(held, found.state, FEW).left, error_of(held, state)
+    left, error = unexplained(held, found.state, FEW), error_of(held, state)
     others = (t for t in tried if t is not found and significant(t, error))
     mender = next((t.effect for t in others if mends(held, left[:1], state, t.state)), None)
     elsewhere = found.spread == 1.0  # what it moves is right: the rest is another's
@@ -86,7 +86,7 @@ def leftover(
     if known and left and mender is None:
         ended = completed(held, found.state, found.effect)
         found = replace(judged(held, state, found.effect, ended), others=found.others)
-        left = adequacy(held, ended, FEW).left
+        left = unexplained(held, ended, FEW)
         mender = None if elsewhere else _mender(held, ended, left, known)
     return Leftover(found, left, mender)
 

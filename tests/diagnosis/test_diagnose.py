@@ -103,7 +103,7 @@ def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
 def test_an_error_that_no_single_statistic_makes_is_told_by_the_farthest(rows, monkeypatch):
     _, held = rows
     state = minimise(held, start(held, model := paper_start(held), knobs_of(model)), 1)
-    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.adequacy", lambda *_: Adequacy(False, []))
+    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.adequacy", lambda *_: Adequacy(False, []))
     found = judge("rows", held, state, [], None, {}, in_full=False)
     assert found.verdict == "unexplained"
     assert found.unexplained == farthest(held, state)

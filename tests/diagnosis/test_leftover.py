@@ -7,7 +7,6 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis import leftover as module
-from dnanalyze.diagnosis.adequacy import Adequacy
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import STANDS_IN
 from dnanalyze.diagnosis.diagnose import ranked
@@ -107,7 +106,7 @@ def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monk
     tried = ranked(held, state, of("row_noise", "column_fpn"))
     end = next(t.state for t in tried if t.effect == "column_fpn")
     left = {id(tried[0].state): ["pattern_columns_0.3_0.5"], id(end): []}
-    monkeypatch.setattr(module, "adequacy", lambda _, s, __: Adequacy(True, left[id(s)]))
+    monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
     monkeypatch.setattr(module, "prospects", lambda *_: [])
     monkeypatch.setattr(module, "completed", lambda *_: end)
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise"))
