@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.adequacy import FEW, WORST, mends, unexplained
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.completion import completed
 from dnanalyze.diagnosis.confidence import STANDS_IN, significant
 from dnanalyze.diagnosis.refit import refitted
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, converge
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE
@@ -43,7 +42,7 @@ class Leftover:
 
     def told(self, candidate: Candidate) -> Candidate:
         """The candidate with what it leaves said, and less sure where that doubts it."""
-        worst = ", ".join(self.left[:3])
+        worst = ", ".join(self.left[:WORST])
         if self.doubted:
             words = (
                 f"it leaves {worst} unexplained, for which there is no other candidate: it may "
@@ -84,7 +83,7 @@ def leftover(
     if elsewhere:
         mender = mender or _mender(held, found.state, left, known)
     if known and left and mender is None:
-        ended = completed(held, found.state, found.effect)
+        ended = converge(held, found.state)
         found = replace(judged(held, state, found.effect, ended), others=found.others)
         left = unexplained(held, ended, FEW)
         mender = None if elsewhere else _mender(held, ended, left, known)

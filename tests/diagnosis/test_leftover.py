@@ -73,7 +73,7 @@ def test_an_effect_that_promises_much_and_puts_nothing_right_does_not_account_fo
 
 def test_another_candidate_may_account_for_it(sensor, monkeypatch):
     held, state = sensor
-    monkeypatch.setattr(module, "completed", lambda *_: pytest.fail("of no effect, no more steps"))
+    monkeypatch.setattr(module, "converge", lambda *_: pytest.fail("of no effect, no more steps"))
     tried = ranked(held, state, of("row_noise", "column_fpn"))
     over = leftover(held, state, tried[0], tried, {})
     assert over.left
@@ -94,7 +94,7 @@ def test_where_it_leaves_wrong_what_it_moves_it_goes_to_its_end_first(
     tried = ranked(held, state, of("row_noise"))
     end, seen = replace(tried[0].state), []
     names = {id(tried[0].state): "begun", id(end): "ended"}
-    monkeypatch.setattr(module, "completed", lambda *_: end)
+    monkeypatch.setattr(module, "converge", lambda *_: end)
     monkeypatch.setattr(module, "prospects", lambda _, s, __: seen.append(names[id(s)]) or [])
     leader = replace(tried[0], spread=spread)
     assert leftover(held, state, leader, [leader], of("row_noise", "row_fpn")).doubted
@@ -108,7 +108,7 @@ def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monk
     left = {id(tried[0].state): ["pattern_columns_0.3_0.5"], id(end): []}
     monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
     monkeypatch.setattr(module, "prospects", lambda *_: [])
-    monkeypatch.setattr(module, "completed", lambda *_: end)
+    monkeypatch.setattr(module, "converge", lambda *_: end)
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise"))
     assert over.found.state is end
     assert over.found.error == pytest.approx(error_of(held, end))
