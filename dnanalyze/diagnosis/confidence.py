@@ -15,6 +15,7 @@ from dnanalyze.diagnosis.trial import Trial
 NOTHING = 25.0
 WITNESS = 20.0  # gain of the lesser half, twice what chance reached there
 CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
+PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 # The few defects or tracks of a half may be more or fewer than their density says: where the
 # evidence is certain the error may rise by what it scatters over simulated sensors of one make (.06
 # of an ordinary one's, .13 where tracks of particles cross it).

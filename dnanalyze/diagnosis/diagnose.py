@@ -19,6 +19,7 @@ from dnanalyze.diagnosis.advice import detection_limits, next_capture
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
+    PLAIN,
     apart,
     confidence_of,
     confidences,
@@ -43,7 +44,6 @@ from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
-PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.adequacy import FEW, WORST, mends, unexplained
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import STANDS_IN, significant
+from dnanalyze.diagnosis.confidence import PLAIN, STANDS_IN, significant
 from dnanalyze.diagnosis.refit import refitted
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged
@@ -93,11 +93,12 @@ def leftover(
 def _mender(
     held: Bench, state: State, left: Sequence[str], known: dict[str, type[Effect]]
 ) -> str | None:
-    """The most promising effect, if it puts some of the worst of what a model leaves right."""
+    """The most promising effect, if it plainly puts some of the worst of what is left right."""
     open_to = candidates_of(state, known, [BASE]) if left else {}
     seen = prospects(held, state, open_to) if open_to else []
     if not seen:
         return None
-    found = judged(held, state, seen[0].effect, refitted(held, seen[0], state, state.loss, STEPS))
-    enough = significant(found, error_of(held, state), least=0.0)
-    return found.effect if enough and mends(held, left[:WORST], state, found.state) else None
+    ended = refitted(held, seen[0], state, state.loss, STEPS)
+    found = judged(held, state, seen[0].effect, ended)
+    plain = found.evidence > PLAIN * found.spread and significant(found, error_of(held, state))
+    return found.effect if plain and mends(held, left[:WORST], state, ended) else None

@@ -8,7 +8,7 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis import leftover as module
 from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import STANDS_IN
+from dnanalyze.diagnosis.confidence import PLAIN, STANDS_IN
 from dnanalyze.diagnosis.diagnose import ranked
 from dnanalyze.diagnosis.everyday import everyday
 from dnanalyze.diagnosis.leftover import leftover
@@ -69,6 +69,21 @@ def test_an_effect_that_promises_much_and_puts_nothing_right_does_not_account_fo
     useless = tried[0].state.model.with_effect(RowFpn(0.01))
     monkeypatch.setattr(module, "prospects", lambda *_: [Prospect("row_fpn", useless, 900.0)])
     assert leftover(held, state, tried[0], tried, of("row_noise", "row_fpn")).doubted
+
+
+@pytest.mark.parametrize(("share", "doubted"), [(0.9, True), (1.1, False)])
+def test_what_the_luck_of_one_sensor_may_make_accounts_for_nothing(
+    sensor, share, doubted, monkeypatch
+):
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise"))
+    gain = share * PLAIN
+    other = replace(tried[0], effect="row_fpn", gain=gain, fitted_gain=gain, spread=1.0)
+    monkeypatch.setattr(module, "judged", lambda *_: other)
+    monkeypatch.setattr(module, "prospects", lambda *_: [Prospect("row_fpn", state.model, 900.0)])
+    monkeypatch.setattr(module, "mends", lambda *_: True)
+    over = leftover(held, state, tried[0], [tried[0]], of("row_noise", "row_fpn"))
+    assert over.doubted == doubted
 
 
 def test_another_candidate_may_account_for_it(sensor, monkeypatch):
