@@ -79,14 +79,11 @@ def leftover(
     left, error = unexplained(held, found.state, FEW), error_of(held, state)
     others = (t for t in tried if t is not found and significant(t, error))
     mender = next((t.effect for t in others if mends(held, left[:1], state, t.state)), None)
-    elsewhere = found.spread == 1.0  # what it moves is right: the rest is another's
-    if elsewhere:
-        mender = mender or _mender(held, found.state, left, known)
     if known and left and mender is None:
-        ended = converge(held, found.state)
+        ended = converge(held, found.state)  # of what a few steps left, others tell little
         found = replace(judged(held, state, found.effect, ended), others=found.others)
         left = unexplained(held, ended, FEW)
-        mender = None if elsewhere else _mender(held, ended, left, known)
+        mender = _mender(held, ended, left, known)
     return Leftover(found, left, mender)
 
 

@@ -81,6 +81,7 @@ def test_what_the_luck_of_one_sensor_may_make_accounts_for_nothing(
     other = replace(tried[0], effect="row_fpn", gain=gain, fitted_gain=gain, spread=1.0)
     monkeypatch.setattr(module, "judged", lambda *_: other)
     monkeypatch.setattr(module, "prospects", lambda *_: [Prospect("row_fpn", state.model, 900.0)])
+    monkeypatch.setattr(module, "refitted", lambda *_: state)
     monkeypatch.setattr(module, "mends", lambda *_: True)
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise", "row_fpn"))
     assert over.doubted == doubted
@@ -100,20 +101,16 @@ def test_another_candidate_may_account_for_it(sensor, monkeypatch):
     assert leftover(held, state, tried[0], [tried[0], other], {}).doubted
 
 
-@pytest.mark.parametrize(("spread", "asked"), [(1.0, ["begun"]), (3.0, ["ended"])])
-def test_where_it_leaves_wrong_what_it_moves_it_goes_to_its_end_first(
-    sensor, spread, asked, monkeypatch
-):
-    """While it stands far off, what another effect would put right tells little."""
+def test_it_goes_to_its_end_before_others_are_asked(sensor, monkeypatch):
     held, state = sensor
     tried = ranked(held, state, of("row_noise"))
     end, seen = replace(tried[0].state), []
-    names = {id(tried[0].state): "begun", id(end): "ended"}
     monkeypatch.setattr(module, "converge", lambda *_: end)
-    monkeypatch.setattr(module, "prospects", lambda _, s, __: seen.append(names[id(s)]) or [])
-    leader = replace(tried[0], spread=spread)
-    assert leftover(held, state, leader, [leader], of("row_noise", "row_fpn")).doubted
-    assert seen == asked
+    monkeypatch.setattr(module, "prospects", lambda _, there, __: seen.append(there) or [])
+    over = leftover(held, state, tried[0], tried, of("row_noise", "row_fpn"))
+    assert over.doubted
+    assert len(seen) == 1
+    assert seen[0] is end
 
 
 def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monkeypatch):
