@@ -11,7 +11,7 @@ from dnanalyze.diagnosis.confidence import PLAIN, STANDS_IN, significant
 from dnanalyze.diagnosis.refit import refitted
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged
-from dnanalyze.fitting.least_squares import State, converge
+from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE
@@ -80,7 +80,9 @@ def leftover(
     others = (t for t in tried if t is not found and significant(t, error))
     mender = next((t.effect for t in others if mends(held, left[:1], state, t.state)), None)
     if known and left and mender is None:
-        ended = converge(held, found.state)  # of what a few steps left, others tell little
+        ended = minimise(
+            held, derive(held, found.state, anew=True), STEPS
+        )  # of what a few steps left, others tell little
         found = replace(judged(held, state, found.effect, ended), others=found.others)
         left = unexplained(held, ended, FEW)
         mender = _mender(held, ended, left, known)

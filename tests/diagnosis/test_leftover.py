@@ -89,7 +89,7 @@ def test_what_the_luck_of_one_sensor_may_make_accounts_for_nothing(
 
 def test_another_candidate_may_account_for_it(sensor, monkeypatch):
     held, state = sensor
-    monkeypatch.setattr(module, "converge", lambda *_: pytest.fail("of no effect, no more steps"))
+    monkeypatch.setattr(module, "minimise", lambda *_: pytest.fail("of no effect, no more steps"))
     tried = ranked(held, state, of("row_noise", "column_fpn"))
     over = leftover(held, state, tried[0], tried, {})
     assert over.left
@@ -105,7 +105,8 @@ def test_it_goes_to_its_end_before_others_are_asked(sensor, monkeypatch):
     held, state = sensor
     tried = ranked(held, state, of("row_noise"))
     end, seen = replace(tried[0].state), []
-    monkeypatch.setattr(module, "converge", lambda *_: end)
+    monkeypatch.setattr(module, "derive", lambda _, there, anew: there)
+    monkeypatch.setattr(module, "minimise", lambda *_: end)
     monkeypatch.setattr(module, "prospects", lambda _, there, __: seen.append(there) or [])
     over = leftover(held, state, tried[0], tried, of("row_noise", "row_fpn"))
     assert over.doubted
@@ -120,7 +121,8 @@ def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monk
     left = {id(tried[0].state): ["pattern_columns_0.3_0.5"], id(end): []}
     monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
     monkeypatch.setattr(module, "prospects", lambda *_: [])
-    monkeypatch.setattr(module, "converge", lambda *_: end)
+    monkeypatch.setattr(module, "derive", lambda _, there, anew: there)
+    monkeypatch.setattr(module, "minimise", lambda *_: end)
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise"))
     assert over.found.state is end
     assert over.found.error == pytest.approx(error_of(held, end))
