@@ -80,9 +80,8 @@ def leftover(
     others = (t for t in tried if t is not found and significant(t, error))
     mender = next((t.effect for t in others if mends(held, left[:1], state, t.state)), None)
     if known and left and mender is None:
-        ended = minimise(
-            held, derive(held, found.state, anew=True), STEPS
-        )  # of what a few steps left, others tell little
+        # of what a few steps left, others tell little
+        ended = minimise(held, derive(held, found.state, anew=True), STEPS)
         found = replace(judged(held, state, found.effect, ended), others=found.others)
         left = unexplained(held, ended, FEW)
         mender = _mender(held, ended, left, known)
