@@ -335,7 +335,7 @@ def judge(
                 words,
             )
         )
-    if over is not None:  # told in passing; whether nothing is missing is the question
+    if over is not None:
         verdict, open_yet = "missing", over.left
         candidates[0] = over.told(candidates[0])
     else:

@@ -1,4 +1,4 @@
-"""What a first candidate leaves over: of its refit's few steps, of another effect, or its doubt."""
+"""What a first candidate leaves over: the few steps of its refit, another effect, or a doubt."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Leftover:
     Parameters
     ----------
     found : Trial
-        The candidate, at its end if it left something after a few steps.
+        The candidate; refitted further if it left what no other candidate puts right.
     left : list of str
         Statistics that are off still, worst first.
     mender : str, optional

@@ -62,8 +62,7 @@ def _from_guess(
     moved = [bending(guess, k, begun.model, noise) != UNBENT for k in begun.knobs]
     begun.jacobian[:, moved] = np.nan
     ended = minimise(bench, begun, iterations, below=wanted)
-    gained = like.loss >= begun.loss or ended.loss + sure <= like.loss
-    open_yet = again and not gained and ended.loss < FAR * like.loss
-    if open_yet and (seen.promise > BOLD or any(moved)):
+    open_yet = begun.loss > like.loss and like.loss - sure < ended.loss < FAR * like.loss
+    if again and open_yet and (seen.promise > BOLD or any(moved)):
         return minimise(bench, derive(bench, ended, anew=True), 3 * iterations, below=wanted)
     return ended

@@ -12,12 +12,7 @@ from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.needless import needless
 from dnanalyze.diagnosis.path import Fork, Path, Step
-from dnanalyze.diagnosis.trial import (
-    Trial,
-    best_guess,
-    candidates_of,
-    error_of,
-)
+from dnanalyze.diagnosis.trial import Trial, best_guess, candidates_of, error_of
 from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect

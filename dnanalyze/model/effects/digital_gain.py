@@ -159,9 +159,8 @@ def _promising(counts: np.ndarray, first: int) -> np.ndarray:
     """Factors that lead to these counts best, from the smooth density that lies over them."""
     size = counts.size
     density = np.exp(_log_density(counts, counts > 0.1 * median_filter(counts, 7), counts))
-    plain = np.concatenate(
-        [np.arange(n // 2, 4 * n) / n for n in _PLAIN[2:]]
-    )  # the others among them
+    # the plain ones that are left out are among these
+    plain = np.concatenate([np.arange(n // 2, 4 * n) / n for n in _PLAIN[2:]])
     inverse = np.unique(np.r_[np.arange(0.25, 2.0, 0.2 / size), 1.0 / plain])
     inverse = inverse[np.abs(inverse - 1.0) > 0.3 / size]
     misfit = np.empty(inverse.size)
