@@ -80,8 +80,12 @@ def test_the_leader_is_told_at_its_end_and_with_what_it_leaves(rows, found, monk
     state = start(held, found.model, knobs_of(found.model))
     leader = found.trials[0]
     ended = Leftover(replace(leader, error=0.5), ["temporal_v_first"])
-    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.leftover", lambda *_: ended)
+    asked = []
+    monkeypatch.setattr(
+        "dnanalyze.diagnosis.diagnose.leftover", lambda *a: asked.append(a[-1]) or ended
+    )
     told = judge("rows", held, state, [leader], leader, KNOWN, in_full=False)
+    assert asked == [{}]  # nothing is followed up
     assert (told.verdict, told.unexplained) == ("missing", ["temporal_v_first"])
     assert told.candidates[0].error_after == 0.5
     assert told.candidates[0].confidence < 0.6

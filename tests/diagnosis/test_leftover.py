@@ -71,9 +71,11 @@ def test_an_effect_that_promises_much_and_puts_nothing_right_does_not_account_fo
     assert leftover(held, state, tried[0], tried, of("row_noise", "row_fpn")).doubted
 
 
-@pytest.mark.parametrize(("share", "doubted"), [(0.9, True), (1.1, False)])
-def test_what_the_luck_of_one_sensor_may_make_accounts_for_nothing(
-    sensor, share, doubted, monkeypatch
+@pytest.mark.parametrize(
+    ("share", "right", "doubted"), [(0.9, True, True), (1.1, True, False), (1.1, False, True)]
+)
+def test_only_what_plainly_puts_the_worst_right_accounts_for_it(
+    sensor, share, right, doubted, monkeypatch
 ):
     held, state = sensor
     tried = ranked(held, state, of("row_noise"))
@@ -82,7 +84,7 @@ def test_what_the_luck_of_one_sensor_may_make_accounts_for_nothing(
     monkeypatch.setattr(module, "judged", lambda *_: other)
     monkeypatch.setattr(module, "prospects", lambda *_: [Prospect("row_fpn", state.model, 900.0)])
     monkeypatch.setattr(module, "refitted", lambda *_: state)
-    monkeypatch.setattr(module, "mends", lambda *_: True)
+    monkeypatch.setattr(module, "mends", lambda *_: right)
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise", "row_fpn"))
     assert over.doubted == doubted
 
