@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,7 +13,7 @@ from dnanalyze.diagnosis.confidence import CERTAIN
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.model.effect import Effect, ParameterInfo
+from dnanalyze.model.effect import Effect, ParameterInfo, Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 NOISE = 5.0  # loss below which a trial strength is called unseen
@@ -58,15 +59,17 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
     seen = Readings(held.measured[0])
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
     calm, warm = int(np.nanargmin(noise)), int(np.nanargmax(level))
-    quiet, both = (_View.of(held, state, sorted(where)) for where in ({calm}, {calm, warm}))
     asked = {}
     for name, effect in known.items():
         strength = _strength(effect, float(np.nanmin(noise)))
         if state.model.get(name) is None and strength is not None:
             asked[name] = _Asked(effect, *strength)
-    readout = {name: a for name, a in asked.items() if a.info.unit.startswith("DN")}
-    charge = {name: a for name, a in asked.items() if name not in readout}
-    least = _least_shown(quiet, state.model, readout) | _least_shown(both, state.model, charge)
+    least: dict[str, float] = {}
+    for readout, placed in itertools.product((True, False), repeat=2):
+        where = {calm} if readout else {calm, warm}
+        view = _View.of(held if placed else held.evened(state.model), state, sorted(where))
+        alike = {n: a for n, a in asked.items() if (a.readout, a.placed) == (readout, placed)}
+        least |= _least_shown(view, state.model, alike)
     return {
         name: str(Limit(name, a.parameter, least[name], a.info.unit)) for name, a in asked.items()
     }
@@ -84,12 +87,22 @@ class _Asked:
     def info(self) -> ParameterInfo:
         return self.effect.parameters()[self.parameter]
 
+    @property
+    def readout(self) -> bool:
+        """Whether it is told in DN, which the quietest setting shows best."""
+        return self.info.unit.startswith("DN")
+
+    @property
+    def placed(self) -> bool:
+        """Whether it takes the whole field to tell."""
+        return self.effect.placing is Placing.SOMEWHERE
+
     def at(self, strength: float) -> Effect:
         return replace(self.effect(), **{self.parameter: strength})
 
     def limit(self, strength: float, gain: float) -> float:
         """Where the gain would be what is asked of an effect."""
-        power = 4.0 if self.info.unit.startswith("DN") else 2.0
+        power = 4.0 if self.readout else 2.0
         return float(min(strength * (CERTAIN / gain) ** (1.0 / power), self.info.upper))
 
 

@@ -15,7 +15,7 @@ from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import carried, part_for
 from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.evidence import SIGN
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -79,12 +79,15 @@ def prospects(
     clues = Residual(bench, state)
     few = _telling(bench, state)
     whole = _View.of(bench, state, few)
+    evened = whole.evened()
     part = _of_part(bench, state, few, whole.idle)
     guesses, found, seen = {}, {}, {}
     for name, effect in known.items():
         tell(name)
         guesses[name] = effect.guess(clues)
-        seen[name] = part if part is not None and effect.even else whole
+        seen[name] = evened if effect.placing < Placing.SOMEWHERE else whole
+        if part is not None and effect.placing is Placing.EVERYWHERE:
+            seen[name] = part
         found[name] = _at_guesses(seen[name], guesses[name][:FIRST])
     most = max((p.promise for made in found.values() for p in made), default=0.0)
     if most < FAINT:
@@ -110,7 +113,8 @@ def _looked_at_again(
     settings = sorted(np.argsort(-strength)[:2].tolist())
     if strength.max() < SIGN or settings == few:
         return []
-    return _at_guesses(_View.of(bench, state, settings), guesses)
+    view = _View.of(bench, state, settings)
+    return _at_guesses(view.evened() if effect.placing < Placing.SOMEWHERE else view, guesses)
 
 
 def _both_show(bench: Bench, state: State, name: str) -> np.ndarray:
@@ -157,6 +161,14 @@ class _View:
         idle = _reachable(there, there.train)
         levelled = relevelled(state.model, ordinary_start(bench)) if much_left(state) else None
         return cls(bench.only(settings), there, idle, least_noise(bench), levelled)
+
+    def evened(self) -> _View:
+        """The same without half of the field, where the model lets it be left out."""
+        bench = self.bench.evened(self.state.model)
+        if bench.even == self.bench.even:
+            return self
+        state = replace(self.state, train=bench.fitted_z(self.state.model))
+        return replace(self, bench=bench, state=state, idle=_reachable(state, state.train))
 
 
 def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _View | None:

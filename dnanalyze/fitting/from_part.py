@@ -15,12 +15,13 @@ import numpy as np
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 
 def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
     """The part of the field on which a model may be fitted first; None where it may not."""
-    return bench.part if all(effect.even for effect in model.effects) else None
+    return bench.part if model.placing is Placing.EVERYWHERE else None
 
 
 def fitted(

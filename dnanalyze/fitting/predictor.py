@@ -13,6 +13,7 @@ from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, room
 from dnanalyze.fitting.vectors import Target, prediction, target
+from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import Memo
 
@@ -35,7 +36,8 @@ class Bench:
     part : Bench, optional
         The same of a part of the field, where a fit may begin.
     even : bool
-        Whether only models are simulated that every part of the field shows alike.
+        Whether only models are simulated that hold all over the field by the same law: the half
+        that is not wanted then need not be.
     """
 
     plan: Design
@@ -46,6 +48,14 @@ class Bench:
     helpers: Helpers = field(default_factory=Helpers)
     part: Bench | None = None
     even: bool = False
+
+    def evened(self, model: NoiseModel) -> Bench:
+        """This bench, without the half that is not wanted where the model lets it be left out.
+
+        What lies anywhere shades the two halves by chance alone, otherwise than one of them and its
+        mirror image: predictions are to be compared with others of the same bench.
+        """
+        return replace(self, even=self.even or model.placing < Placing.SOMEWHERE)
 
     def statistics(
         self, model: NoiseModel, errors: bool = False, half: int | None = None

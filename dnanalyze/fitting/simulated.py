@@ -43,8 +43,8 @@ class Job:
         The half that is wanted, with the shading of the other, over the whole field; both by
         default.
     even : bool
-        Whether every part of the field shows the model alike: then nothing is simulated of the
-        half that is not wanted.
+        Whether the model holds all over the field by the same law: then nothing is simulated of
+        the half that is not wanted.
     """
 
     model: NoiseModel
@@ -111,7 +111,7 @@ class Job:
 
 
 def mirrored(seen: SettingStatistics) -> SettingStatistics:
-    """What stands for the shading of the half below one that shows it alike: its mirror image.
+    """What stands for the shading of the half below one that is not simulated: its mirror image.
 
     Of a checkerboard of blocks the image has the colour that is left over of the half itself, so
     that of either colour all blocks of the field are other draws.

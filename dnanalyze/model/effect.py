@@ -44,6 +44,14 @@ class Stage(IntEnum):
     TEMPORAL_FILTER = 110  # smoothing over frames
 
 
+class Placing(IntEnum):
+    """Where in the field an effect is, from what is the same all over to what is not."""
+
+    EVERYWHERE = 1  # every part of the field shows it alike
+    ANYWHERE = 2  # the same law holds at all places, but a part has its own luck: few pixels, lines
+    SOMEWHERE = 3  # at places of its own, or more in one part than in another
+
+
 @dataclass(frozen=True)
 class ParameterInfo:
     """Unit, bounds and meaning of an effect's parameter.
@@ -187,8 +195,7 @@ class Effect:
     its law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the
     statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
     pixels around the window that it looks at, unless `margin` tells; ``memory`` earlier frames that
-    it looks at; ``even`` whether every part of the field shows it alike: not what lies somewhere,
-    along lines, or in few pixels, of which a part has its own luck.
+    it looks at; ``placing`` where in the field it is.
     """
 
     name: ClassVar[str] = ""
@@ -202,7 +209,7 @@ class Effect:
     confused_with: ClassVar[dict[str, str]] = {}
     reach: ClassVar[int] = 0
     memory: ClassVar[int] = 0
-    even: ClassVar[bool] = False
+    placing: ClassVar[Placing] = Placing.SOMEWHERE
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):

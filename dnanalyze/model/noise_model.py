@@ -10,7 +10,7 @@ import yaml
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.laws import Law, law_from_plain
 from dnanalyze.model.registry import catalogue, find
 
@@ -53,6 +53,11 @@ class NoiseModel:
     def names(self) -> list[str]:
         """Effect names in the order given."""
         return [e.name for e in self.effects]
+
+    @property
+    def placing(self) -> Placing:
+        """Where in the field it is, that of its effects which is least the same all over."""
+        return max((e.placing for e in self.effects), default=Placing.EVERYWHERE)
 
     def reference_of(self, channel: str | None) -> OperatingPoint:
         """Where the amplitudes of a channel are stated."""

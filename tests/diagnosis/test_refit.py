@@ -9,13 +9,13 @@ import pytest
 from dnanalyze.diagnosis import refit
 from dnanalyze.diagnosis.screening import Prospect
 from dnanalyze.fitting.least_squares import State, given
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 
 class Even(Effect):
     name = "a"
-    even = True
+    placing = Placing.EVERYWHERE
 
 
 class Uneven(Effect):

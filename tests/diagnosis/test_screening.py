@@ -29,7 +29,7 @@ from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
@@ -166,19 +166,24 @@ def test_where_much_is_missing_what_every_part_shows_is_looked_for_in_one(
 
     monkeypatch.setattr(screening, "_at_guesses", at_guesses)
     monkeypatch.setattr(screening, "carried", lambda s, *_: replace(s, train=0.5 * s.train))
-    names = ("crosstalk", "row_noise")
+    names = ("crosstalk", "row_noise", "row_fpn")
     guessed = {
         n: type(n, (KNOWN[n],), {"guess": classmethod(lambda cls, clues: [cls()])}) for n in names
     }
     prospects(whole, off, guessed)
-    for name, view in seen.items():
-        there = view.state.train / size
-        np.testing.assert_allclose(there, 0.5 if name in in_part else 1.0)
+    np.testing.assert_allclose(seen["row_fpn"].state.train, size)  # may shade: the whole field
+    if in_part:
+        np.testing.assert_allclose(seen["crosstalk"].state.train, 0.5 * size)
+    alone = replace(held, even=True)
+    for name in {"crosstalk", "row_noise"} - in_part:  # half of it, beside half of it
+        assert seen[name].bench.even
+        np.testing.assert_array_equal(seen[name].state.train, alone.fitted_z(off.model))
+        assert seen[name].idle == screening._reachable(seen[name].state, seen[name].state.train)
     weights = {name: view.weight for name, view in seen.items()}
-    assert weights["row_noise"] == 1.0
+    assert weights["row_noise"] == weights["row_fpn"] == 1.0
     assert (weights["crosstalk"] > 1.0) == bool(in_part)
     if in_part:
-        views = [seen[n] for n in ("row_noise", "crosstalk")]
+        views = [seen[n] for n in ("row_fpn", "crosstalk")]
         assert weights["crosstalk"] == pytest.approx(views[0].idle / views[1].idle)
         (free,) = straight(replace(views[1], weight=1.0), [guessed["crosstalk"]()])[:1]
         (weighed,) = straight(views[1], [guessed["crosstalk"]()])[:1]
@@ -243,7 +248,7 @@ def _shown(train, test):
 def test_what_promises_little_is_looked_at_where_both_halves_show_it(
     monkeypatch, train, test, few, again
 ):
-    effect = SimpleNamespace(fingerprint=("drift", "mean"))
+    effect = SimpleNamespace(fingerprint=("drift", "mean"), placing=Placing.SOMEWHERE)
     monkeypatch.setattr(screening._View, "of", lambda held, state, settings: settings)
     monkeypatch.setattr(
         screening, "_at_guesses", lambda view, guesses: [(view, g) for g in guesses]

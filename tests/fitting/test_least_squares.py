@@ -9,7 +9,14 @@ import small_series as small
 
 from dnanalyze.fitting import least_squares
 from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.least_squares import derive, given, minimise, start, with_derivatives_of
+from dnanalyze.fitting.least_squares import (
+    SEVERAL,
+    derive,
+    given,
+    minimise,
+    start,
+    with_derivatives_of,
+)
 from dnanalyze.fitting.predictor import Bench
 
 
@@ -36,6 +43,34 @@ def test_known_derivatives_size_the_steps_of_new_ones(monkeypatch):
     tried.clear()
     assert derive(held, first) is not None
     assert not tried
+
+
+@pytest.mark.parametrize("extra", [None, "rts", "row_fpn"])
+def test_many_derivatives_are_taken_on_half_of_the_field_where_that_tells_them(extra, monkeypatch):
+    """The level and the shading but lack what is chance in the other half."""
+    held, model = small.bench_of(), small.model()
+    if extra is not None:
+        model = model.with_effect(small.KNOWN[extra]())
+    begun, benches = start(held, model, knobs_of(model)), []
+    whole = Bench.several
+
+    def seen(self, models):
+        benches.append((self.even, len(models)))
+        return whole(self, models)
+
+    monkeypatch.setattr(Bench, "several", seen)
+    monkeypatch.setattr(least_squares, "_rescaled", lambda size, _: np.ones_like(size))
+    together = derive(held, begun).jacobian
+    assert {even for even, count in benches if count > SEVERAL} == {extra != "row_fpn"}
+    benches.clear()
+    groups = {k.group for k in begun.knobs}
+    alone = [derive(held, begun, only=lambda k, g=g: k.group == g).jacobian for g in groups]
+    assert not any(even for even, _ in benches)
+    one_by_one = np.nanmean(alone, axis=0)
+    shaded = np.array(["shading" in n or n in ("mean", "median") for n in held.train.names])
+    np.testing.assert_allclose(together[~shaded], one_by_one[~shaded], rtol=1e-9, atol=1e-9)
+    apart = np.linalg.norm(together - one_by_one, axis=0)
+    assert np.all(apart < 0.3 * np.linalg.norm(one_by_one, axis=0))
 
 
 @pytest.mark.parametrize(

@@ -41,3 +41,13 @@ def test_another_sensor_of_the_make_is_drawn_once(monkeypatch):
     assert len(others[2][0]) < len(first[0])
     for other in others[:2]:
         assert not np.array_equal(other[0], first[0], equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("effect", "even"), [("rts", True), ("crosstalk", True), ("row_fpn", False)]
+)
+def test_half_of_the_field_is_left_out_only_where_nothing_lies_somewhere(effect, even):
+    here = small.bench_of()
+    assert here.evened(small.model()).even
+    assert here.evened(small.model().with_effect(small.KNOWN[effect]())).even == even
+    assert here.evened(small.model()).evened(small.model()).even

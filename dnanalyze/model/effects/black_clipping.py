@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, strongest
 
 
@@ -19,7 +19,7 @@ class BlackClipping(Effect):
     name: ClassVar[str] = "black_clipping"
     stage: ClassVar[Stage] = Stage.CONVERTER
     varies: ClassVar[str] = "digital"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "The noise is cut off at the black level: everything below becomes one code."
     )

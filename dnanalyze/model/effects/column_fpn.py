@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import (
     LINE_BANDS,
     band_excess,
@@ -36,6 +36,7 @@ class ColumnFpn(Effect):
     name: ClassVar[str] = "column_fpn"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "fixed"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "Fixed vertical stripes: every column has its own offset."
     physics: ClassVar[str] = (
         "In a CMOS sensor all pixels of a column share one amplifier and one converter, whose "

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import LINE_BANDS, band_excess, bounded, mean_power, named, shows
 
 
@@ -20,6 +20,7 @@ class ColumnGain(Effect):
     name: ClassVar[str] = "column_gain"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "fixed"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = (
         "Vertical stripes that grow with the signal: column amplifiers differ in gain."
     )

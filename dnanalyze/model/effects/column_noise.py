@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import LINE_BANDS, bounded, line_sigma, named, shows
 
 
@@ -20,6 +20,7 @@ class ColumnNoise(Effect):
     name: ClassVar[str] = "column_noise"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "Vertical stripes that change in every frame."
     physics: ClassVar[str] = (
         "The offset of a column circuit is set once a frame where its clamp or its auto-zero is "

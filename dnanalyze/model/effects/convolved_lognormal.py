@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class ConvolvedLognormal(Effect):
     name: ClassVar[str] = "convolved_lognormal"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "both"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "the paper's model: log-normal dark current under a random 3x3 kernel"
     physics: ClassVar[str] = (
         "The logarithm of the dark current is nearly normal over the pixels, since many "

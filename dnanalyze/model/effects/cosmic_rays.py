@@ -12,7 +12,7 @@ from scipy.special import pdtrik
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import curve, excess, shows
 
 LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames
@@ -28,6 +28,7 @@ class CosmicRays(Effect):
     name: ClassVar[str] = "cosmic_rays"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "temporal"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "hits of particles: bright, elongated, in one frame only"
     physics: ClassVar[str] = (
         "Muons (about one per square centimetre and minute at sea level), natural radioactivity "

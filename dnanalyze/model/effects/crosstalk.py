@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import excess, shows
 
 
@@ -20,7 +20,7 @@ class Crosstalk(Effect):
     name: ClassVar[str] = "crosstalk"
     stage: ClassVar[Stage] = Stage.COUPLING
     varies: ClassVar[str] = "fixed"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "each pixel passes a share of its signal to its neighbours (IPC, diffusion)"
     )

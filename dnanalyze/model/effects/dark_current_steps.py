@@ -14,7 +14,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.counted_steps import counted_steps
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import SIGN, curve, shows
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import arrhenius
@@ -31,7 +31,7 @@ class DarkCurrentSteps(Effect):
     name: ClassVar[str] = "dark_current_steps"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "equally spaced peaks in the dark current: counted impurity atoms"
     physics: ClassVar[str] = (
         "Each atom of a metal that contaminates the silicon generates the same dark current, so "

@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 
 
@@ -20,7 +20,7 @@ class DarkShotNoise(Effect):
     name: ClassVar[str] = "dark_shot_noise"
     stage: ClassVar[Stage] = Stage.ARRIVAL
     varies: ClassVar[str] = "temporal"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "counting noise of the dark charge; variance proportional to the dark signal"
     )

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, quietest, shows, typical
 from dnanalyze.model.white_codes import left_of, likeness, noise_before, reached
 
@@ -35,7 +35,7 @@ class Denoise(Effect):
     name: ClassVar[str] = "denoise"
     stage: ClassVar[Stage] = Stage.SPATIAL_FILTER
     varies: ClassVar[str] = "digital"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "Spatial denoise: neighbours averaged before the file is written."
     physics: ClassVar[str] = (
         "Noise reduction averages neighbours, so the noise is no longer white: the power at high "

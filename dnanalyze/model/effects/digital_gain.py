@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import bounded, curve, shows
 
 _CODES = 300  # of the histogram's body that are looked at
@@ -29,7 +29,7 @@ class DigitalGain(Effect):
     name: ClassVar[str] = "digital_gain"
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "digital"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "Codes multiplied after the converter: gaps or spikes in the histogram."
     )

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, excess, shows, strongest, typical_positive
 
 _CALIBRATION_FRAMES = 2
@@ -30,6 +30,7 @@ class Dpc(Effect):
     name: ClassVar[str] = "dpc"
     stage: ClassVar[Stage] = Stage.CORRECTION
     varies: ClassVar[str] = "digital"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "Defect-pixel correction: hot pixels are hidden in the 'raw' data."
     physics: ClassVar[str] = (
         "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction "

@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import bounded, shows, typical_positive
 
 _QUARTILE = 0.6744898  # of the standard normal distribution
@@ -23,7 +23,7 @@ class HeavyTailedReadNoise(Effect):
     name: ClassVar[str] = "heavy_tailed_read_noise"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "temporal"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "Read noise with more large deviations, up and down, than a Gaussian has."
     )

@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 from dnanalyze.model.hot_counts import hot_signals
 from dnanalyze.model.hot_signal import HotSignal
@@ -28,6 +28,7 @@ class HotClusters(HotTail):
     name: ClassVar[str] = "hot_clusters"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "hot pixels in clusters: more hot neighbours than chance allows"
     physics: ClassVar[str] = (
         "A dislocation, a particle or a cascade of displaced atoms damages several pixels at "

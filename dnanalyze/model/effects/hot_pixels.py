@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 from dnanalyze.model.hot_counts import hot_signals
 from dnanalyze.model.hot_signal import HotSignal
@@ -25,6 +25,7 @@ class HotPixels(HotTail):
     name: ClassVar[str] = "hot_pixels"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "few pixels with much extra dark current, the same ones in every frame"
     physics: ClassVar[str] = (
         "Single defects in the silicon (contamination, displacement damage, a high field at a "

@@ -13,7 +13,7 @@ from dnanalyze.loaders.captures import Window
 from dnanalyze.model import draws
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.code_widths import code_widths
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 PERIODS = 2, 4, 8, 16, 32, 64
@@ -32,7 +32,7 @@ class MissingCodes(Effect):
     name: ClassVar[str] = "missing_codes"
     stage: ClassVar[Stage] = Stage.CODE_WIDTHS
     varies: ClassVar[str] = "digital"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "Some codes occur too often, others hardly ever (differential non-linearity)."
     )

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 
@@ -21,6 +21,7 @@ class OffsetDrift(Effect):
     name: ClassVar[str] = "offset_drift"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "The black level wanders from frame to frame, or settles at the start."
     physics: ClassVar[str] = (
         "The black level hangs on a reference voltage and on amplifiers that warm up. After "

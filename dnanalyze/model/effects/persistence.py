@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, excess, shows
 
 LEAST_CHARGE = 0.05  # share of the noise's variance from which the charge's is told
@@ -21,7 +21,7 @@ class Persistence(Effect):
     name: ClassVar[str] = "persistence"
     stage: ClassVar[Stage] = Stage.COUPLING
     varies: ClassVar[str] = "temporal"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "part of each frame's charge returns in the frames after it (lag)"
     physics: ClassVar[str] = (
         "Traps, or an incomplete transfer of charge, hold back a part of a pixel's charge and "

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 
 
@@ -21,7 +21,7 @@ class PixelFpn(Effect):
     name: ClassVar[str] = "pixel_fpn"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "fixed"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "fixed offset of each pixel, the same in every frame"
     physics: ClassVar[str] = (
         "Transistor thresholds differ from pixel to pixel, and what correlated double sampling "

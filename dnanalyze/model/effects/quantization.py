@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice
 from dnanalyze.model.evidence import curve, shows
 
 ROUNDING_VARIANCE = 1.0 / 12.0  # of a step's square
@@ -22,7 +22,7 @@ class Quantization(Effect):
     name: ClassVar[str] = "quantization"
     stage: ClassVar[Stage] = Stage.CONVERTER
     varies: ClassVar[str] = "temporal"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "rounding to whole codes and the converter's two ends"
     physics: ClassVar[str] = (
         "The converter gives whole codes. As long as the noise before it exceeds about .4 DN the "

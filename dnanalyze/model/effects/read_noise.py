@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws, hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.evidence import shows
 
 
@@ -21,7 +21,7 @@ class ReadNoise(Effect):
     name: ClassVar[str] = "read_noise"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
     varies: ClassVar[str] = "temporal"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "white Gaussian noise of the readout, the same at every temperature"
     physics: ClassVar[str] = (
         "The pixel's amplifier and the converter add noise each time a pixel is read: thermal "

@@ -12,7 +12,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, shows
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
@@ -27,6 +27,7 @@ class Rts(Effect):
     name: ClassVar[str] = "rts"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "temporal"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "few pixels blink between two levels from frame to frame"
     physics: ClassVar[str] = (
         "A metastable defect that changes its configuration switches a pixel's dark current "

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.evidence import bounded, curve, excess, shows, strongest, typical_positive
 
 
@@ -19,6 +19,7 @@ class StuckPixels(Effect):
     name: ClassVar[str] = "stuck_pixels"
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "fixed"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "Dead pixels: one code, always, with no noise at all."
     physics: ClassVar[str] = (
         "A shorted or open pixel gives the same code in every frame, commonly the lowest or the "

@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
@@ -25,7 +25,7 @@ class TemporalDenoise(Effect):
     name: ClassVar[str] = "temporal_denoise"
     stage: ClassVar[Stage] = Stage.TEMPORAL_FILTER
     varies: ClassVar[str] = "digital"
-    even: ClassVar[bool] = True
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "Temporal denoise: each frame is mixed with those before it."
     physics: ClassVar[str] = (
         "Video pipelines mix every frame with a running average of those before. A share a of "
