@@ -175,7 +175,8 @@ def ranked(
 
     A count of clusters scatters as these do, and to a model without any it is no great surprise in
     such errors. Its own sensors never show it: where those of the leader refute it, and a rival
-    that explains nearly as much puts that right, the rival is certain beside it.
+    that explains nearly as much puts that right and leaves nothing else, the rival is certain
+    beside it.
     """
     tried = trials(held, state, known, tell)
     close = rivals(tried[0], tried) if tried else []
@@ -183,7 +184,8 @@ def ranked(
         return tried
     leader, left = tried[0], adequacy(held, tried[0].state, FEW).left
     near = (t for t in tried[1:] if left and t.effect in close)
-    mender = next((t for t in near if mends(held, left[:1], leader.state, t.state)), None)
+    menders = (t for t in near if mends(held, left[:1], leader.state, t.state))
+    mender = next((t for t in menders if not adequacy(held, t.state, FEW).left), None)
     if mender is None:
         return tried
     less = leader.standing - mender.standing + CERTAIN

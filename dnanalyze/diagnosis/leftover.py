@@ -1,4 +1,4 @@
-"""What a first candidate leaves over: the few steps of its refit, another effect, or a doubt."""
+"""What a first candidate leaves over: few steps, another kind, another effect, or a doubt."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import PLAIN, STANDS_IN, significant
 from dnanalyze.diagnosis.refit import refitted
 from dnanalyze.diagnosis.screening import prospects
-from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged
+from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, settled
 from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
@@ -82,8 +82,11 @@ def leftover(
     if known and left and mender is None:
         # of what a few steps left, others tell little
         ended = minimise(held, derive(held, found.state, anew=True), STEPS)
-        found = replace(judged(held, state, found.effect, ended), others=found.others)
         left = unexplained(held, ended, FEW)
+        kind = settled(held, ended, found.effect) if left else ended
+        if kind is not ended:
+            ended, left = kind, unexplained(held, kind, FEW)
+        found = replace(judged(held, state, found.effect, ended), others=found.others)
         mender = _mender(held, ended, left, known)
     return Leftover(found, left, mender)
 

@@ -230,20 +230,24 @@ def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already(ask
 
 
 @pytest.mark.parametrize(
-    ("left", "mended", "spread", "first"),
+    ("left", "mended", "others", "spread", "first"),
     [
-        (["hot_pairs"], ["hot_pairs"], 1.0, "b"),
-        ([], ["hot_pairs"], 1.0, "a"),
-        (["hot_pairs"], [], 1.0, "a"),
-        (["drift", "hot_pairs"], ["hot_pairs"], 1.0, "a"),  # not the worst
-        (["hot_pairs"], ["hot_pairs"], 3.0, "a"),  # more is missing
+        (["hot_pairs"], ["hot_pairs"], [], 1.0, "b"),
+        ([], ["hot_pairs"], [], 1.0, "a"),
+        (["hot_pairs"], [], [], 1.0, "a"),
+        (["drift", "hot_pairs"], ["hot_pairs"], [], 1.0, "a"),  # not the worst
+        (["hot_pairs"], ["hot_pairs"], [], 3.0, "a"),  # more is missing
+        (["hot_pairs"], ["hot_pairs"], ["drift"], 1.0, "a"),  # refuted itself
     ],
 )
-def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, spread, first):
-    """To a rival that explains nearly as much, and puts that right."""
+def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, others, spread, first):
+    """To a rival that explains nearly as much, puts that right, and is not refuted too."""
     tried = [made("a", 900.0, 1.0, spread), made("b", 850.0, 1.0), made("c", 90.0, 1.0)]
     asked.setattr(diagnose, "trials", lambda *_: tried)
-    asked.setattr(diagnose, "adequacy", lambda *_: SimpleNamespace(left=left))
+    of_each = {id(t.state): others for t in tried} | {id(tried[0].state): left}
+    asked.setattr(
+        diagnose, "adequacy", lambda _, state, __: SimpleNamespace(left=of_each[id(state)])
+    )
     asked.setattr(diagnose, "mends", lambda _held, names, *_: bool({*names} & {*mended}))
     found = diagnose.ranked(None, None, {})
     assert found[0].effect == first

@@ -129,3 +129,21 @@ def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monk
     assert over.found.state is end
     assert over.found.error == pytest.approx(error_of(held, end))
     assert (over.left, over.doubted, over.mender) == ([], False, None)
+
+
+@pytest.mark.parametrize("better", [True, False])
+def test_another_kind_of_it_is_asked_before_another_effect(sensor, monkeypatch, better):
+    held, state = sensor
+    tried = ranked(held, state, of("row_noise", "column_fpn"))
+    end, kind = tried[0].state, next(t.state for t in tried if t.effect == "column_fpn")
+    left = {id(end): ["pattern_columns_0.3_0.5"], id(kind): []}
+    asked = []
+    monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
+    monkeypatch.setattr(module, "derive", lambda _, there, anew: there)
+    monkeypatch.setattr(module, "minimise", lambda *_: end)
+    monkeypatch.setattr(module, "settled", lambda _, s, __: kind if better else s)
+    monkeypatch.setattr(module, "prospects", lambda _, s, __: asked.append(s) or [])
+    over = leftover(held, state, tried[0], [tried[0]], of("row_noise", "row_fpn"))
+    assert over.found.state is (kind if better else end)
+    assert over.doubted != better
+    assert asked == ([] if better else [end])
