@@ -84,14 +84,15 @@ def test_what_is_in_the_model_or_has_no_strength_has_no_limit(state):
 
 
 def test_what_is_of_so_many_dn_is_looked_for_where_the_noise_is_least(state, monkeypatch):
+    """What shades nothing on half of the field."""
     held, fitted = state
     seen, whole = {}, Bench.several
 
     def simulated(self, models):
         for name in {n for m in models for n in m.names} - set(fitted.model.names):
-            seen[name] = [p for p, _ in self.plan.settings]
+            seen[name] = [p for p, _ in self.plan.settings], self.even
         return whole(self, models)
 
     monkeypatch.setattr(Bench, "several", simulated)
     detection_limits(held, fitted, {n: KNOWN[n] for n in (OF_READOUT, OF_CHARGE)})
-    assert seen == {OF_READOUT: [POINTS[0]], OF_CHARGE: [POINTS[0], POINTS[2]]}
+    assert seen == {OF_READOUT: ([POINTS[0]], False), OF_CHARGE: ([POINTS[0], POINTS[2]], True)}
