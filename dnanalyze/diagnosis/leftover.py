@@ -1,4 +1,4 @@
-"""What a first candidate leaves over: few steps, another kind, another effect, or a doubt."""
+"""What a first candidate leaves over: few steps, another choice, another effect, or a doubt."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dnanalyze.diagnosis.adequacy import FEW, WORST, mends, unexplained
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import PLAIN, STANDS_IN, significant
 from dnanalyze.diagnosis.refit import refitted
-from dnanalyze.diagnosis.screening import prospects
+from dnanalyze.diagnosis.screening import kind_of, prospects
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, settled
 from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
@@ -83,9 +83,9 @@ def leftover(
         # of what a few steps left, others tell little
         ended = minimise(held, derive(held, found.state, anew=True), STEPS)
         left = unexplained(held, ended, FEW)
-        kind = settled(held, ended, found.effect) if left else ended
-        if kind is not ended:
-            ended, left = kind, unexplained(held, kind, FEW)
+        if left and kind_of(ended.model, found.effect) is None:  # others were guessed in all kinds
+            ended = settled(held, ended, found.effect)
+            left = unexplained(held, ended, FEW)
         found = replace(judged(held, state, found.effect, ended), others=found.others)
         mender = _mender(held, ended, left, known)
     return Leftover(found, left, mender)

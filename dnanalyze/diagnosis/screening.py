@@ -55,7 +55,12 @@ class Prospect:
     @property
     def kind(self) -> object:
         """Of the guess; None of an effect that has but one."""
-        return getattr(self.model.get(self.effect), "kind", None)
+        return kind_of(self.model, self.effect)
+
+
+def kind_of(model: NoiseModel, effect: str) -> object:
+    """Of an effect whose guesses come in several kinds; None of any other."""
+    return getattr(model.get(effect), "kind", None)
 
 
 def prospects(
