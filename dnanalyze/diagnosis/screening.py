@@ -13,7 +13,7 @@ from dnanalyze.diagnosis.residual import Residual
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import carried, part_for
-from dnanalyze.fitting.least_squares import State, loss, weights
+from dnanalyze.fitting.least_squares import State, evened, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.evidence import SIGN
@@ -84,15 +84,18 @@ def prospects(
     clues = Residual(bench, state)
     few = _telling(bench, state)
     whole = _View.of(bench, state, few)
-    evened = whole.evened()
+    half = whole.evened()
     part = _of_part(bench, state, few, whole.idle)
+    views = {
+        Placing.EVERYWHERE: half if part is None else part,
+        Placing.ANYWHERE: half,
+        Placing.SOMEWHERE: whole,
+    }
     guesses, found, seen = {}, {}, {}
     for name, effect in known.items():
         tell(name)
         guesses[name] = effect.guess(clues)
-        seen[name] = evened if effect.placing < Placing.SOMEWHERE else whole
-        if part is not None and effect.placing is Placing.EVERYWHERE:
-            seen[name] = part
+        seen[name] = views[effect.placing]
         found[name] = _at_guesses(seen[name], guesses[name][:FIRST])
     most = max((p.promise for made in found.values() for p in made), default=0.0)
     if most < FAINT:
@@ -169,10 +172,7 @@ class _View:
 
     def evened(self) -> _View:
         """The same without half of the field, where the model lets it be left out."""
-        bench = self.bench.evened(self.state.model)
-        if bench.even == self.bench.even:
-            return self
-        state = replace(self.state, train=bench.fitted_z(self.state.model))
+        bench, state = evened(self.bench, self.state)
         return replace(self, bench=bench, state=state, idle=_reachable(state, state.train))
 
 

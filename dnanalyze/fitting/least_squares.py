@@ -25,7 +25,7 @@ STEEP = 1 / 3  # share of the loss that a round must take off for more than the 
 # Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
 # and the statistics with them, by some floors however short the step: less would be lost in it.
 SMALLEST, LARGEST = 12.0, 400.0
-SEVERAL = 3  # derivatives, from which it pays to begin from half of the field
+SEVERAL = 3  # derivatives beyond which it pays to begin from half of the field
 GROWTH = 8.0  # of a step that shows too little, each time; twice at most
 
 
@@ -99,6 +99,17 @@ def with_derivatives_of(state: State, like: State) -> State:
     return replace(state, jacobian=jacobian)
 
 
+def evened(bench: Bench, state: State) -> tuple[Bench, State]:
+    """The bench without half of the field, where the model lets it be left out, and what it shows.
+
+    Predictions are to be compared with those of this state.
+    """
+    alone = bench.evened(state.model)
+    if alone.even == bench.even:
+        return bench, state
+    return alone, replace(state, train=alone.fitted_z(state.model))
+
+
 def derive(
     bench: Bench,
     state: State,
@@ -133,10 +144,8 @@ def _differences(
     bench: Bench, state: State, groups: list[list[int]], smallest: float
 ) -> dict[int, np.ndarray]:
     """Columns of groups of knobs, by one-sided steps that are sized to be seen but not large."""
-    train = state.train
-    if len(groups) > SEVERAL and not bench.even:
-        bench = bench.evened(state.model)
-        train = bench.fitted_z(state.model) if bench.even else train
+    if len(groups) > SEVERAL:
+        bench, state = evened(bench, state)
     here = positions(state.model, state.knobs)
     first = np.array([_first_step(k, x) for k, x in zip(state.knobs, here, strict=True)])
     known = np.linalg.norm(state.jacobian, axis=0)  # NaN where not known
@@ -150,7 +159,7 @@ def _differences(
         masks = [settings_of(k, state.model, bench.plan.settings) for k in state.knobs]
         again = []
         for members, x, coordinates in zip(groups, there, found, strict=True):
-            change = bench.train.z(coordinates) - train
+            change = bench.train.z(coordinates) - state.train
             for i in members:
                 moved = masks[i][bench.train.setting]
                 columns[i] = np.where(moved, change, 0) / (x[i] - here[i] or 1.0)

@@ -52,8 +52,8 @@ class Bench:
     def evened(self, model: NoiseModel) -> Bench:
         """This bench, without the half that is not wanted where the model lets it be left out.
 
-        What lies anywhere shades the two halves by chance alone, otherwise than one of them and its
-        mirror image: predictions are to be compared with others of the same bench.
+        What lies anywhere shades the two halves by chance alone, but otherwise than one of them and
+        its mirror image.
         """
         return replace(self, even=self.even or model.placing < Placing.SOMEWHERE)
 

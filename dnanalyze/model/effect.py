@@ -48,8 +48,8 @@ class Placing(IntEnum):
     """Where in the field an effect is, from what is the same all over to what is not."""
 
     EVERYWHERE = 1  # every part of the field shows it alike
-    ANYWHERE = 2  # the same law holds at all places, but a part has its own luck: few pixels, lines
-    SOMEWHERE = 3  # at places of its own, or more in one part than in another
+    ANYWHERE = 2  # by one law at all places, unshaded, but not alike: few pixels, columns
+    SOMEWHERE = 3  # at places of its own, or shaded, be it by rows, clouds or hum; or not known
 
 
 @dataclass(frozen=True)

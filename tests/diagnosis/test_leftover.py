@@ -131,8 +131,12 @@ def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monk
     assert (over.left, over.doubted, over.mender) == ([], False, None)
 
 
-@pytest.mark.parametrize(("kinds", "better"), [(None, True), (None, False), ("all", True)])
-def test_another_form_of_it_is_asked_before_another_effect(sensor, monkeypatch, kinds, better):
+@pytest.mark.parametrize(
+    ("kinds", "better", "taken"), [(None, True, True), (None, False, False), ("all", True, False)]
+)
+def test_another_choice_of_it_is_asked_before_another_effect(
+    sensor, monkeypatch, kinds, better, taken
+):
     """Unless its guesses came in all kinds."""
     held, state = sensor
     tried = ranked(held, state, of("row_noise", "column_fpn"))
@@ -144,9 +148,8 @@ def test_another_form_of_it_is_asked_before_another_effect(sensor, monkeypatch, 
     monkeypatch.setattr(module, "minimise", lambda *_: end)
     monkeypatch.setattr(module, "settled", lambda _, s, __: kind if better else s)
     monkeypatch.setattr(module, "kind_of", lambda *_: kinds)
-    better = better and kinds is None
     monkeypatch.setattr(module, "prospects", lambda _, s, __: asked.append(s) or [])
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise", "row_fpn"))
-    assert over.found.state is (kind if better else end)
-    assert over.doubted != better
-    assert asked == ([] if better else [end])
+    assert over.found.state is (kind if taken else end)
+    assert over.doubted != taken
+    assert asked == ([] if taken else [end])
