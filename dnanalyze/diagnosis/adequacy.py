@@ -14,6 +14,7 @@ from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
+HASTY = 2  # that mostly show whether anything is left, if not what
 WORST = 3  # statistics left; an effect that puts one of these right needs less evidence
 SIGMAS = 4.0
 EXCUSED = 2.0  # error from which no luck of the replicates excuses a misfit
@@ -66,6 +67,11 @@ def unexplained(bench: Bench, state: State, replicates: int = REPLICATES) -> lis
     """
     found = adequacy(bench, state, replicates)
     return found.left or ([] if found.adequate else farthest(bench, state))
+
+
+def leaves(bench: Bench, state: State) -> bool:
+    """Whether any single statistic is left, by as few replicates as say so."""
+    return any(adequacy(bench, state, count).left for count in (HASTY, FEW))
 
 
 def farthest(bench: Bench, state: State, count: int = 3) -> list[str]:

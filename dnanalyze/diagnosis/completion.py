@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dnanalyze.diagnosis.background import along_background
 from dnanalyze.diagnosis.bend import along_bend, begun_again, begun_elsewhere
-from dnanalyze.diagnosis.trial import error_of, preferred, settled
+from dnanalyze.diagnosis.trial import error_of, preferred, related, settled
 from dnanalyze.fitting.least_squares import State, converge
 from dnanalyze.fitting.predictor import Bench
 
@@ -27,9 +27,9 @@ def completed(held: Bench, state: State, name: str) -> State:
     for other in (begun_again, along_bend, begun_elsewhere):
         if error_of(held, state) > POOR:
             state = preferred(state, other(held, state, name) or state)
-    state = converge(held, settled(held, state, name, relatives=False))
+    state = converge(held, settled(held, state, name))
     state = preferred(state, along_bend(held, state, name) or state)
     if error_of(held, state) > POOR:
         state = along_background(held, state)
-    again = settled(held, state, name)
+    again = related(held, settled(held, state, name), name)
     return state if again is state else converge(held, again)

@@ -10,6 +10,7 @@ from dnanalyze.diagnosis.adequacy import (
     FEW,
     WORST,
     adequacy,
+    leaves,
     mends,
     on_average,
     sobered,
@@ -185,7 +186,7 @@ def ranked(
     leader, left = tried[0], adequacy(held, tried[0].state, FEW).left
     near = (t for t in tried[1:] if left and t.effect in close)
     menders = (t for t in near if mends(held, left[:1], leader.state, t.state))
-    mender = next((t for t in menders if not adequacy(held, t.state, FEW).left), None)
+    mender = next((t for t in menders if not leaves(held, t.state)), None)
     if mender is None:
         return tried
     less = leader.standing - mender.standing + CERTAIN

@@ -5,13 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.diagnosis.adequacy import FEW, WORST, mends, unexplained
+from dnanalyze.diagnosis.adequacy import FEW, HASTY, WORST, mends, unexplained
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import PLAIN, STANDS_IN, significant
 from dnanalyze.diagnosis.refit import refitted
 from dnanalyze.diagnosis.screening import kind_of, prospects
-from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, settled
-from dnanalyze.fitting.least_squares import State, derive, minimise
+from dnanalyze.diagnosis.trial import (
+    STEPS,
+    Trial,
+    candidates_of,
+    error_of,
+    judged,
+    related,
+    settled,
+)
+from dnanalyze.fitting.from_part import derived_anew
+from dnanalyze.fitting.least_squares import State, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE
@@ -76,16 +85,22 @@ def leftover(
     known : dict
         Effects, by name, of which one may account for it too. Of none: nothing is followed up.
     """
-    left, error = unexplained(held, found.state, FEW), error_of(held, state)
-    others = (t for t in tried if t is not found and significant(t, error))
+    error = error_of(held, state)
+    others = [t for t in tried if t is not found and significant(t, error)]
+    # that it leaves any is enough where no other is asked for it
+    rough = unexplained(held, found.state, HASTY) if known and not others else []
+    left = rough or unexplained(held, found.state, FEW)
     mender = next((t.effect for t in others if mends(held, left[:1], state, t.state)), None)
     if known and left and mender is None:
-        # of what a few steps left, others tell little
-        ended = minimise(held, derive(held, found.state, anew=True), STEPS)
-        left = unexplained(held, ended, FEW)
-        if left and kind_of(ended.model, found.effect) is None:  # others were guessed in all kinds
-            ended = settled(held, ended, found.effect)
+        ended = found.state
+        if not ended.at_rest:  # of what a few steps left, others tell little
+            ended = minimise(held, derived_anew(held, ended), STEPS)
             left = unexplained(held, ended, FEW)
+        guessed = kind_of(ended.model, found.effect) is not None  # in all kinds already
+        for among_others in () if guessed else (settled, related):
+            if left:
+                ended = among_others(held, ended, found.effect)
+                left = unexplained(held, ended, FEW)
         found = replace(judged(held, state, found.effect, ended), others=found.others)
         mender = _mender(held, ended, left, known)
     return Leftover(found, left, mender)

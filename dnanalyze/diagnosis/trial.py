@@ -214,19 +214,24 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     if not doubtful and (leader.evidence < CLEAR or not (close or raises)):
         return
 
-    def gone_on(t: Trial, like: State) -> Trial:
+    def gone_on(t: Trial, like: State, below: float = math.inf) -> Trial:
         begun = with_derivatives_of(t.state, like)
-        return judged(bench, state, t.effect, minimise(bench, begun, STEPS))
+        if below < math.inf:  # its own will do to see whether that is in reach
+            own = np.isnan(begun.jacobian)
+            begun.jacobian[own] = t.state.jacobian[own]
+        return judged(bench, state, t.effect, minimise(bench, begun, STEPS, below=below))
+
+    def behind(t: Trial) -> float:
+        return leader.evidence - t.evidence - TIE * leader.state.loss
 
     def leads() -> bool:
-        nearest = max((best[t.effect].evidence for t in close), default=0.0)
-        clear = leader.evidence - nearest > TIE * leader.state.loss
+        clear = all(behind(best[t.effect]) > 0 for t in close)
         return clear and not (raises or doubtful)
 
     if leads():
         for t in close:
             if not t.state.at_rest:
-                best[t.effect] = gone_on(t, leader.state)
+                best[t.effect] = gone_on(t, leader.state, t.state.loss - behind(t))
     if not leads():
         like = derive(bench, leader.state, anew=True)
         for t in (leader, *close):
@@ -269,13 +274,8 @@ def _gains(before: State, after: State) -> tuple[float, float]:
     )
 
 
-def settled(
-    bench: Bench, state: State, name: str, iterations: int = 3, *, relatives: bool = True
-) -> State:
-    """The best of an effect's kinds: each alternative to its choices, refitted from here.
-
-    ``relatives``: also those forms with numbers to match, which tell little before the fit stands.
-    """
+def settled(bench: Bench, state: State, name: str, iterations: int = 3) -> State:
+    """The best of an effect's kinds: each alternative to its choices, refitted from here."""
     for choice, info in _effect(state.model, name).parameters().items():
         if info.scale != "choice" or choice in (*UNTRIED, *_effect(state.model, name).idle()):
             continue
@@ -285,9 +285,14 @@ def settled(
                 with suppress(InputError):  # a choice that the others rule out
                     kind = replace(effect, **{choice: other})
                     state = _better(bench, state, kind, iterations)
-    for other in _effect(state.model, name).relatives() if relatives else ():
+    return state
+
+
+def related(bench: Bench, state: State, name: str, iterations: int = 6) -> State:
+    """The best of an effect and its forms with numbers to match, where the fit stands."""
+    for other in _effect(state.model, name).relatives():
         with suppress(InputError):
-            state = _better(bench, state, other, 2 * iterations, anew=True)
+            state = _better(bench, state, other, iterations, anew=True)
     return state
 
 
@@ -308,8 +313,7 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
             return state
     if anew:
         begun.jacobian[:, [k.effect == kind.name for k in begun.knobs]] = np.nan
-    ended = minimise(bench, begun, iterations)
-    return preferred(state, ended)
+    return preferred(state, minimise(bench, begun, iterations))
 
 
 def preferred(state: State, other: State) -> State:

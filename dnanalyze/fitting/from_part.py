@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
@@ -51,10 +51,23 @@ def carried(state: State, there: Bench, here: Bench) -> State:
     taken to be 0.
     """
     begun = start(here, state.model, state.knobs)
+    return replace(begun, jacobian=_derivatives(state, there, here))
+
+
+def derived_anew(bench: Bench, state: State) -> State:
+    """The state with all derivatives taken anew, on the part where they may be."""
+    part = part_for(bench, state.model)
+    if part is None:
+        return derive(bench, state, anew=True)
+    near = derive(part, carried(state, bench, part), anew=True)
+    return replace(state, jacobian=_derivatives(near, part, bench))
+
+
+def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:
     row = {key: i for i, key in enumerate(there.train.keys)}
     rows = np.array([row.get(key, -1) for key in here.train.keys])
     known = rows >= 0
     scale = there.train.floor[rows[known]] / here.train.floor[known]
-    jacobian = np.zeros_like(begun.jacobian)
+    jacobian = np.zeros((len(here.train.keys), len(state.knobs)))
     jacobian[known] = state.jacobian[rows[known]] * scale[:, None]
-    return replace(begun, jacobian=jacobian)
+    return jacobian

@@ -65,7 +65,7 @@ def test_a_rival_is_tried_from_its_other_guess_where_the_leader_leaves_much(
         lambda _bench, p, *_: state(0.1, 0.1) if p.model is second else after[p.effect],
     )
     monkeypatch.setattr(trial, "derive", lambda _bench, ended, **_: ended)
-    monkeypatch.setattr(trial, "minimise", lambda _bench, ended, *_: ended)
+    monkeypatch.setattr(trial, "minimise", lambda _bench, ended, *_, **__: ended)
     found = trials(bench, begun, {})
     assert [t.effect for t in found] == (["b", "a"] if again else ["a", "b"])
     kept = {t.effect: len(t.others) for t in found}
@@ -85,7 +85,7 @@ def test_another_guess_is_refitted_where_the_first_gains_and_yet_raises_the_erro
     monkeypatch.setattr(trial, "prospects", lambda *_: guesses)
     monkeypatch.setattr(trial, "refitted", lambda _bench, p, *_: ended[id(p.model)])
     monkeypatch.setattr(trial, "derive", lambda _bench, found, **_: found)
-    monkeypatch.setattr(trial, "minimise", lambda _bench, found, *_: found)
+    monkeypatch.setattr(trial, "minimise", lambda _bench, found, *_, **__: found)
     (found,) = trials(bench, state(5.0, 5.0), {})
     assert found.state.train is ended[id(second) if again else id(first)].train
     assert len(found.others) == (0 if again else 1)
@@ -110,7 +110,7 @@ def test_where_a_refit_leaves_much_it_begins_at_the_level_of_the_moments_too(
     monkeypatch.setattr(trial, "prospects", lambda *_: [Prospect("a", bent, 900.0, level)])
     monkeypatch.setattr(trial, "refitted", lambda _bench, p, *_: ended[id(p.model)])
     monkeypatch.setattr(trial, "derive", lambda _bench, found, **_: found)
-    monkeypatch.setattr(trial, "minimise", lambda _bench, found, *_: found)
+    monkeypatch.setattr(trial, "minimise", lambda _bench, found, *_, **__: found)
     (found,) = trials(bench, state(5.0, 5.0), {})
     assert found.state.train is ended[id(level if taken else bent)].train
 
@@ -137,7 +137,10 @@ def test_rivals_go_on_and_the_leader_where_that_may_decide(monkeypatch, rival, a
     monkeypatch.setattr(
         trial, "derive", lambda _, s, anew: replace(s, jacobian=np.full_like(s.jacobian, 7.0))
     )
-    monkeypatch.setattr(trial, "minimise", lambda _, s, __: begun.append(s) or s)
+    reach = []
+    monkeypatch.setattr(
+        trial, "minimise", lambda _, s, __, below: reach.append(below) or begun.append(s) or s
+    )
     monkeypatch.setattr(trial, "judged", lambda _bench, _before, name, _after: best[name])
     monkeypatch.setattr(trial, "error_of", lambda *_: 2.0)
     best = {n: Trial(n, stands(n), g, g, error) for n, g in (("b", rival), ("a", 100.0))}
@@ -148,7 +151,10 @@ def test_rivals_go_on_and_the_leader_where_that_may_decide(monkeypatch, rival, a
         leader_met = leader_met or s.knobs[1].name == "a"
         shared, own = s.jacobian[0]
         assert shared == (7.0 if leader_met else 0.0)
-        assert np.isnan(own) == (s.knobs[1].name == "b")
+        assert np.isnan(own) == (leader_met and s.knobs[1].name == "b")
+    # a rival behind is given up where it can no longer catch up: 9 is its loss and the leader's
+    behind = 100.0 - rival - trial.TIE * stands("a").loss
+    assert reach == [pytest.approx(stands("b").loss - behind) if who == "b" else np.inf] * len(who)
 
 
 @pytest.mark.parametrize(
@@ -222,7 +228,7 @@ def test_a_leader_of_doubtful_evidence_goes_on_alone(monkeypatch, evidence, spre
     begun = []
     monkeypatch.setattr(trial, "error_of", lambda *_: 2.0)
     monkeypatch.setattr(trial, "derive", lambda _, s, anew: s)
-    monkeypatch.setattr(trial, "minimise", lambda _, s, __: begun.append(s) or s)
+    monkeypatch.setattr(trial, "minimise", lambda _, s, __, **___: begun.append(s) or s)
     monkeypatch.setattr(trial, "judged", lambda _bench, _before, name, _after: best[name])
     found = Trial("a", state(1.0, 1.0), evidence, evidence, 1.0, spread)
     best = {"a": found, "b": Trial("b", state(1.0, 1.0), -1.0, -1.0, 1.5)}

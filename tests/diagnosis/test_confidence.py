@@ -248,6 +248,7 @@ def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, oth
     asked.setattr(
         diagnose, "adequacy", lambda _, state, __: SimpleNamespace(left=of_each[id(state)])
     )
+    asked.setattr(diagnose, "leaves", lambda _, state: bool(of_each[id(state)]))
     asked.setattr(diagnose, "mends", lambda _held, names, *_: bool({*names} & {*mended}))
     found = diagnose.ranked(None, None, {})
     assert found[0].effect == first

@@ -103,11 +103,17 @@ def test_another_candidate_may_account_for_it(sensor, monkeypatch):
     assert leftover(held, state, tried[0], [tried[0], other], {}).doubted
 
 
+def _in_few_steps(held, state, *names):
+    """Trials of which none is at rest."""
+    tried = ranked(held, state, of(*names))
+    return [replace(t, state=replace(t.state, at_rest=False)) for t in tried]
+
+
 def test_it_goes_to_its_end_before_others_are_asked(sensor, monkeypatch):
     held, state = sensor
-    tried = ranked(held, state, of("row_noise"))
+    tried = _in_few_steps(held, state, "row_noise")
     end, seen = replace(tried[0].state), []
-    monkeypatch.setattr(module, "derive", lambda _, there, anew: there)
+    monkeypatch.setattr(module, "derived_anew", lambda _, there: there)
     monkeypatch.setattr(module, "minimise", lambda *_: end)
     monkeypatch.setattr(module, "prospects", lambda _, there, __: seen.append(there) or [])
     over = leftover(held, state, tried[0], tried, of("row_noise", "row_fpn"))
@@ -118,12 +124,12 @@ def test_it_goes_to_its_end_before_others_are_asked(sensor, monkeypatch):
 
 def test_what_a_few_steps_left_is_taken_to_its_end_before_it_doubts(sensor, monkeypatch):
     held, state = sensor
-    tried = ranked(held, state, of("row_noise", "column_fpn"))
+    tried = _in_few_steps(held, state, "row_noise", "column_fpn")
     end = next(t.state for t in tried if t.effect == "column_fpn")
     left = {id(tried[0].state): ["pattern_columns_0.3_0.5"], id(end): []}
     monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
     monkeypatch.setattr(module, "prospects", lambda *_: [])
-    monkeypatch.setattr(module, "derive", lambda _, there, anew: there)
+    monkeypatch.setattr(module, "derived_anew", lambda _, there: there)
     monkeypatch.setattr(module, "minimise", lambda *_: end)
     over = leftover(held, state, tried[0], [tried[0]], of("row_noise"))
     assert over.found.state is end
@@ -139,12 +145,12 @@ def test_another_choice_of_it_is_asked_before_another_effect(
 ):
     """Unless its guesses came in all kinds."""
     held, state = sensor
-    tried = ranked(held, state, of("row_noise", "column_fpn"))
+    tried = _in_few_steps(held, state, "row_noise", "column_fpn")
     end, kind = tried[0].state, next(t.state for t in tried if t.effect == "column_fpn")
     left = {id(end): ["pattern_columns_0.3_0.5"], id(kind): []}
     asked = []
     monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
-    monkeypatch.setattr(module, "derive", lambda _, there, anew: there)
+    monkeypatch.setattr(module, "derived_anew", lambda _, there: there)
     monkeypatch.setattr(module, "minimise", lambda *_: end)
     monkeypatch.setattr(module, "settled", lambda _, s, __: kind if better else s)
     monkeypatch.setattr(module, "kind_of", lambda *_: kinds)
@@ -153,3 +159,47 @@ def test_another_choice_of_it_is_asked_before_another_effect(
     assert over.found.state is (kind if taken else end)
     assert over.doubted != taken
     assert asked == ([] if taken else [end])
+
+
+def test_at_rest_it_goes_no_further(sensor, monkeypatch):
+    held, state = sensor
+    (found,) = _in_few_steps(held, state, "row_noise")
+    found = replace(found, state=replace(found.state, at_rest=True))
+    monkeypatch.setattr(module, "unexplained", lambda *_: ["mean"])
+    monkeypatch.setattr(module, "minimise", lambda *_: pytest.fail("nothing was left to gain"))
+    monkeypatch.setattr(module, "prospects", lambda *_: [])
+    assert leftover(held, state, found, [found], of("row_noise")).found.state is found.state
+
+
+@pytest.mark.parametrize("mended", [True, False])
+def test_forms_with_other_numbers_are_asked_where_no_choice_mends(sensor, monkeypatch, mended):
+    held, state = sensor
+    (found,) = _in_few_steps(held, state, "row_noise")
+    choice, form = replace(found.state), replace(found.state)
+    left = {id(found.state): ["mean"], id(choice): [] if mended else ["mean"], id(form): []}
+    asked = []
+    monkeypatch.setattr(module, "unexplained", lambda _, s, __: left[id(s)])
+    monkeypatch.setattr(module, "derived_anew", lambda _, there: there)
+    monkeypatch.setattr(module, "minimise", lambda _, there, __: there)
+    monkeypatch.setattr(module, "settled", lambda *_: choice)
+    monkeypatch.setattr(module, "related", lambda _, there, __: asked.append(there) or form)
+    over = leftover(held, state, found, [found], of("row_noise"))
+    assert over.found.state is (choice if mended else form)
+    assert asked == ([] if mended else [choice])
+    assert not over.doubted
+
+
+def test_few_replicates_do_where_no_other_is_asked(sensor, monkeypatch):
+    """What is left is told by all of them."""
+    held, state = sensor
+    (found,) = _in_few_steps(held, state, "row_noise")
+    counts = []
+    monkeypatch.setattr(module, "unexplained", lambda _, __, n: counts.append(n) or ["mean"])
+    monkeypatch.setattr(module, "derived_anew", lambda _, there: there)
+    monkeypatch.setattr(module, "minimise", lambda _, there, __: there)
+    monkeypatch.setattr(module, "prospects", lambda *_: [])
+    assert leftover(held, state, found, [found], {}).left == ["mean"]
+    assert counts == [module.FEW]
+    leftover(held, state, found, [found], of("row_noise"))
+    assert counts[1] == module.HASTY
+    assert counts[-1] == module.FEW

@@ -8,7 +8,7 @@ import pytest
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.from_part import carried, fitted, part_for
+from dnanalyze.fitting.from_part import carried, derived_anew, fitted, part_for
 from dnanalyze.fitting.knobs import knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import converge, derive, minimise, start
 from dnanalyze.fitting.moments import moments
@@ -147,3 +147,23 @@ def test_the_papers_pedestal_is_chosen_on_the_part(held, simulated):
     assert simulated == [False] * 4
     tried = paper_models(moments(Readings(held.measured[0]), None))
     assert chosen in tried
+
+
+def test_derivatives_are_taken_on_the_part_where_every_part_shows_them(held, simulated):
+    state = start(held, model(1), knobs_of(model(1)))
+    assert np.isnan(state.jacobian).all()
+    blank = replace(state, jacobian=np.zeros_like(state.jacobian))
+    simulated.clear()
+    found = derived_anew(held, blank)
+    assert found.model is state.model
+    np.testing.assert_array_equal(found.train, state.train)
+    assert not any(simulated)
+    near = derive(held.part, carried(blank, held, held.part), anew=True)
+    np.testing.assert_array_equal(found.jacobian, carried(near, held.part, held).jacobian)
+    placed = model(1, column_fpn={"sigma": 1.0})
+    somewhere = start(held, placed, knobs_of(placed))
+    simulated.clear()
+    np.testing.assert_array_equal(
+        derived_anew(held, somewhere).jacobian, derive(held, somewhere, anew=True).jacobian
+    )
+    assert all(simulated)
