@@ -95,7 +95,7 @@ def leftover(
         ended = found.state
         if not ended.at_rest:  # of what a few steps left, others tell little
             ended = minimise(held, derived_anew(held, ended), STEPS)
-            left = unexplained(held, ended, FEW)
+        left = unexplained(held, ended, FEW)
         guessed = kind_of(ended.model, found.effect) is not None  # in all kinds already
         for among_others in () if guessed else (settled, related):
             if left:

@@ -195,8 +195,9 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
     A refit of few steps may mend what is far off at the cost of much that was right, and which of
     two is the better shows once both stand at their best. A rival that lowers the error more than
     the leader, or fits better, with less evidence so far, is one of them. They stand so close that
-    the derivatives of what they share are one's as much as the other's. The leader goes on where
-    what a fit may still gain decides: between rivals, or whether there is evidence enough.
+    the derivatives of what they share are one's as much as the other's. One that is plainly behind
+    goes on only while its steps may still bring it near. The leader goes on where what a fit may
+    still gain decides: between rivals, or whether there is evidence enough.
     """
     leader = max(best.values(), key=lambda t: t.evidence)
     close = [
@@ -216,7 +217,7 @@ def _polish(bench: Bench, state: State, best: dict[str, Trial]) -> None:
 
     def gone_on(t: Trial, like: State, below: float = math.inf) -> Trial:
         begun = with_derivatives_of(t.state, like)
-        if below < math.inf:  # its own will do to see whether that is in reach
+        if below < math.inf:  # its own will do to see whether that is within reach
             own = np.isnan(begun.jacobian)
             begun.jacobian[own] = t.state.jacobian[own]
         return judged(bench, state, t.effect, minimise(bench, begun, STEPS, below=below))

@@ -64,6 +64,7 @@ def derived_anew(bench: Bench, state: State) -> State:
 
 
 def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:
+    """Those of a state on one of the two, as they are on the other."""
     row = {key: i for i, key in enumerate(there.train.keys)}
     rows = np.array([row.get(key, -1) for key in here.train.keys])
     known = rows >= 0

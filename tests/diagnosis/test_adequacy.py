@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis.adequacy import (
+    FEW,
+    HASTY,
     Adequacy,
     adequacy,
     farthest,
+    leaves,
     mends,
     on_average,
     sobered,
@@ -75,6 +78,28 @@ def test_sensors_are_drawn_for_as_long_as_they_may_tell(held, monkeypatch):
     drawn.clear()
     assert adequacy(held, begun, 3).left
     assert len(drawn) == 3
+
+
+def test_two_sensors_are_drawn_to_say_that_something_is_left(held, monkeypatch):
+    """And more where these do not say so."""
+    counts = []
+    of: dict[int, list[str]] = {}
+    monkeypatch.setattr(
+        "dnanalyze.diagnosis.adequacy.adequacy",
+        lambda _, __, n: counts.append(n) or Adequacy(False, of[n]),
+    )
+    for hasty, few, asked in (
+        (True, True, [HASTY]),
+        (False, True, [HASTY, FEW]),
+        (False, False, [HASTY, FEW]),
+    ):
+        counts.clear()
+        of = {HASTY: ["drift"] * hasty, FEW: ["drift"] * few}
+        assert leaves(held, None) == (hasty or few)
+        assert counts == asked
+    monkeypatch.undo()
+    assert leaves(held, _at(held, _model(seed=2)))
+    assert not leaves(held, _at(held, _model(OffsetDrift(1.0), seed=2)))
 
 
 @pytest.mark.parametrize(

@@ -198,8 +198,16 @@ def test_few_replicates_do_where_no_other_is_asked(sensor, monkeypatch):
     monkeypatch.setattr(module, "derived_anew", lambda _, there: there)
     monkeypatch.setattr(module, "minimise", lambda _, there, __: there)
     monkeypatch.setattr(module, "prospects", lambda *_: [])
+    monkeypatch.setattr(module, "kind_of", lambda *_: "all")  # nothing but other effects to ask
+    monkeypatch.setattr(module, "mends", lambda *_: True)
     assert leftover(held, state, found, [found], {}).left == ["mean"]
     assert counts == [module.FEW]
-    leftover(held, state, found, [found], of("row_noise"))
-    assert counts[1] == module.HASTY
-    assert counts[-1] == module.FEW
+    for at_rest, beside, asked in (
+        (False, [], [module.HASTY, module.FEW]),
+        (True, [], [module.HASTY, module.FEW]),
+        (False, [replace(found, gain=1e4, fitted_gain=1e4)], [module.FEW]),
+    ):
+        there = replace(found, state=replace(found.state, at_rest=at_rest))
+        counts.clear()
+        leftover(held, state, there, [there, *beside], of("row_noise"))
+        assert counts == asked
