@@ -301,7 +301,8 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
     """The model with another kind of an effect, refitted, if that is clearly better.
 
     On both halves together: of a shaded sensor one half alone does not tell whether the shading
-    scales the dark current of each pixel or adds to it.
+    scales the dark current of each pixel or adds to it. Given up once no steps would bring it to
+    where the state stands.
     ``anew``: its numbers are others, and so are its derivatives.
     """
     model = state.model.with_effect(kind)
@@ -314,7 +315,7 @@ def _better(bench: Bench, state: State, kind: Effect, iterations: int, anew: boo
             return state
     if anew:
         begun.jacobian[:, [k.effect == kind.name for k in begun.knobs]] = np.nan
-    return preferred(state, minimise(bench, begun, iterations))
+    return preferred(state, minimise(bench, begun, iterations, below=state.loss))
 
 
 def preferred(state: State, other: State) -> State:

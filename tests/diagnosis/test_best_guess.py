@@ -1,5 +1,6 @@
 """The better of an effect's guesses, by both halves."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -243,12 +244,15 @@ def test_a_leader_of_doubtful_evidence_goes_on_alone(monkeypatch, evidence, spre
 def test_another_kind_may_begin_far_off_if_one_step_brings_it_near(
     monkeypatch, begins, after_one, taken
 ):
-    """The numbers of the wrong kind made up for what was wrong with it; all halves alike."""
+    """The numbers of the wrong kind made up for what was wrong with it; all halves alike.
+
+    Refitted while its steps may still bring it to where the other stands.
+    """
     steps, before = [], state(1.0, 1.0)
     kind = SimpleNamespace(name="a")
 
-    def stepped(_bench, begun, iterations):
-        steps.append(iterations)
+    def stepped(_bench, begun, iterations, below=math.inf):
+        steps.append((iterations, below))
         first = iterations == 1
         return state(*(2 * [after_one**0.5 if first else 0.1]))
 
@@ -258,4 +262,4 @@ def test_another_kind_may_begin_far_off_if_one_step_brings_it_near(
     like = replace(before, model=SimpleNamespace(with_effect=lambda _: MODEL))
     ended = trial._better(None, like, kind, 3)
     assert (ended is not like) == taken
-    assert steps == [1] * (begins > 3.0) + [3] * taken
+    assert steps == [(1, math.inf)] * (begins > 3.0) + [(3, before.loss)] * taken
