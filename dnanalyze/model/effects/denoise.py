@@ -240,6 +240,8 @@ class Denoise(Effect):
             *(e for e in wider if e.kind == "nlm"),
             cls(1.0, wide_range, wide, "bilateral", spacing),
             cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
+            # codes mixed are rounded to codes: what is left of few changes by steps that stop a fit
+            *(cls(share, kind="median", spacing=spacing) for share in (*_PLAIN, 1.0)),
             cls(space=_space(lag1), kind="gaussian", spacing=spacing),
         ]
 

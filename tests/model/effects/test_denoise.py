@@ -91,6 +91,7 @@ def test_guess_offers_every_kind_scaled_to_the_noise():
     found = {e.kind: e for e in reversed(every)}
     assert set(found) == {*KINDS} - {"haar"}  # a kind of the other wavelets
     assert {e.spacing for e in every} == {1}
+    assert {e.strength for e in every if e.kind == "median"} == {0.25, 0.4, 0.5, 0.75, 1.0}
     patches = [e for e in every if e.kind == "nlm"]
     assert [e.patch for e in patches] == [5, 2, 4] * 2
     for e, wider in zip(patches[:3], patches[3:], strict=True):
