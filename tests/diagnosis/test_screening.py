@@ -39,24 +39,36 @@ KNOWN = built_in()
 POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 65.0)]
 
 
-@pytest.fixture(scope="module")
-def held():
-    """A sensor whose read noise has heavy tails."""
+def sensor(*more):
+    """A sensor of dark current with shot noise, and more."""
     effects = (
         KNOWN["convolved_lognormal"](mu=TableLaw(tuple(POINTS), (1.0, 4.0)), delta=0.3, sigma=1e-6),
         KNOWN["dark_shot_noise"](dn_per_e=0.5),
-        KNOWN["heavy_tailed_read_noise"](sigma=3.0, tail=-0.2),
-        KNOWN["pixel_fpn"](sigma=1.0),
-        KNOWN["quantization"](),
+        *more,
     )
     model = NoiseModel(effects, 100.0, POINTS[0], seed=5)
     return bench(design(simulate(model, (128, 128), [(p, 6) for p in POINTS])))
 
 
-@pytest.fixture(scope="module")
-def state(held):
+def ordinary(held):
+    """What every sensor has, fitted."""
     model = ordinary_model(moments(Readings(held.measured[0]), None))
     return converge(held, start(held, model, knobs_of(model)))
+
+
+@pytest.fixture(scope="module")
+def held():
+    """A sensor whose read noise has heavy tails."""
+    return sensor(
+        KNOWN["heavy_tailed_read_noise"](sigma=3.0, tail=-0.2),
+        KNOWN["pixel_fpn"](sigma=1.0),
+        KNOWN["quantization"](),
+    )
+
+
+@pytest.fixture(scope="module")
+def state(held):
+    return ordinary(held)
 
 
 def test_a_guess_is_also_tried_with_what_was_bent_in_its_absence_put_right(held, state):
@@ -299,3 +311,14 @@ def test_the_best_of_another_kind_is_kept_to_spare(state):
     assert _best([clamp, median]) == [median, clamp]
     assert _best(twice) == twice
     assert _best([]) == []
+
+
+@pytest.mark.parametrize("share", [0.5, 0.75])
+def test_a_median_mixed_into_few_codes_promises_most_at_its_share(share):
+    """No derivative leads from another share to it: what is left changes by steps."""
+    hidden = KNOWN["denoise"](share, kind="median")
+    few_codes = KNOWN["read_noise"](0.6), KNOWN["pixel_fpn"](0.6), KNOWN["quantization"]()
+    held = sensor(*few_codes, hidden)
+    first = prospects(held, ordinary(held), {"denoise": KNOWN["denoise"]})[0]
+    found = first.model.get("denoise")
+    assert (found.kind, found.strength) == (hidden.kind, hidden.strength)
