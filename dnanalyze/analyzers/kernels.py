@@ -1,7 +1,9 @@
 """Compiled loops of the streaming pass: single precision in, double precision sums out.
 
 Serial and free of the GIL: the pass runs different accumulators in different threads, so results
-do not depend on the number of threads.
+do not depend on the number of threads. Nor do they depend on the processor: no operation is fused
+or reordered, and a sum over pixels is the sum of `LANES` interleaved ones, which fill vectors of
+any width in the same order.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from numba import njit
 from dnanalyze.analyzers.maps import BATCH  # constant, so that loops over a batch unroll
 
 CHUNK = 4096  # pixels whose sums stay in the cache while a batch of frames goes over them
-FAST = {"contract", "nsz", "reassoc"}
+LANES = 64  # partial sums: a multiple of the elements of any vector
 
 
 @njit(nogil=True)
@@ -21,29 +23,41 @@ def _copy(source, target):
         target[i] = source[i]
 
 
-@njit(nogil=True, fastmath=FAST, inline="always")
-def _frame_sums(y, past, centre, cut, hot, out):
+@njit(nogil=True)
+def folded(lanes):
+    """Sum of partial sums, in their order."""
+    total = lanes[0]
+    for j in range(1, lanes.size):
+        total += lanes[j]
+    return total
+
+
+@njit(nogil=True)
+def _frame_sums(y, past, centre, cut, hot, lanes, out):
     """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
-    s1, s2, s11 = np.float32(0), np.float32(0), np.float32(0)
-    for i in range(y.size):
-        w = min(max(y[i] - centre, -cut), cut)
-        x = min(max(past[i] - centre, -cut), cut)
-        s1 += w
-        s2 += w * w
-        s11 += w * x
+    s1, s2, s11 = lanes[0], lanes[1], lanes[2]
+    lanes[:] = 0
+    for i in range(0, y.size, LANES):
+        here, before = y[i : i + LANES], past[i : i + LANES]
+        for j in range(here.size):
+            w = min(max(here[j] - centre, -cut), cut)
+            x = min(max(before[j] - centre, -cut), cut)
+            s1[j] += w
+            s2[j] += w * w
+            s11[j] += w * x
     above, both = np.int32(0), np.int32(0)
     for i in range(y.size):
         above += np.int32(y[i] > hot)
         both += np.int32((y[i] > hot) & (past[i] > hot))
-    out[0] += s1
-    out[1] += s2
+    out[0] += folded(s1)
+    out[1] += folded(s2)
     out[3] += above
     if out[5] == 0:
-        out[2] += s11
+        out[2] += folded(s11)
         out[4] += both
 
 
-@njit(nogil=True, fastmath=FAST)
+@njit(nogil=True)
 def _pixel_sums(block, origin, total, square, lag):
     for i in range(total.size):
         before = np.float64(block[0, i]) - origin
@@ -59,7 +73,7 @@ def _pixel_sums(block, origin, total, square, lag):
         lag[i] += p
 
 
-@njit(nogil=True, fastmath=FAST)
+@njit(nogil=True)
 def _extremes(block, number, high, high_at, low):
     for i in range(high.size):
         most, at, least = high[i], high_at[i], low[i]
@@ -74,14 +88,14 @@ def _extremes(block, number, high, high_at, low):
         low[i] = least
 
 
-@njit(nogil=True, fastmath=FAST)
+@njit(nogil=True)
 def _squares(y, past, limit, pairs):
     for i in range(y.size):
         d = np.float64(y[i]) - np.float64(past[i])
         pairs[i] += min(d * d, limit)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def add_frames(
     frames, count, number, before, origin, centre, limit, blink_limit, hot,
     total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
@@ -115,6 +129,7 @@ def add_frames(
     """
     n = total.size
     block = np.empty((BATCH + 1, CHUNK), np.float32)
+    lanes = np.empty((3, LANES), np.float32)
     for start in range(0, n, CHUNK):
         stop = min(n, start + CHUNK)
         width = stop - start
@@ -124,7 +139,9 @@ def add_frames(
         _extremes(block, np.int32(number), high[start:stop], high_at[start:stop], low[start:stop])
         for k in range(count):
             y, past = block[k + 1, :width], block[k, :width]
-            _frame_sums(y, past, np.float32(centre), np.float32(limit), np.float32(hot), scalars[k])
+            _frame_sums(
+                y, past, np.float32(centre), np.float32(limit), np.float32(hot), lanes, scalars[k]
+            )
             if scalars[k, 5] == 0 and (number + k) % 4 == 1:
                 _squares(y, past, blink_limit, first_pairs[start:stop])
             elif scalars[k, 5] == 0 and (number + k) % 4 == 3:
@@ -135,16 +152,17 @@ def add_frames(
         _pixel_sums(block, origin, total[start:stop], square[start:stop], lag[start:stop])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def seam_sums(y, past, centre, limit, hot, out):
     """The row of ``scalars`` of `add_frames` for a frame and the one before it, bit for bit."""
     out[:2] = 0
     out[3] = 0
+    lanes = np.empty((3, LANES), np.float32)
     for start in range(0, y.size, CHUNK):
         stop = min(y.size, start + CHUNK)
         _frame_sums(
             y[start:stop], past[start:stop], np.float32(centre), np.float32(limit),
-            np.float32(hot), out,
+            np.float32(hot), lanes, out,
         )  # fmt: skip
 
 
@@ -182,28 +200,12 @@ def tally(values, first, width, counts):
         counts[0, min(max(k, 0), last)] += 1
 
 
-@njit(nogil=True, fastmath=FAST)
+@njit(nogil=True)
 def _count_below(key, threshold):
     n = np.int32(0)
     for i in range(key.size):
         n += np.int32(key[i] < threshold)
     return n
-
-
-@njit(nogil=True, fastmath=FAST)
-def _sum_below(key, weight, threshold):
-    s = 0.0
-    for i in range(key.size):
-        s += np.float64(weight[i]) if key[i] < threshold else 0.0
-    return s
-
-
-@njit(nogil=True, fastmath=FAST)
-def _sum(weight):
-    s = 0.0
-    for i in range(weight.size):
-        s += np.float64(weight[i])
-    return s
 
 
 @njit(cache=True, nogil=True)
@@ -227,47 +229,76 @@ def sum_below(key, weight, thresholds, row_edges, column_edges, sums):
     As `count_below`; ``sums`` is (row bands, column bands, thresholds + 1).
     """
     last = thresholds.size
+    width = 0
+    for b in range(column_edges.size - 1):
+        width = max(width, column_edges[b + 1] - column_edges[b])
+    below = np.empty((last + 1, width))  # by threshold and column
     for a in range(row_edges.size - 1):
-        for r in range(row_edges[a], row_edges[a + 1]):
-            for b in range(column_edges.size - 1):
-                left, right = column_edges[b], column_edges[b + 1]
-                part = weight[r, left:right]
-                sums[a, b, last] += _sum(part)
+        for b in range(column_edges.size - 1):
+            left, right = column_edges[b], column_edges[b + 1]
+            below[:] = 0
+            for r in range(row_edges[a], row_edges[a + 1]):
+                part, keys = weight[r, left:right], key[r, left:right]
+                _add(part, below[last])
                 for k in range(last):
-                    sums[a, b, k] += _sum_below(key[r, left:right], part, thresholds[k])
+                    _add_below(keys, part, thresholds[k], below[k])
+            for k in range(last + 1):
+                sums[a, b, k] += folded(below[k, : right - left])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(nogil=True)
+def _add(weight, sums):
+    for j in range(weight.size):
+        sums[j] += np.float64(weight[j])
+
+
+@njit(nogil=True)
+def _add_below(key, weight, threshold, sums):
+    for j in range(weight.size):
+        sums[j] += np.float64(weight[j]) if key[j] < threshold else 0.0
+
+
+@njit(cache=True, nogil=True)
 def power_sums(values, centre):
     """Sums of the first eight powers of flat float32 ``values`` less ``centre``."""
-    s1, s2, s3, s4, s5, s6, s7, s8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for v in values:
-        d = np.float64(v) - centre
-        q = d * d
-        r = q * q
-        s1 += d
-        s2 += q
-        s3 += q * d
-        s4 += r
-        s5 += r * d
-        s6 += r * q
-        s7 += r * q * d
-        s8 += r * r
-    return s1, s2, s3, s4, s5, s6, s7, s8
+    sums = np.zeros((8, LANES))
+    s1, s2, s3, s4 = sums[0], sums[1], sums[2], sums[3]
+    s5, s6, s7, s8 = sums[4], sums[5], sums[6], sums[7]
+    for i in range(0, values.size, LANES):
+        part = values[i : i + LANES]
+        for j in range(part.size):
+            d = np.float64(part[j]) - centre
+            q = d * d
+            r = q * q
+            s1[j] += d
+            s2[j] += q
+            s3[j] += q * d
+            s4[j] += r
+            s5[j] += r * d
+            s6[j] += r * q
+            s7[j] += r * q * d
+            s8[j] += r * r
+    return (
+        folded(s1), folded(s2), folded(s3), folded(s4),
+        folded(s5), folded(s6), folded(s7), folded(s8),
+    )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def products(a, b):
     """Sums of a, b, a^2, b^2 and a b over flat float32 arrays."""
-    sa, sb, saa, sbb, sab = 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(a.size):
-        x, y = np.float64(a[i]), np.float64(b[i])
-        sa += x
-        sb += y
-        saa += x * x
-        sbb += y * y
-        sab += x * y
-    return sa, sb, saa, sbb, sab
+    sums = np.zeros((5, LANES))
+    sa, sb, saa, sbb, sab = sums[0], sums[1], sums[2], sums[3], sums[4]
+    for i in range(0, a.size, LANES):
+        left, right = a[i : i + LANES], b[i : i + LANES]
+        for j in range(left.size):
+            x, y = np.float64(left[j]), np.float64(right[j])
+            sa[j] += x
+            sb[j] += y
+            saa[j] += x * x
+            sbb[j] += y * y
+            sab[j] += x * y
+    return folded(sa), folded(sb), folded(saa), folded(sbb), folded(sab)
 
 
 @njit(cache=True, nogil=True)

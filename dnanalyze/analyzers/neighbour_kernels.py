@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from dnanalyze.analyzers.kernels import LANES, folded
 from dnanalyze.analyzers.neighbours_accumulator import (
     PEAK_EXCESS,
     PEAK_SUMS,
@@ -21,10 +22,8 @@ from dnanalyze.analyzers.neighbours_accumulator import (
     TILE,
 )
 
-_FAST = {"contract", "nsz", "reassoc", "arcp"}
 
-
-@njit(nogil=True, fastmath=_FAST, inline="always")
+@njit(nogil=True, inline="always")
 def _rank_row(above, here, below, most, least, high, low, gap):
     """For one row: the pixel's share in being highest, and lowest, of 9; and its lead over the 8.
 
@@ -68,7 +67,7 @@ def _into_bands(columns, column_edges, first, out):
             out[c, k] += total
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(cache=True, nogil=True)
 def rank_sums(x, row_edges, column_edges, out):
     """Pixels, shares in being above, and below, all 8 neighbours; border pixels are left out."""
     rows, columns = x.shape
@@ -88,7 +87,7 @@ def rank_sums(x, row_edges, column_edges, out):
         _into_bands(sums, column_edges, 1, out[r])
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(cache=True, nogil=True)
 def peak_sums(x, top, share, leads, widths, row_edges, column_edges, out):
     """As `rank_sums`, and more of single frames.
 
@@ -129,30 +128,33 @@ def peak_sums(x, top, share, leads, widths, row_edges, column_edges, out):
         _into_bands(sums, column_edges, 1, out[r])
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(cache=True, nogil=True)
 def line_means(x, reach):
     """Means of the rows and of the columns of ``x`` cut to +-reach, float32."""
     rows, columns = x.shape
     cut = np.float32(reach)
     by_row = np.empty(rows, np.float32)
     by_column = np.zeros(columns)
+    total = np.empty(LANES, np.float32)
     for i in range(rows):
-        total = np.float32(0.0)
-        for j in range(columns):
-            y = min(max(x[i, j], -cut), cut)
-            total += y
-            by_column[j] += y
-        by_row[i] = total / np.float32(columns)
+        total[:] = 0
+        for start in range(0, columns, LANES):
+            part, sums = x[i, start : start + LANES], by_column[start : start + LANES]
+            for j in range(part.size):
+                y = min(max(part[j], -cut), cut)
+                total[j] += y
+                sums[j] += y
+        by_row[i] = folded(total) / np.float32(columns)
     return by_row, (by_column / rows).astype(np.float32)
 
 
-@njit(nogil=True, fastmath=_FAST, inline="always")
+@njit(nogil=True, inline="always")
 def _residual_row(x, shift, by_column, cut, out):
     for j in range(x.size):
         out[j] = min(max(x[j], -cut), cut) - shift - by_column[j]
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(cache=True, nogil=True)
 def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
     """Sums of products at the `LAGS` of ``x`` cut to +-reach, less its row and column means.
 
@@ -191,7 +193,7 @@ def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
         _into_bands(sums, column_edges, 0, out[r])
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(cache=True, nogil=True)
 def tile_sums(x, reach, row_band, column_band, out):
     """Variances of 4x4 tiles and the diagonal Haar band of ``x`` cut to +-reach.
 

@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numba import njit
 
+from dnanalyze.analyzers.kernels import LANES, folded
+
 
 @njit(cache=True, nogil=True)
 def add_power(total, transform, scale):
@@ -101,7 +103,7 @@ def search(power, columns, reach, guard, lowest):
     return best, best_i, best_k, best_floor, searched
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
+@njit(cache=True, nogil=True)
 def line_sums(image, centre, reach):
     """Sums of each column and of each row, and the sum of squares, float64.
 
@@ -110,30 +112,39 @@ def line_sums(image, centre, reach):
     by_column = np.zeros(image.shape[1])
     by_row = np.zeros(image.shape[0])
     square = 0.0
+    total, squares = np.empty((2, LANES))
     for i in range(image.shape[0]):
-        total, squares = 0.0, 0.0
-        for j in range(image.shape[1]):
-            y = np.float64(min(max(image[i, j] - centre, -reach), reach))
-            by_column[j] += y
-            total += y
-            squares += y * y
-        by_row[i] = total
-        square += squares
+        total[:] = 0
+        squares[:] = 0
+        for start in range(0, image.shape[1], LANES):
+            part, sums = image[i, start : start + LANES], by_column[start : start + LANES]
+            for j in range(part.size):
+                y = np.float64(min(max(part[j] - centre, -reach), reach))
+                sums[j] += y
+                total[j] += y
+                squares[j] += y * y
+        by_row[i] = folded(total)
+        square += folded(squares)
     return by_column, by_row, square
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "nsz", "reassoc"})
+@njit(cache=True, nogil=True)
 def block_waves(image, cosine, sine, blocks):
     """Sums of each row's blocks times a cosine and a sine, (rows, blocks, 2), float64."""
     rows = image.shape[0]
     width = image.shape[1] // blocks
     out = np.zeros((rows, blocks, 2))
+    even, odd = np.empty((2, LANES), np.float32)
     for i in range(rows):
         for b in range(blocks):
-            even, odd = np.float32(0), np.float32(0)
-            for j in range(b * width, (b + 1) * width):
-                even += image[i, j] * cosine[j]
-                odd += image[i, j] * sine[j]
-            out[i, b, 0] = even
-            out[i, b, 1] = odd
+            even[:] = 0
+            odd[:] = 0
+            for start in range(b * width, (b + 1) * width, LANES):
+                stop = min(start + LANES, (b + 1) * width)
+                part, c, s = image[i, start:stop], cosine[start:stop], sine[start:stop]
+                for j in range(part.size):
+                    even[j] += part[j] * c[j]
+                    odd[j] += part[j] * s[j]
+            out[i, b, 0] = folded(even)
+            out[i, b, 1] = folded(odd)
     return out

@@ -113,17 +113,21 @@ def _tail_of(ratio: float) -> float:
 
 
 def bent(z: np.ndarray, tail: float) -> np.ndarray:
-    """Standard normal deviates to Tukey-lambda deviates, by way of their probability."""
+    """Standard normal deviates to Tukey-lambda deviates, by way of their probability.
+
+    In double precision: NumPy's exponentials differ by the last bit from processor to processor,
+    which the result in single precision does not show.
+    """
     from scipy.special import ndtr
 
+    z = np.asarray(z, np.float64)
     p = ndtr(-np.abs(z))  # the small side: exact far into the tail
     far, near = np.log(p), np.log1p(-p)
     if abs(tail) < 1e-4:
         size = near - far
     else:
-        t = np.float32(tail)
-        size = (np.exp(t * near) - np.exp(t * far)) / t
-    return np.copysign(size, z)
+        size = (np.exp(tail * near) - np.exp(tail * far)) / tail
+    return np.copysign(size, z).astype(np.float32)
 
 
 def robust_scale(tail: float) -> float:

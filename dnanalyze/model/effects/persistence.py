@@ -60,7 +60,10 @@ class Persistence(Effect):
         weights = self.weights(site)
         past = signal[-2::-1]
         last = site.frame if self.before == "empty" else self.memory
-        return signal[-1] + np.tensordot(weights[:last], past[:last], 1)
+        left = np.zeros_like(signal[-1])
+        for weight, frame in zip(weights[:last], past[:last], strict=True):
+            left += weight * frame  # in this order, whatever library of linear algebra there is
+        return signal[-1] + left
 
     def weights(self, site: Site) -> np.ndarray:
         """Share of the charge of the 1, 2, 3 and 4 frames earlier."""
