@@ -54,7 +54,7 @@ def defects(pattern: np.ndarray, profile: np.ndarray) -> np.ndarray:
         (defects, 4): column, offset in DN, first row, row after the last.
     """
     columns, offsets = standing_out(profile)
-    loudest = np.sort(np.argsort(-np.abs(offsets))[:LOUDEST])
+    loudest = np.sort(np.argsort(-np.abs(offsets), kind="stable")[:LOUDEST])
     found = [_extent(pattern, int(columns[k]), offsets[k] > 0) for k in loudest]
     return np.array(found).reshape(-1, 4)
 

@@ -159,7 +159,7 @@ def _bias_level(series: Series, bias: np.ndarray) -> np.ndarray:
     known = bias & np.isfinite(series.kelvin)
     if not known.any() or not np.all(np.isfinite(series.kelvin)):
         return np.full(series.level.size, float(np.mean(series.level[bias])))
-    order = np.argsort(series.kelvin[known])
+    order = np.argsort(series.kelvin[known], kind="stable")
     return np.interp(series.kelvin, series.kelvin[known][order], series.level[known][order])
 
 

@@ -118,7 +118,7 @@ def _looked_at_again(
     """
     shown = [_both_show(bench, state, name) for name in effect.fingerprint]
     strength = np.max([np.zeros(len(bench.plan.settings)), *shown], axis=0)
-    settings = sorted(np.argsort(-strength)[:2].tolist())
+    settings = sorted(np.argsort(-strength, kind="stable")[:2].tolist())
     if strength.max() < SIGN or settings == few:
         return []
     view = _View.of(bench, state, settings)

@@ -172,7 +172,7 @@ def _promising(counts: np.ndarray, first: int) -> np.ndarray:
     lowest = (misfit <= np.r_[np.inf, misfit[:-1]]) & (misfit < np.r_[misfit[1:], np.inf])
     equal = np.isin(inverse, 1.0 / plain) & (misfit <= misfit.min() + 2.0 * _TIE * counts.sum())
     chosen = np.flatnonzero(lowest | equal)
-    return 1.0 / inverse[chosen[np.argsort(misfit[chosen])[:_CANDIDATES]]]
+    return 1.0 / inverse[chosen[np.argsort(misfit[chosen], kind="stable")[:_CANDIDATES]]]
 
 
 def _offset(counts: np.ndarray, first: int, gain: float, level: int) -> float:

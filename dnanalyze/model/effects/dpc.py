@@ -144,7 +144,7 @@ class Dpc(Effect):
             count = round(self.value("fraction", site.reference) * steady.size)
             listed = np.zeros(steady.size, bool)
             if count:
-                listed[np.argpartition(steady.reshape(-1), -count)[-count:]] = True
+                listed[np.argsort(-steady.reshape(-1), kind="stable")[:count]] = True
             return np.packbits(listed)
 
         whole = np.unpackbits(site.share("list", make), count=site.shape[0] * site.shape[1])
@@ -221,7 +221,7 @@ def _threshold(clues: Clues) -> float:
         weights += list(np.sqrt(expected[told]))
     if not leads:
         return 0.0
-    order = np.argsort(leads)
+    order = np.argsort(leads, kind="stable")
     lead, share, weight = (np.array(v)[order] for v in (leads, left, weights))
     # what is missing below a threshold, and what is left above it, speak against it
     below = np.append(0.0, np.cumsum(weight * (1.0 - share)))
