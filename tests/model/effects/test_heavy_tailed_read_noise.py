@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 from readout_bench import POINT, Given, added
-from scipy.stats import tukeylambda
+from scipy.stats import norm, tukeylambda
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effects.heavy_tailed_read_noise import HeavyTailedReadNoise
+from dnanalyze.model.effects.heavy_tailed_read_noise import HeavyTailedReadNoise, bent
 
 SHAPE = (256, 256)
 
@@ -73,3 +73,11 @@ def test_the_quietest_setting_is_asked_first():
     quiet, typical, _ = HeavyTailedReadNoise.guess(clues)
     assert quiet.sigma == pytest.approx(0.45)
     assert typical.tail < quiet.tail - 0.05
+
+
+@pytest.mark.parametrize("tail", [0.14, 0.0, -0.2])
+def test_each_deviate_is_exact_in_single_precision(tail):
+    z = np.array([-5.5, -2.0, -1e-3, 1e-3, 0.7, 3.0, 6.0], np.float32)
+    p = norm.cdf(z.astype(float))
+    exact = tukeylambda.ppf(p, tail) if tail else np.log(p) - norm.logsf(z.astype(float))
+    np.testing.assert_allclose(bent(z, tail), exact, rtol=2.0**-23)
