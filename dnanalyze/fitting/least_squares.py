@@ -27,9 +27,9 @@ STEEP = 1 / 3  # share of the loss that a round must take off for more than the 
 SMALLEST, LARGEST = 12.0, 400.0
 SEVERAL = 3  # derivatives beyond which it pays to begin from half of the field
 GROWTH = 8.0  # of a step that shows too little, each time; twice at most
-# Floors that a knob moves the numbers by for one unit of its grid. Steps end on the grid, so that
-# libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit, the
-# loss is higher by (2^-10 / 2)^2 = 2e-7 a knob.
+# Floors that one unit of a knob's grid moves the numbers by. Steps end on the grid, so that
+# libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit,
+# the loss is higher by (2^-10 / 2)^2 = 2e-7 a knob.
 GRAIN = 2.0**-10
 
 
