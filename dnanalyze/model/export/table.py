@@ -16,6 +16,7 @@ from typing import Any
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.text import read_text
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import SCHEMA, NoiseModel, model_from_plain
@@ -128,10 +129,7 @@ def read_table(path: Path, known: dict[str, type[Effect]] | None = None) -> Nois
     InputError
         Not such a table; the line says what is wrong.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {getattr(error, 'strerror', None) or 'not text'}") from None
+    text = read_text(path)
     if path.suffix.lower() == ".json":
         return _from_json(text, str(path), known)
     return _from_csv(text, str(path), known)
