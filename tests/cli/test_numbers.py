@@ -43,5 +43,5 @@ def test_impossible_numbers_are_refused_in_one_line(words, tmp_path, capsys, mon
     monkeypatch.chdir(tmp_path)
     assert main(list(words)) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert " is below " in line
+    assert "valid: " in line
     assert sorted(p.name for p in tmp_path.iterdir()) == ["M.yaml"]

@@ -143,7 +143,11 @@ def _shape(text: str) -> tuple[int, int]:
 def _check_size(shape: tuple[int, int], frames: int) -> None:
     """Refuse what cannot be drawn, before anything is."""
     from dnanalyze.loaders.checks import (
-        MAX_FRAMES, MAX_PIXELS, MIN_COLUMNS, MIN_ROWS, available_memory,
+        MAX_FRAMES,
+        MAX_PIXELS,
+        MIN_COLUMNS,
+        MIN_ROWS,
+        available_memory,
     )  # fmt: skip
     from dnanalyze.model.simulate import MAPS
 

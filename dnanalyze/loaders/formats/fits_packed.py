@@ -18,6 +18,8 @@ from dnanalyze.loaders.checks import check_length
 from dnanalyze.loaders.formats.fits_units import whole
 from dnanalyze.loaders.plain import PlainPixels
 
+MAX_SIDE = 1 << 17  # pixels of a tile; the widest sensors have a quarter of that
+
 
 @dataclass(frozen=True)
 class GzipPixels:
@@ -62,9 +64,10 @@ class TilePixels:
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of frame ``index``, scaled as the header says."""
         before = np.unravel_index(index, self.outer) if self.outer else ()
-        with warnings.catch_warnings(), fits.open(self.path, memmap=False) as hdus:
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what is wrong is seen in the pixels
-            return np.asarray(hdus[self.unit].section[(*map(int, before), *window.slices)])
+            with fits.open(self.path, memmap=False) as hdus:
+                return np.asarray(hdus[self.unit].section[(*map(int, before), *window.slices)])
 
 
 def check_tiles(header: fits.Header, axes: Sequence[int], name: str) -> None:
@@ -73,13 +76,14 @@ def check_tiles(header: fits.Header, axes: Sequence[int], name: str) -> None:
     Raises
     ------
     InputError
-        Tiles larger than the image, or too few or many of them.
+        Tiles larger than any image, or too few or many of them.
     """
     tiles = 1
     for k, length in enumerate(reversed(axes), 1):
         side = whole(header, f"ZTILE{k}", length if k == 1 else 1)
-        if not 1 <= side <= length:
-            raise InputError(f"{name}: ZTILE{k} = {side}; valid: 1 to {length}: damaged header")
+        # beyond the image is allowed: astropy writes such tiles where the image is small
+        if not 1 <= side <= MAX_SIDE:
+            raise InputError(f"{name}: ZTILE{k} = {side}; valid: 1 to {MAX_SIDE}: damaged header")
         tiles *= math.ceil(length / side)
     if whole(header, "NAXIS2") != tiles:
         raise InputError(
