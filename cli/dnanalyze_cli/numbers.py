@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.physical import fault
 
-ABSOLUTE_ZERO = -273.15  # C
 
-
-def numbers(option: str, text: str | None, least: float = -math.inf) -> list[float]:
+def numbers(option: str, text: str | None, field: str) -> list[float]:
     """The numbers of ``25,45``; none where the option was left out.
 
     Parameters
@@ -17,13 +16,13 @@ def numbers(option: str, text: str | None, least: float = -math.inf) -> list[flo
     option : str
         Its name, for the message.
     text : str or None
-    least : float
-        Smaller ones are refused.
+    field : {"temperature_c", "exposure_s", "gain"}
+        What they are, which bounds them.
 
     Raises
     ------
     InputError
-        Not numbers, not finite, or too small.
+        Not numbers, not finite, or out of range.
     """
     if text is None:
         return []
@@ -34,11 +33,11 @@ def numbers(option: str, text: str | None, least: float = -math.inf) -> list[flo
     if not all(map(math.isfinite, found)):
         raise InputError(f"{option} {text}: not numbers with commas between, such as 25,45")
     for value in found:
-        if value < least:
-            raise InputError(f"{option} {text}: {value:g} is below {least:g}")
+        if wrong := fault(field, value):
+            raise InputError(f"{option} {text}: {wrong}")
     return found
 
 
 def celsius(option: str, text: str | None) -> list[float]:
     """Temperatures, C; see `numbers`."""
-    return numbers(option, text, ABSOLUTE_ZERO)
+    return numbers(option, text, "temperature_c")

@@ -15,6 +15,7 @@ from dnanalyze.analyzers.catalogue import FAMILIES
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.text import read_yaml
 
 SCHEMA = "dnanalyze/targets/1"
 POOLED = "pooled"
@@ -34,6 +35,11 @@ class At(BaseModel):
     gain: Number | None = None
     channel: str | None = None
     plane: str | None = None
+
+    @model_validator(mode="after")
+    def _physical(self) -> At:
+        _ = self.point  # an operating point refuses what cannot be
+        return self
 
     def matches(self, point: OperatingPoint, plane: str = "") -> bool:
         """Whether the target holds at this operating point and colour plane."""
@@ -170,13 +176,7 @@ def load_targets(path: Path) -> Targets:
     InputError
         Not YAML, unknown keys or statistics, no limits: one line that names the target.
     """
-    try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(f"{path}: not YAML") from None
-    return targets_from_plain(raw, str(path))
+    return targets_from_plain(read_yaml(path), str(path))
 
 
 def targets_from_plain(raw: Any, where: str) -> Targets:

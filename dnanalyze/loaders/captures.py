@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from types import NoneType
 
 import numpy as np
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.physical import RANGES, fault
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
     """Where the sensor was operated; ``None`` is unknown.
+
+    Raises ``InputError`` for what cannot be (see ``loaders.physical``).
 
     Parameters
     ----------
@@ -30,6 +34,13 @@ class OperatingPoint:
     exposure_s: float | None = None
     gain: float | None = None
     channel: str | None = None
+
+    def __post_init__(self) -> None:
+        for name in RANGES:
+            if wrong := fault(name, getattr(self, name)):
+                raise InputError(wrong)
+        if not isinstance(self.channel, (str, NoneType)):
+            raise InputError(f"channel {str(self.channel)[:40]!r} is no text; quote it")
 
     def label(self) -> str:
         """Short text for tables and figures, such as ``65 C, 0.05 s``."""

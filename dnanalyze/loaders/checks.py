@@ -9,28 +9,88 @@ import numpy as np
 from dnanalyze.errors import InputError
 
 MAX_PIXELS = 1 << 30  # a frame; the largest sensors made have about half of that
-MIN_SIDE = 8  # pixels; fewer carry no statistics of lines, spectra or neighbours
+MAX_FRAMES = 100_000  # of a file; each takes about 1 kB once it is listed
+# A statistic of lines, spectra or neighbours needs 8 x 8 pixels; a fit is made on the upper half
+# of the rows and judged on the lower half; each colour of a mosaic is analysed by itself.
+MIN_ROWS, MIN_COLUMNS = 16, 8
+MAX_CODE = 1 << 24  # DN; single precision tells whole numbers apart up to here
+# Noise in one pixel of a hundred is at least 0.08 bit a pixel (the entropy of a choice with
+# probability .01), whatever the code: fewer stored bits than half of that hold no frame.
+MIN_BITS = 0.04
+_SMALL = 64 << 20  # bytes that may be decoded without that question
 _PROBE = 64  # a constant window smaller than this says nothing of its frame
 
 
-def check_shape(name: str, shape: tuple[int, ...]) -> None:
+def check_shape(name: str, shape: tuple[int, ...], mosaic: bool = False) -> None:
     """Refuse a declared frame that is too small to analyse or too large to be true.
+
+    Parameters
+    ----------
+    name : str
+        For the message.
+    shape : tuple of int
+        (rows, columns).
+    mosaic : bool
+        Whether a colour filter divides it into planes.
 
     Raises
     ------
     InputError
-        Fewer than ``MIN_SIDE`` rows or columns, or more than ``MAX_PIXELS`` pixels.
+        Fewer rows or columns than the least, or more than ``MAX_PIXELS`` pixels.
     """
     rows, columns = shape
-    if min(rows, columns) < MIN_SIDE:
+    least = (2 * MIN_ROWS, 2 * MIN_COLUMNS) if mosaic else (MIN_ROWS, MIN_COLUMNS)
+    if rows < least[0] or columns < least[1]:
+        kind = "frames with a colour filter" if mosaic else "frames"
         raise InputError(
             f"{name}: {rows} x {columns} pixels are too few to analyse; "
-            f"give frames of at least {MIN_SIDE} x {MIN_SIDE}"
+            f"give {kind} of at least {least[0]} rows x {least[1]} columns"
         )
     if rows * columns > MAX_PIXELS:
         raise InputError(
             f"{name}: declares {rows} x {columns} pixels, more than {MAX_PIXELS}; "
             "the header is damaged, or the file must be cut into smaller frames"
+        )
+
+
+def check_count(name: str, count: int) -> None:
+    """Refuse a file that declares more frames than can be listed, before they are.
+
+    Raises
+    ------
+    InputError
+        More than ``MAX_FRAMES``, or none.
+    """
+    if not 0 < count <= MAX_FRAMES:
+        raise InputError(
+            f"{name}: declares {count} frames; valid: 1 to {MAX_FRAMES} in one file: the header "
+            "is damaged, or the file must be split"
+        )
+
+
+def check_stored(name: str, stored: int, pixels: int, size: int) -> None:
+    """Refuse compressed pixels that take so few bytes that they cannot hold noise.
+
+    Parameters
+    ----------
+    name : str
+        For the message.
+    stored : int
+        Compressed bytes.
+    pixels : int
+        That they decode to.
+    size : int
+        Bytes of these.
+
+    Raises
+    ------
+    InputError
+        Much is to be decoded from less than ``MIN_BITS`` a pixel.
+    """
+    if size > _SMALL and 8 * stored < MIN_BITS * pixels:
+        raise InputError(
+            f"{name}: {stored} bytes decode to {pixels} pixels, less than {MIN_BITS} bit each; "
+            "such frames hold no noise, or the header is damaged: leave the file out"
         )
 
 
@@ -100,19 +160,19 @@ def is_constant(array: np.ndarray) -> bool:
     return bool((array[0] == first).all() and (array == first).all())
 
 
-def check_finite(name: str, array: np.ndarray) -> None:
-    """Refuse NaN and infinity.
+def check_range(name: str, array: np.ndarray) -> None:
+    """Refuse NaN, infinity and codes that single precision cannot tell apart.
 
     Raises
     ------
     InputError
-        A float pixel is not finite; the first one is named.
+        A pixel is not finite, or beyond ``MAX_CODE``; the first one is named.
     """
-    if array.dtype.kind != "f":
+    if array.dtype.kind != "f" and array.dtype.itemsize <= 2:
         return
-    with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(array.sum()):  # one cheap pass; a finite sum has finite terms
-            return
+    low, high = array.min(), array.max()  # either is NaN where a pixel is
+    if low >= -MAX_CODE and high <= MAX_CODE:
+        return
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):
         row, column = bad[0]
@@ -120,6 +180,10 @@ def check_finite(name: str, array: np.ndarray) -> None:
             f"{name}: {len(bad)} pixels are NaN or infinite, the first at row {row}, column "
             f"{column}; store the raw counts, without masked pixels"
         )
+    raise InputError(
+        f"{name}: values from {low:g} to {high:g} DN; valid: -{MAX_CODE} to {MAX_CODE}, which "
+        "single precision holds exactly: store the raw codes, or subtract a constant"
+    )
 
 
 def check_pixels(name: str, array: np.ndarray) -> None:
@@ -135,9 +199,9 @@ def check_pixels(name: str, array: np.ndarray) -> None:
     Raises
     ------
     InputError
-        NaN or infinite pixels, all pixels zero, or all pixels equal.
+        As `check_range`; all pixels zero, or all pixels equal.
     """
-    check_finite(name, array)
+    check_range(name, array)
     if not is_constant(array):
         return
     value = array.flat[0]

@@ -7,16 +7,24 @@ import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from dnanalyze.errors import InputError
-from dnanalyze.loaders.files import SIDECARS, unreadable
+from dnanalyze.loaders.checks import MAX_PIXELS
+from dnanalyze.loaders.files import SIDECARS
+from dnanalyze.loaders.physical import fault
 from dnanalyze.loaders.recording import Cfa, Metadata
+from dnanalyze.loaders.text import read_yaml
 
-MAX_BYTES = 8 << 20  # of a sidecar or a manifest
-NAMED = ("temperature_c", "exposure_s", "gain", "channel", "frame")
-
+Number = Annotated[float, Field(allow_inf_nan=False)]
 Span = tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(gt=0)]]
 
 
@@ -59,27 +67,27 @@ class Config(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    width: int | None = Field(default=None, gt=0)
-    height: int | None = Field(default=None, gt=0)
+    width: int | None = Field(default=None, gt=0, le=MAX_PIXELS)
+    height: int | None = Field(default=None, gt=0, le=MAX_PIXELS)
     bits: int | None = Field(default=None, ge=1, le=32)
     packing: Literal["plain", "mipi", "lsb"] = "plain"
     byte_order: Literal["little", "big"] = "little"
-    header_offset: int = Field(default=0, ge=0)
-    row_bytes: int | None = Field(default=None, gt=0)
+    header_offset: int = Field(default=0, ge=0, le=1 << 60)
+    row_bytes: int | None = Field(default=None, gt=0, le=8 * MAX_PIXELS)
     cfa: str | None = None
-    black_level: float | None = None
-    white_level: float | None = None
-    pixel_pitch_um: float | None = Field(default=None, gt=0)
+    black_level: Number | None = None
+    white_level: Number | None = None
+    pixel_pitch_um: Number | None = Field(default=None, gt=0)
     active_rows: Span | None = None
     active_columns: Span | None = None
     optical_black_rows: Span | None = None
     optical_black_columns: Span | None = None
-    name_regex: str | None = None
+    name_regex: str | None = Field(default=None, max_length=1000)
     temperature_c: float | None = None
-    exposure_s: float | None = Field(default=None, ge=0)
+    exposure_s: float | None = None
     gain: float | None = None
     channel: str | None = None
-    tolerance_c: float | None = Field(default=None, ge=0)
+    tolerance_c: Number | None = Field(default=None, ge=0)
     skip: tuple[str, ...] = ()
     region: Literal["active", "masked", "all"] | None = None
 
@@ -90,17 +98,11 @@ class Config(BaseModel):
             raise ValueError("must be 4 letters (2 x 2) or 16 letters (4 x 4), such as RGGB")
         return value and value.upper()
 
-    @field_validator("name_regex")
+    @field_validator("temperature_c", "exposure_s", "gain")
     @classmethod
-    def _compiles(cls, value: str | None) -> str | None:
-        if value is None:
-            return None
-        try:
-            groups = re.compile(value).groupindex
-        except re.error as error:
-            raise ValueError(f"is no regular expression: {error}") from error
-        if not groups or set(groups) - set(NAMED):
-            raise ValueError(f"needs named groups out of: {', '.join(NAMED)}")
+    def _physical(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if text := fault(str(info.field_name), value):
+            raise ValueError(text)
         return value
 
     @model_validator(mode="after")
@@ -163,53 +165,6 @@ def sidecar_of(folder: Path) -> Config:
         if (folder / name).is_file():
             return read_config(folder / name)
     return Config()
-
-
-def read_text(path: Path) -> str:
-    """A small text file.
-
-    Raises
-    ------
-    InputError
-        Absent, a folder, unreadable, no text, or over ``MAX_BYTES``.
-    """
-    try:
-        if path.is_dir():
-            raise InputError(f"{path}: is a folder; give a file")
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    except OSError as error:
-        raise unreadable(str(path), error) from error
-    if len(data) > MAX_BYTES:
-        raise InputError(f"{path}: larger than {MAX_BYTES >> 20} MB; this is no table of frames")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is not UTF-8 text; save it as UTF-8") from error
-
-
-def read_yaml(path: Path) -> Any:
-    """Plain data of a YAML file; tags and aliases that could expand are refused.
-
-    Raises
-    ------
-    InputError
-        Not YAML.
-    """
-    text = read_text(path)
-    try:
-        if any(isinstance(t, yaml.AliasToken) for t in yaml.scan(text, yaml.SafeLoader)):
-            raise InputError(f"{path}: YAML aliases (*name) are not accepted; write the value out")
-        return yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        mark = getattr(error, "problem_mark", None)
-        place = f" (line {mark.line + 1})" if mark else ""
-        problem = getattr(error, "problem", None) or type(error).__name__
-        raise InputError(f"{path}: is not YAML{place}: {problem}") from error
 
 
 def _keys() -> str:

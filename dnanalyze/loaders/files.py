@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,6 +71,11 @@ def find(path: str | os.PathLike[str]) -> Place:
             return Place(text, given.parent, (given,), single=True)
     except OSError as error:
         raise unreadable(text, error) from error
+    if os.path.lexists(text):
+        raise InputError(
+            f"{text}: is a pipe, socket, device or a link that leads nowhere; give a folder of "
+            "dark frames or one file"
+        )
     raise InputError(f"{text}: no such file or folder; give a folder of dark frames or one file")
 
 
@@ -77,6 +83,23 @@ def unreadable(name: str, error: OSError) -> InputError:
     """What to say of a file that the system does not let us read."""
     reason = error.strerror or type(error).__name__
     return InputError(f"{name}: cannot be read ({reason}); check its permissions")
+
+
+def check_regular(path: Path, name: str) -> None:
+    """Refuse a folder, pipe, socket or device: to read one may wait for ever.
+
+    Raises
+    ------
+    InputError
+        No regular file.
+    OSError
+        Absent, a link to itself, or not to be looked at.
+    """
+    kind = path.stat().st_mode
+    if stat.S_ISDIR(kind):
+        raise InputError(f"{name}: is a folder; give a file")
+    if not stat.S_ISREG(kind):
+        raise InputError(f"{name}: is a pipe, socket or device; give a regular file")
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
@@ -95,7 +118,8 @@ def inside(root: Path, path: Path, name: str) -> Path:
     InputError
         It leaves the folder.
     """
-    if not path.resolve().is_relative_to(root.resolve()):
+    # realpath, unlike Path.resolve, follows a link to itself no further than once
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(root)):
         raise InputError(
             f"{name}: leads outside the capture folder {root}; copy the file into the folder"
         )

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
-from dnanalyze.loaders.checks import check_shape
+from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
 from dnanalyze.loaders.files import Place, find
-from dnanalyze.loaders.formats import MODULES, read_header
+from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.manifest import read_manifest
 from dnanalyze.loaders.names import from_names, from_regex
@@ -90,7 +90,7 @@ def _frame_files(
 ) -> list[Path]:
     if place.single:
         return list(place.files)
-    files = [f for f in place.files if f.suffix.lower() in MODULES]
+    files = [f for f in place.files if module_of(f)]
     if manifest is not None:
         unnamed = [f for f in files if f not in manifest]
         files = [f for f in place.files if f in manifest]
@@ -138,7 +138,7 @@ def _one_camera(
     first_file, first = found[0]
     if all((r.shape, r.dtype) == (first.shape, first.dtype) for _, r in found):
         return found
-    if all(Path(f).suffix.lower() in _CAMERA_RAW for f, _ in found):
+    if all(suffix_of(f) in _CAMERA_RAW for f, _ in found):
         counts = Counter((r.format, r.shape) for _, r in found)
         (kind, shape), count = counts.most_common(1)[0]
         others = [f for f, r in found if (r.format, r.shape) != (kind, shape)]
@@ -182,14 +182,20 @@ def _capture_set(
     frames: list[tuple[Frame, float | None]] = []
     first = recordings[0][1]
     window = Window.whole(first.shape)
-    for file, recording in recordings:
+    cfa = config.colour_filter() or first.cfa
+    named = _named(place, [f for f, _ in recordings], config)
+    odd: dict[str, list[str]] = {}
+    for (file, recording), said in zip(recordings, named, strict=True):
         name = place.relative(file)
         active, masked = _areas(recording, config, name)
         window = _region(part, active, masked, Window.whole(recording.shape), name)
-        check_shape(name, window.shape)
-        named = _named(place, file, config)
+        check_shape(name, window.shape, mosaic=cfa is not None)
+        check_count(place.name, len(frames) + len(recording.frames))
         for index, header in enumerate(recording.frames):
-            known = manifest.get(file, Metadata()).or_else(header).or_else(named)
+            own, wrong = header.plausible()
+            for text in wrong:
+                odd.setdefault(text, []).append(name)
+            known = manifest.get(file, Metadata()).or_else(own).or_else(said)
             known = known.or_else(config.metadata())
             label = name if len(recording.frames) == 1 else f"{name}[{index}]"
             point = OperatingPoint(known.temperature_c, known.exposure_s, known.gain, known.channel)
@@ -209,10 +215,15 @@ def _capture_set(
         _first(config.bits, first.bits),
         _first(config.black_level, first.black_level),
         _first(config.white_level, first.white_level),
-        shifted_cfa(config.colour_filter() or first.cfa, window.top, window.left),
+        shifted_cfa(cfa, window.top, window.left),
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
     )
     notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
+    notes += [
+        f"The header says {text}; taken as unknown in {names[0]}"
+        + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
+        for text, names in odd.items()
+    ]
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     source = Source(formats, str(first.dtype), tolerance_c, part)
     return CaptureSet(place.name, sensor, group(frames, tolerance_c), tuple(notes), source)
@@ -257,13 +268,15 @@ def _region(part: str, active: Window, masked: Window | None, whole: Window, nam
     return masked
 
 
-def _named(place: Place, file: Path, config: Config) -> Metadata:
-    """What the file's name and its folders say; the user's own expression first."""
-    relative = Path(place.relative(file))
-    parts = [relative.stem, *reversed(relative.parent.parts), place.root.resolve().name]
+def _named(place: Place, files: list[Path], config: Config) -> list[Metadata]:
+    """What the name of each file and its folders say; the user's own expression first."""
+    below = [Path(place.relative(f)) for f in files]
+    root = Path(os.path.realpath(place.root)).name
+    guessed = [from_names([f.stem, *reversed(f.parent.parts), root]).plausible()[0] for f in below]
     if config.name_regex is None:
-        return from_names(parts)
-    return from_regex(config.name_regex, relative.as_posix()).or_else(from_names(parts))
+        return guessed
+    own = from_regex(config.name_regex, [f.as_posix() for f in below])
+    return [mine.or_else(theirs) for mine, theirs in zip(own, guessed, strict=True)]
 
 
 def _first(*values: T | None) -> T | None:

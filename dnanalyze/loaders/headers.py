@@ -14,11 +14,11 @@ from dnanalyze.loaders.recording import Metadata
 TEMPERATURE = (
     "CCD-TEMP", "CCDTEMP", "CCD_TEMP", "SENSTEMP", "SENSORTEMP", "DET-TEMP", "DETTEMP", "TEMPERAT",
     "CHIPTEMP", "TEMPERATURE_C", "TEMPERATURE", "SENSOR_TEMPERATURE", "SENSORTEMPERATURE",
-    "SENSOR TEMPERATURE", "CAMERATEMPERATURE", "TEMP", "SET-TEMP", "SETTEMP", "SET_TEMP",
+    "SENSOR TEMPERATURE", "CAMERATEMPERATURE", "TEMPDET", "TEMP", "SET-TEMP", "SETTEMP", "SET_TEMP",
 )  # fmt: skip
 EXPOSURE = (
     "EXPTIME", "EXPOSURE", "EXP_TIME", "EXPOSURE_S", "EXPOSURETIME", "EXPOSURE_TIME",
-    "EXPOSURE TIME", "INTEGRATION_TIME", "INTEGRATIONTIME", "INTTIME", "ITIME",
+    "EXPOSURE TIME", "INTEGRATION_TIME", "INTEGRATIONTIME", "INTTIME", "ITIME", "IMG_EXP",
 )  # fmt: skip
 GAIN = ("GAIN", "CCDGAIN", "ANALOGGAIN", "ANALOG_GAIN", "ISO", "ISOSPEEDRATINGS", "ISOSPEED")
 CHANNEL = ("CHANNEL", "READOUT_CHANNEL", "HDRCHANNEL")
@@ -53,7 +53,7 @@ def from_header(values: Mapping[str, Any], comments: Mapping[str, str] | None = 
     frame = first(FRAME)
     return Metadata(
         None if temperature is None else _celsius(*temperature),
-        None if exposure is None or exposure[0] < 0 else _seconds(*exposure),
+        None if exposure is None else _seconds(*exposure),
         None if gain is None else gain[0],
         channel.strip() or None if channel else None,
         None if frame is None else frame[0],

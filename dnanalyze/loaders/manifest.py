@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import csv
-import math
+import os
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 from dnanalyze.errors import InputError
-from dnanalyze.loaders.config import read_text, read_yaml
-from dnanalyze.loaders.files import MANIFESTS, Place, inside
+from dnanalyze.loaders.files import MANIFESTS, MAX_FILES, Place, inside
+from dnanalyze.loaders.physical import fault
 from dnanalyze.loaders.recording import Metadata
+from dnanalyze.loaders.text import read_text, read_yaml
 
 COLUMNS = ("file", "temperature_c", "exposure_s", "gain", "channel", "frame")
-ABSOLUTE_ZERO = -273.15  # C
+MAX_GLOBBED = 10_000_000  # names held against globs; about 10 s
 
 
 def read_manifest(place: Place) -> dict[Path, Metadata] | None:
@@ -30,18 +31,24 @@ def read_manifest(place: Place) -> dict[Path, Metadata] | None:
         A file that is not there or leaves the folder, an unknown column, a value that is no
         number; the message names manifest, row and remedy.
     """
-    path = next((place.root / m for m in MANIFESTS if (place.root / m).is_file()), None)
+    path = next((place.root / m for m in MANIFESTS if os.path.lexists(place.root / m)), None)
     if path is None:
         return None
     rows = _csv_rows(path) if path.suffix == ".csv" else _yaml_rows(path)
     known = {place.relative(f): f for f in place.files}
     found: dict[Path, Metadata] = {}
-    count = 0
+    count = globbed = 0
     for number, row in rows:
         count += 1
+        if count > MAX_FILES:
+            raise InputError(f"{path}: more than {MAX_FILES} rows; name files by a glob")
         where = f"{path}: row {number}"
         metadata = _metadata(row, where)
-        for file in _matches(place, known, str(row.get("file") or "").strip(), where):
+        pattern = str(row.get("file") or "").strip()
+        globbed += len(known) * any(c in pattern for c in "*?[")
+        if globbed > MAX_GLOBBED:
+            raise InputError(f"{where}: too many globs for {len(known)} files; name files or fewer")
+        for file in _matches(place, known, pattern, where):
             found[file] = found[file].or_else(metadata) if file in found else metadata
     if not count:
         raise InputError(f"{path}: has no rows; name the frames, or remove the manifest")
@@ -52,19 +59,20 @@ def _matches(place: Place, known: dict[str, Path], pattern: str, where: str) -> 
     if not pattern:
         raise InputError(f"{where}: no file named; the column 'file' holds a name or a glob")
     pattern = pattern.replace("\\", "/").removeprefix("./")
+    shown = pattern if len(pattern) <= 80 else pattern[:77] + "..."
     if pattern in known:
         return [known[pattern]]
     if pattern.startswith("/") or ".." in pattern.split("/"):
-        raise InputError(f"{where}: {pattern} leads outside the folder; name files below it")
+        raise InputError(f"{where}: {shown} leads outside the folder; name files below it")
     path = place.root / pattern
-    if path.exists():
+    if os.path.exists(path):  # unlike Path.exists, False for a name that no system can have
         inside(place.root, path, where)
         if path.is_dir():
-            raise InputError(f"{where}: {pattern} is a folder; write {pattern.rstrip('/')}/*")
+            raise InputError(f"{where}: {shown} is a folder; write {shown.rstrip('/')}/*")
         return []  # one file was asked for, and this is another
     matched = [file for name, file in known.items() if fnmatchcase(name, pattern)]
     if not matched and not (place.single and any(c in pattern for c in "*?[")):
-        raise InputError(f"{where}: {pattern} is not in the folder; correct the name or the row")
+        raise InputError(f"{where}: {shown} is not in the folder; correct the name or the row")
     return matched
 
 
@@ -74,21 +82,17 @@ def _metadata(row: dict[str, Any], where: str) -> Metadata:
         if value is None or str(value).strip() == "":
             return None
         try:
-            result = float(value)
-        except (TypeError, ValueError):
-            result = math.nan
-        if not math.isfinite(result):
-            raise InputError(f"{where}: {column} {str(value)[:40]!r} is no number")
+            result: Any = float(value)
+        except (TypeError, ValueError, OverflowError):
+            result = str(value)
+        if wrong := fault(column, result):
+            raise InputError(f"{where}: {wrong}")
         return result
 
-    exposure = number("exposure_s")
-    if exposure is not None and exposure < 0:
-        raise InputError(f"{where}: exposure_s {exposure:g} is negative; give seconds")
-    celsius = number("temperature_c")
-    if celsius is not None and celsius < ABSOLUTE_ZERO:
-        raise InputError(f"{where}: temperature_c {celsius:g} is below absolute zero; give C")
     channel = str(row.get("channel") or "").strip() or None
-    return Metadata(celsius, exposure, number("gain"), channel, number("frame"))
+    return Metadata(
+        number("temperature_c"), number("exposure_s"), number("gain"), channel, number("frame")
+    )
 
 
 def _csv_rows(path: Path) -> Iterable[tuple[int, dict[str, Any]]]:
@@ -126,5 +130,8 @@ def _check_columns(path: Path, columns: list[Any]) -> None:
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; valid columns: {', '.join(COLUMNS)}"
         )
+    twice = [c for c in columns if columns.count(c) > 1]
+    if twice:
+        raise InputError(f"{path}: column {twice[0]!r} stands twice; keep one of them")
     if "file" not in columns:
         raise InputError(f"{path}: no column 'file'; valid columns: {', '.join(COLUMNS)}")

@@ -7,10 +7,14 @@ numbers, dates and binning factors (``2x2``) are not read as measurements.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.matching import named_groups
+from dnanalyze.loaders.physical import fault
 from dnanalyze.loaders.recording import Metadata
+
+NAMED = ("temperature_c", "exposure_s", "gain", "channel", "frame")
 
 _START = r"(?<![A-Za-z0-9.])"  # a number or key word begins here
 _END = r"(?![A-Za-z0-9])"
@@ -78,29 +82,35 @@ def from_names(parts: Sequence[str]) -> Metadata:
     return found
 
 
-def from_regex(pattern: str, path: str) -> Metadata:
-    """What the user's own expression finds in a file's path.
+def from_regex(pattern: str, paths: Sequence[str]) -> list[Metadata]:
+    """What the user's own expression finds in the path of each file.
 
     Raises
     ------
     InputError
-        A group that should be a number is not.
+        No regular expression, unknown groups, a group that should be a number and is not, or one
+        out of its range.
     """
-    match = re.search(pattern, path)
-    if not match:
-        return Metadata()
-    values = match.groupdict()
+    groups, found = named_groups(pattern, paths)
+    if not groups or groups - set(NAMED):
+        raise InputError(f"name_regex: needs named groups out of: {', '.join(NAMED)}")
+    return [_said(values, path) for values, path in zip(found, paths, strict=True)]
 
+
+def _said(values: Mapping[str, str | None], path: str) -> Metadata:
     def number(name: str) -> float | None:
         text = values.get(name)
         if text is None:
             return None
         try:
-            return float(text)
+            value = float(text)
         except ValueError as error:
             raise InputError(
-                f"{path}: name_regex takes {name} from {text!r}, which is no number"
+                f"{path}: name_regex takes {name} from {text[:40]!r}, which is no number"
             ) from error
+        if wrong := fault(name, value):
+            raise InputError(f"{path}: name_regex: {wrong}")
+        return value
 
     return Metadata(
         number("temperature_c"), number("exposure_s"), number("gain"), values.get("channel"),

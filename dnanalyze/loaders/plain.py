@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +19,7 @@ class PlainPixels:
     Parameters
     ----------
     path : Path
-    offsets : tuple of int
+    offsets : sequence of int
         First byte of each frame.
     shape : tuple of int
         (rows, columns).
@@ -29,7 +30,7 @@ class PlainPixels:
     """
 
     path: Path
-    offsets: tuple[int, ...]
+    offsets: Sequence[int]
     shape: tuple[int, int]
     dtype: str
     sign_flip: bool = False
@@ -62,9 +63,10 @@ class PlainPixels:
         else:
             mapped = np.memmap(self.path, dtype, "r", self.offsets[index], self.shape)
             array = np.array(mapped[window.slices])
-        return self._native(array)
+        return self.native(array)
 
-    def _native(self, array: np.ndarray) -> np.ndarray:
+    def native(self, array: np.ndarray) -> np.ndarray:
+        """Stored pixels, writable, in native byte order and with their sign."""
         if not array.dtype.isnative:
             array = array.byteswap(inplace=True).view(array.dtype.newbyteorder("="))
         if self.sign_flip:

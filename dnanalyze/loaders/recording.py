@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_finite, check_pixels, worth_a_look
+from dnanalyze.loaders.checks import check_pixels, check_range, worth_a_look
+from dnanalyze.loaders.physical import fault
 
 Cfa = tuple[tuple[str, ...], ...]
 
@@ -18,7 +19,8 @@ Cfa = tuple[tuple[str, ...], ...]
 class Metadata:
     """What one source says of one frame; ``None`` is not said.
 
-    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting.
+    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting. A source may say what
+    cannot be (a header's -999 C); `plausible` drops it.
     """
 
     temperature_c: float | None = None
@@ -31,6 +33,20 @@ class Metadata:
         """Field by field, this source's word, or else the other's."""
         pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return Metadata(*(mine if mine is not None else theirs for mine, theirs in pairs))
+
+    def plausible(self) -> tuple[Metadata, tuple[str, ...]]:
+        """What of it can be, and what is wrong with the rest.
+
+        Cameras write -999 C where a sensor does not answer, and a gain of 0 for the lowest of
+        their settings: no measurement, and no reason to refuse the frame.
+        """
+        wrong = {
+            f.name: fault(f.name, getattr(self, f.name))
+            for f in fields(self)
+            if f.name != "channel"
+        }
+        bad = {name: None for name, text in wrong.items() if text}
+        return (replace(self, **bad) if bad else self), tuple(filter(None, wrong.values()))
 
 
 @dataclass(frozen=True)
@@ -118,11 +134,12 @@ class FrameReader:
         window = window or whole
         array = self._pixels(window)
         if not self.checked:
+            check_range(self.name, array)
             return array
         if window == whole:
             check_pixels(self.name, array)
         else:
-            check_finite(self.name, array)
+            check_range(self.name, array)
             if worth_a_look(array):  # a clipped corner, or an empty frame: the whole decides
                 check_pixels(self.name, self._pixels(whole))
         return array
@@ -136,16 +153,26 @@ class FrameReader:
             region.left + window.right,
         )
         try:
-            array = self.read(self.index, place)
+            with np.errstate(all="ignore"):  # what overflows is refused when it is checked
+                array = self.read(self.index, place)
+                if array.dtype.kind == "f" and array.dtype != np.float32:
+                    array = array.astype(np.float32)
         except InputError:
             raise
+        except MemoryError as error:
+            raise InputError(
+                f"{self.name}: more to decode than there is free memory; cut it into smaller frames"
+            ) from error
         except Exception as error:  # decoders raise anything; the user needs one line
             raise InputError(
                 f"{self.name}: cannot be decoded ({one_line(error)}); "
                 "copy the file again or leave it out"
             ) from error
-        if array.dtype.kind == "f" and array.dtype != np.float32:
-            array = array.astype(np.float32)
+        if array.shape != window.shape:
+            raise InputError(
+                f"{self.name}: decodes to {array.shape} pixels and declares {window.shape}; "
+                "copy the file again or leave it out"
+            )
         return np.ascontiguousarray(array, array.dtype.newbyteorder("="))
 
 

@@ -96,7 +96,17 @@ def write_captures(
 
 
 def as_codes(array: np.ndarray, bits: int) -> np.ndarray:
-    """Counts rounded and clipped to ``bits`` bits; uint8 up to 8 bits, else uint16."""
+    """Counts rounded and clipped to ``bits`` bits; uint8 up to 8 bits, else uint16.
+
+    Raises
+    ------
+    InputError
+        A pixel is not finite.
+    """
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        raise InputError(
+            "frames hold pixels that are NaN or infinite; correct the parameters of the model"
+        )
     dtype = np.uint8 if bits <= 8 else np.uint16
     return np.clip(np.rint(array), 0, (1 << bits) - 1).astype(dtype)
 

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues
 
 
+MOST_WHOLE = 1_000_000  # pixels, periods: no sensor has as many columns
+
+
 class Stage(IntEnum):
     """Places in the signal chain, in the order in which the signal passes them."""
 
@@ -221,6 +224,8 @@ class Effect:
                     raise InputError(f"{where}: {value!r} is no list of finite numbers")
                 if info.choices and value not in info.choices:
                     raise InputError(f"{where}: {value!r} is not one of {list(info.choices)}")
+                if not info.choices and item.default != () and not _whole(value):
+                    raise InputError(f"{where}: {value!r} is no whole number of 0 to {MOST_WHOLE}")
                 continue
             numbers = getattr(value, "values", None) or (getattr(value, "value", value),)
             for number in numbers:
@@ -338,6 +343,10 @@ class Effect:
 
 def _chosen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
+
+
+def _whole(value: Any) -> bool:
+    return type(value) is int and 0 <= value <= MOST_WHOLE
 
 
 def _row_of_numbers(value: Any) -> bool:

@@ -21,6 +21,24 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import Simulator
 
+# Smallest and largest, DN, DN a DN, times: as for codes, what single precision holds exactly.
+_DN = (-float(1 << 24), float(1 << 24))
+_USE = {
+    "black": _DN, "sensitivity": (1e-6, 1e6), "knee": (0.0, _DN[1]), "blend": (0.0, _DN[1]),
+    "exposure": (1e-9, 1e9),
+}  # fmt: skip
+_OUTPUT = {"black": _DN, "bits": (1, 24)}
+
+
+def _check_numbers(where: str, held: object, limits: dict[str, tuple[float, float]]) -> None:
+    for name, (least, most) in limits.items():
+        value = getattr(held, name)
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not (number and least <= value <= most):
+            raise InputError(
+                f"{where}: {name} {str(value)[:40]!r}; valid: a number of {least:g} to {most:g}"
+            )
+
 
 @dataclass(frozen=True)
 class ChannelUse:
@@ -48,6 +66,11 @@ class ChannelUse:
     blend: float = 0.0
     exposure: float = 1.0
 
+    def __post_init__(self) -> None:
+        _check_numbers(f"channel {str(self.channel)[:40]}", self, _USE)
+        if not isinstance(self.channel, str):
+            raise InputError(f"channel {str(self.channel)[:40]!r} is no text; quote it")
+
 
 @dataclass(frozen=True)
 class Combination:
@@ -71,6 +94,9 @@ class Combination:
     bits: int = 12
 
     def __post_init__(self) -> None:
+        _check_numbers("combination", self, _OUTPUT)
+        if type(self.bits) is not int:
+            raise InputError(f"combination: bits {self.bits} is no whole number")
         if len(self.channels) < 2:
             raise InputError("combination: needs two channels or more")
         steps = [c.sensitivity for c in self.channels]
@@ -79,7 +105,7 @@ class Combination:
                 "combination: give the most sensitive channel first, sensitivity falling"
             )
         knees = np.array(self.companding, float).reshape(-1, 2)
-        if len(knees) and (len(knees) < 2 or np.any(np.diff(knees, axis=0) <= 0)):
+        if len(knees) and (len(knees) < 2 or not np.all(np.diff(knees, axis=0) > 0)):
             raise InputError("combination: companding needs two knees or more, rising in both")
 
     @property

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import yaml
-
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.text import read_yaml
 from dnanalyze.model.hdr import ChannelUse, Combination
 
 KEYS = ("channels", "companding", "black", "bits")
@@ -21,12 +20,7 @@ def load_combination(path: Path) -> Combination:
     InputError
         Not YAML, unknown or missing keys, a combination that cannot be.
     """
-    try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(f"{path}: not YAML") from None
+    raw = read_yaml(path)
     if not isinstance(raw, dict) or not isinstance(raw.get("channels"), list):
         raise InputError(f"{path}: not a combination file; it needs 'channels', a list")
     for place, valid in [(raw, KEYS), *((c, CHANNEL_KEYS) for c in raw["channels"])]:

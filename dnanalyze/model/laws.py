@@ -9,9 +9,11 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.physical import fault
 
 BOLTZMANN_EV = 8.617333e-5
 KELVIN = 273.15
+MOST_EV = 10.0  # nine times the band gap of silicon; no thermal process comes near it
 
 
 def arrhenius(temperature_c: float | None, reference_c: float, ea_ev: float) -> float:
@@ -125,21 +127,27 @@ def law_from_plain(name: str, raw: object) -> Law:
     InputError
         Anything but a finite number, {value, at_c, ea_ev} or {table: [{..., value}]}.
     """
-    if isinstance(raw, (int, float)) and not isinstance(raw, bool) and math.isfinite(raw):
+    if isinstance(raw, (int, float)) and not fault("value", raw):
         return float(raw)
     if isinstance(raw, dict):
         try:
             if set(raw) == {"value", "at_c", "ea_ev"}:
-                return ArrheniusLaw(float(raw["value"]), float(raw["at_c"]), float(raw["ea_ev"]))
+                law = ArrheniusLaw(float(raw["value"]), float(raw["at_c"]), float(raw["ea_ev"]))
+                if wrong := fault("temperature_c", law.at_c):
+                    raise InputError(f"at_c: {wrong}")
+                if math.isfinite(law.value) and abs(law.ea_ev) <= MOST_EV:
+                    return law
             if set(raw) == {"table"} and raw["table"]:
                 rows = [dict(r) for r in raw["table"]]
                 values = tuple(float(r.pop("value")) for r in rows)
                 if all(map(math.isfinite, values)):
                     return TableLaw(tuple(OperatingPoint(**r) for r in rows), values)
-        except (TypeError, ValueError, KeyError):
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+        except (TypeError, ValueError, KeyError, OverflowError):
             pass
     raise InputError(
-        f"{name}: {raw!r} is no law; give a number, {{value, at_c, ea_ev}} "
+        f"{name}: {str(raw)[:60]!r} is no law; give a number, {{value, at_c, ea_ev}} "
         "or {table: [{temperature_c, value}, ...]}"
     )
 

@@ -10,11 +10,13 @@ import yaml
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.text import read_yaml
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.laws import Law, law_from_plain
 from dnanalyze.model.registry import catalogue, find
 
 SCHEMA = "dnanalyze/model/1"
+_AT_25_C = {"temperature_c": 25.0, "exposure_s": 1.0}
 KEYS = {"schema", "pedestal", "reference", "channel_references", "seed", "effects", "fit"}
 
 
@@ -127,7 +129,7 @@ def model_from_plain(
         raise InputError(f"{where}: not a model file; it needs 'effects', a list")
     extra = set(raw) - KEYS
     if extra:
-        raise InputError(f"{where}: unknown key {sorted(extra)[0]!r} in a model file")
+        raise InputError(f"{where}: unknown key {min(map(str, extra))!r} in a model file")
     try:
         effects = []
         for item in raw["effects"]:
@@ -135,29 +137,34 @@ def model_from_plain(
                 item = {item: {}}
             ((name, values),) = item.items()
             effects.append(find(name, known).from_plain(values or {}))
-        reference = OperatingPoint(
-            **raw.get("reference", {"temperature_c": 25.0, "exposure_s": 1.0})
-        )
+        reference = _point("reference", raw.get("reference", _AT_25_C))
         pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
-        own = tuple(OperatingPoint(**r) for r in raw.get("channel_references", ()))
-        return NoiseModel(tuple(effects), pedestal, reference, int(raw.get("seed", 0)), own)
+        own = tuple(_point("channel_references", r) for r in raw.get("channel_references", ()))
+        return NoiseModel(tuple(effects), pedestal, reference, _seed(raw.get("seed", 0)), own)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-    except (TypeError, ValueError, AttributeError):
+    except (TypeError, ValueError, AttributeError, OverflowError, KeyError):
         raise InputError(
             f"{where}: malformed model file; each effect is a name with a mapping of parameters"
         ) from None
 
 
+def _point(key: str, raw: Any) -> OperatingPoint:
+    try:
+        return OperatingPoint(**raw)
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from None
+
+
+def _seed(raw: Any) -> int:
+    if type(raw) is not int or not 0 <= raw < 1 << 63:
+        raise InputError(f"seed {str(raw)[:40]!r} is no whole number of 0 to 2^63 - 1")
+    return raw
+
+
 def load_model(path: Path, known: dict[str, type[Effect]] | None = None) -> NoiseModel:
     """Read a model file (YAML)."""
-    try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(f"{path}: not YAML") from None
-    return model_from_plain(raw, str(path), known)
+    return model_from_plain(read_yaml(path), str(path), known)
 
 
 def dump_model(model: NoiseModel) -> str:

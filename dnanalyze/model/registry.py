@@ -12,6 +12,7 @@ from pathlib import Path
 
 from dnanalyze.errors import InputError
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.own_effects import guarded, own_error
 
 EVERYDAY = ("read_noise", "pixel_fpn", "dark_shot_noise", "quantization")
 BASE = "convolved_lognormal"
@@ -59,12 +60,14 @@ def _load_file(path: Path) -> dict[str, type[Effect]]:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # whatever the user's code raises is shown as one line
-        raise InputError(f"--effects {path}: {type(error).__name__}: {error}") from error
+    except (KeyboardInterrupt, MemoryError):
+        raise
+    except BaseException as error:  # whatever the user's code raises, SystemExit too
+        raise own_error(f"--effects {path}", error) from error
     found = _effects_of(module)
     if not found:
         raise InputError(f"--effects {path}: no class derived from dnanalyze.Effect with a name")
-    return found
+    return {name: guarded(kind, path) for name, kind in found.items()}
 
 
 def _effects_of(module: object) -> dict[str, type[Effect]]:
@@ -72,6 +75,7 @@ def _effects_of(module: object) -> dict[str, type[Effect]]:
         item.name: item
         for _, item in inspect.getmembers(module, inspect.isclass)
         if issubclass(item, Effect)
+        and isinstance(item.name, str)
         and item.name
         and item.__module__ == getattr(module, "__name__", "")
     }

@@ -10,9 +10,9 @@ from dnanalyze.errors import InputError
 
 
 def test_numbers_are_read():
-    assert numbers("--gain", "1, 2.5,-3") == [1.0, 2.5, -3.0]
-    assert numbers("--gain", None) == []
-    assert celsius("--at", "-273.15,25") == [-273.15, 25.0]
+    assert numbers("--gain", "1, 2.5,.3", "gain") == [1.0, 2.5, 0.3]
+    assert numbers("--gain", None, "gain") == []
+    assert celsius("--at", "-273,25") == [-273.0, 25.0]
 
 
 @pytest.mark.parametrize("text", ["", "hot", "25,,3", "25;45", "nan", "1,inf"])
@@ -25,7 +25,12 @@ def test_what_is_no_list_of_numbers_is_refused(text):
     "words",
     [
         ("simulate", "OUT", "--model", "M.yaml", "--temperatures=-300"),
+        ("simulate", "OUT", "--model", "M.yaml", "--temperatures=1001"),
         ("simulate", "OUT", "--model", "M.yaml", "--exposure=-1"),
+        ("simulate", "OUT", "--model", "M.yaml", "--gain=0"),
+        ("simulate", "OUT", "--model", "M.yaml", "--shape=1000000x1000000"),
+        ("simulate", "OUT", "--model", "M.yaml", "--shape=1x1"),
+        ("simulate", "OUT", "--model", "M.yaml", "--frames=1000000000"),
         ("export", "M.yaml", "--format", "csv", "-o", "M.csv", "--temperatures=-300"),
         ("benchmark", "A", "B", "--at=-300"),
     ],
@@ -38,5 +43,5 @@ def test_impossible_numbers_are_refused_in_one_line(words, tmp_path, capsys, mon
     monkeypatch.chdir(tmp_path)
     assert main(list(words)) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert " is below " in line
+    assert "valid: " in line
     assert sorted(p.name for p in tmp_path.iterdir()) == ["M.yaml"]

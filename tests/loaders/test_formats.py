@@ -92,10 +92,10 @@ def test_fits(tmp_path, dtype):
 
 
 def test_fits_extension_scale_sections_and_bayer(tmp_path):
-    array = noise(0, (16, 24))
+    array = noise(0, (32, 24))
     hdu = fits.ImageHDU(array)
     for key, value in {
-        "DATASEC": "[3:20,1:16]", "BIASSEC": "[21:24,1:16]", "BAYERPAT": "RGGB", "XPIXSZ": 3.76,
+        "DATASEC": "[3:20,1:32]", "BIASSEC": "[21:24,1:32]", "BAYERPAT": "RGGB", "XPIXSZ": 3.76,
     }.items():  # fmt: skip
         hdu.header[key] = value
     fits.HDUList([fits.PrimaryHDU(), hdu]).writeto(tmp_path / "a.fits")
@@ -104,7 +104,7 @@ def test_fits_extension_scale_sections_and_bayer(tmp_path):
     assert captures.sensor.pixel_pitch_um == 3.76
     assert np.array_equal(next(captures.frames()).masked(), array[:, 20:24])
     assert np.array_equal(next(load(tmp_path, include_masked=True).frames()).read(), array)
-    with pytest.raises(InputError, match="16 x 4 pixels are too few"):
+    with pytest.raises(InputError, match="32 x 4 pixels are too few"):
         load(tmp_path, region="masked")
 
 
@@ -209,18 +209,18 @@ def test_headerless_padded_plain_rows(tmp_path):
 
 
 def test_sidecar_cuts_areas_and_shifts_the_colour_filter(tmp_path):
-    array = noise(0, (32, 40))
+    array = noise(0, (40, 40))
     np.save(tmp_path / "a.npy", array)
     (tmp_path / "dnanalyze.yaml").write_text(
-        "active_rows: [3, 32]\nactive_columns: [12, 40]\noptical_black_columns: [0, 10]\n"
+        "active_rows: [3, 40]\nactive_columns: [20, 40]\noptical_black_columns: [0, 18]\n"
         "cfa: RGGB\nblack_level: 64\nwhite_level: 4095\nbits: 12\n"
     )
-    captures = check(tmp_path, [array[3:, 12:]])
+    captures = check(tmp_path, [array[3:, 20:]])
     assert captures.sensor.cfa == (("G", "B"), ("R", "G"))
     assert (captures.sensor.black_level, captures.sensor.bits) == (64.0, 12)
-    assert np.array_equal(next(captures.frames()).masked(), array[:, :10])
+    assert np.array_equal(next(captures.frames()).masked(), array[:, :18])
     masked = load(tmp_path, region="masked")
-    assert masked.sensor.shape == (32, 10)
+    assert masked.sensor.shape == (40, 18)
     assert masked.sensor.cfa == (("R", "G"), ("G", "B"))
 
 

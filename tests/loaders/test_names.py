@@ -110,7 +110,9 @@ def test_the_nearest_name_wins_field_by_field():
 
 def test_regex_reads_named_groups():
     pattern = r"(?P<channel>[a-z]+)_(?P<temperature_c>-?\d+)K_(?P<frame>\d+)"
-    assert from_regex(pattern, "x/dark_300K_07.tif") == Metadata(300.0, None, None, "dark", 7.0)
-    assert from_regex(pattern, "other.tif") == Metadata()
+    assert from_regex(pattern, ["x/dark_300K_07.tif", "other.tif"]) == [
+        Metadata(300.0, None, None, "dark", 7.0),
+        Metadata(),
+    ]
     with pytest.raises(InputError, match=r"a\.tif: name_regex takes gain from 'a'"):
-        from_regex(r"(?P<gain>\w)\.tif", "a.tif")
+        from_regex(r"(?P<gain>\w)\.tif", ["a.tif"])

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from dnanalyze.errors import InputError
 from dnanalyze_cli.options import Captures, Config, EffectFiles, Json, Quiet, Seed, Tolerance
 from dnanalyze_cli.session import Session
 
@@ -52,7 +53,7 @@ def hdr(
 
     from dnanalyze.comparator.combined import compare_combined
     from dnanalyze.loaders import write_captures
-    from dnanalyze.model.channels import require
+    from dnanalyze.model.channels import channels_of, require
     from dnanalyze.model.hdr import noise_steps, simulate_combined
     from dnanalyze.model.hdr_file import load_combination
     from dnanalyze.report import capture
@@ -64,6 +65,11 @@ def hdr(
     how = load_combination(combine)
     own = session.model(model, seed)
     assert own is not None
+    if not channels_of(own):
+        raise InputError(
+            f"--model {model}: tells no channels apart, and --combine {combine} names "
+            f"{', '.join(how.names)}; give a model of all channels, as `channels -o` writes it"
+        )
     require(own, how.names)
     found = session.load(config, tolerance_c)
     with session.progress("Combining"):

@@ -123,6 +123,7 @@ def simulate(
             pattern, settings=tuple(s for c in channels for s in pattern.channel(c).settings)
         )
     points = _points(own, pattern, temperatures, exposure, gain, channels, frames)
+    _check_size(size, sum(count for _, count in points))
     sensor = replace(pattern.sensor, shape=size) if pattern else None
     threads = os.cpu_count() or 1
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
@@ -134,9 +135,37 @@ def simulate(
 
 def _shape(text: str) -> tuple[int, int]:
     rows, _, columns = text.lower().partition("x")
-    if not (rows.isdecimal() and columns.isdecimal() and int(rows) and int(columns)):
+    if not (rows.isdecimal() and columns.isdecimal() and len(text) < 20):
         raise InputError(f"--shape {text}: not ROWSxCOLUMNS, such as 1080x1920")
     return int(rows), int(columns)
+
+
+def _check_size(shape: tuple[int, int], frames: int) -> None:
+    """Refuse what cannot be drawn, before anything is."""
+    from dnanalyze.loaders.checks import (
+        MAX_FRAMES,
+        MAX_PIXELS,
+        MIN_COLUMNS,
+        MIN_ROWS,
+        available_memory,
+    )  # fmt: skip
+    from dnanalyze.model.simulate import MAPS
+
+    rows, columns = shape
+    pixels, free = rows * columns, available_memory()
+    if pixels > MAX_PIXELS or rows < MIN_ROWS or columns < MIN_COLUMNS:
+        raise InputError(
+            f"--shape {rows}x{columns}: valid: {MIN_ROWS} x {MIN_COLUMNS} to {MAX_PIXELS} pixels"
+        )
+    if free is not None and 4 * MAPS * pixels > free:  # the maps of one effect at the least
+        raise InputError(
+            f"--shape {rows}x{columns}: takes {4 * MAPS * pixels / 1e9:.1f} GB to draw and "
+            f"{free / 1e9:.1f} GB are free; give a smaller shape"
+        )
+    if frames > MAX_FRAMES:
+        raise InputError(
+            f"simulate: {frames} frames; valid: 1 to {MAX_FRAMES}, over all operating points"
+        )
 
 
 def _points(own, pattern, temperatures, exposure, gain, channels, frames):
@@ -148,8 +177,8 @@ def _points(own, pattern, temperatures, exposure, gain, channels, frames):
 
     grid = (
         celsius("--temperatures", temperatures),
-        numbers("--exposure", exposure, 0.0),
-        numbers("--gain", gain),
+        numbers("--exposure", exposure, "exposure_s"),
+        numbers("--gain", gain, "gain"),
     )
     if pattern is not None:
         if any(grid):

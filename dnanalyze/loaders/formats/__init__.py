@@ -13,7 +13,8 @@ from pathlib import Path
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.config import Config
-from dnanalyze.loaders.files import unreadable
+from dnanalyze.loaders.files import check_regular, unreadable
+from dnanalyze.loaders.formats.envi_header import header_beside
 from dnanalyze.loaders.recording import Recording, one_line
 
 # Without a handler tifffile's complaints about damaged files would stand on stderr beside the
@@ -25,7 +26,9 @@ Reader = Callable[[Path, str, Config, Recording | None], Recording]
 # Suffix to module; a module is imported when a file asks for it.
 MODULES = {
     **dict.fromkeys((".tif", ".tiff"), "tiff"),
-    **dict.fromkeys((".fits", ".fit", ".fts"), "fits"),
+    **dict.fromkeys(
+        (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fz"), "fits"
+    ),
     **dict.fromkeys((".npy", ".npz"), "numpy_files"),
     **dict.fromkeys((".h5", ".hdf5", ".hdf"), "hdf5"),
     **dict.fromkeys((".png",), "png"),
@@ -41,6 +44,19 @@ MODULES = {
         "camera_raw",
     ),
 }  # fmt: skip
+
+
+def suffix_of(path: Path) -> str:
+    """The suffix that says the format, in lower case: ``.tif``, ``.fits.gz``."""
+    double = "".join(path.suffixes[-2:]).lower()
+    return double if double in MODULES else path.suffix.lower()
+
+
+def module_of(path: Path) -> str | None:
+    """The module that reads this file; None where it is no frame."""
+    if header_beside(path) is not None:
+        return "envi"
+    return MODULES.get(suffix_of(path))
 
 
 def read_header(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
@@ -61,10 +77,14 @@ def read_header(path: Path, name: str, config: Config, previous: Recording | Non
     InputError
         Unknown format, damaged, truncated, unreadable; one line with the remedy.
     """
-    module = MODULES.get(path.suffix.lower())
+    module = module_of(path)
     if module is None:
         raise InputError(f"{name}: unknown format; valid: {', '.join(sorted(MODULES))}")
     read: Reader = import_module(f"{__name__}.{module}").read
+    try:
+        check_regular(path, name)
+    except OSError as error:  # a link to itself, no permission
+        raise unreadable(name, error) from error
     try:
         with path.open("rb") as file:
             empty = not file.read(1)
@@ -73,7 +93,7 @@ def read_header(path: Path, name: str, config: Config, previous: Recording | Non
         return read(path, name, config, previous)
     except InputError:
         raise
-    except (PermissionError, FileNotFoundError, IsADirectoryError) as error:
+    except (PermissionError, FileNotFoundError) as error:
         raise unreadable(name, error) from error
     except MemoryError as error:
         raise InputError(f"{name}: its header asks for more memory than there is") from error

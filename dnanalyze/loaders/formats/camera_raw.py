@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,14 @@ import tifffile
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import MIN_SIDE, check_length, check_memory, check_shape
+from dnanalyze.loaders.checks import MIN_COLUMNS, MIN_ROWS, check_length, check_memory, check_shape
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.headers import from_header
 from dnanalyze.loaders.recording import Metadata, Recording, one_line, shifted_cfa
 
 # The rim of a masked area sees stray light and the start of the readout.
 _GUARD_ROWS, _GUARD_COLUMNS = 16, 4
+_MAX_PAGES = 100  # previews and the image itself; cameras write three or four
 
 
 def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
@@ -124,7 +126,7 @@ def _masked(active: Window, shape: tuple[int, int]) -> Window | None:
     """The left masked strip without its rim, as tall as the readout; None where there is none."""
     left, right = _GUARD_COLUMNS, active.left - _GUARD_COLUMNS
     top, bottom = _GUARD_ROWS, shape[0] - _GUARD_ROWS
-    if right - left < MIN_SIDE or bottom - top < MIN_SIDE:
+    if right - left < MIN_COLUMNS or bottom - top < MIN_ROWS:
         return None
     return Window(top, bottom, left, right)
 
@@ -174,7 +176,10 @@ def _exif(path: Path, name: str) -> Metadata | None:
                 values = tag.value if tag.name == "ExifTag" else {tag.name: tag.value}
                 if isinstance(values, dict):
                     found.update({k: v for k, v in values.items() if k in names})
-            pages: list[Any] = [*tif.pages, *(first.pages or ())]
+            pages: list[Any] = [
+                *islice(tif.pages, _MAX_PAGES),
+                *islice(first.pages or (), _MAX_PAGES),
+            ]
             for page in pages:
                 runs = zip(page.dataoffsets, page.databytecounts, strict=False)
                 needed = max([needed, *(start + length for start, length in runs)])

@@ -1,4 +1,4 @@
-"""FITS: images and cubes, with the key words of CCD cameras.
+"""FITS: images and cubes, with the key words of CCD cameras; packed by gzip or in tiles.
 
 Unsigned integers stored with BZERO (FITS standard 4.0, section 5.2.5) stay unsigned integers;
 any other BSCALE or BZERO makes float32.
@@ -6,9 +6,11 @@ any other BSCALE or BZERO makes float32.
 
 from __future__ import annotations
 
+import gzip
 import re
 import warnings
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,45 +19,81 @@ from astropy.io import fits
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_length, check_shape
+from dnanalyze.loaders.checks import (
+    check_count,
+    check_length,
+    check_memory,
+    check_shape,
+    check_stored,
+)
 from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.formats.fits_packed import GzipPixels, TilePixels, check_tiles
+from dnanalyze.loaders.formats.fits_units import Unit, units, whole
 from dnanalyze.loaders.headers import bayer_pattern, from_header, image_type
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Metadata, Recording, shifted_cfa
 
 _DTYPES = {8: ">u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
-_BLOCK = 2880  # bytes
-_MAX_HEADER_BLOCKS = 2000  # 72000 cards
 
 
 def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
     """The header of the first image of a FITS file."""
-    _check_header_ends(path, name)
-    with path.open("rb") as file, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # astropy warns of what is checked and worded below
-        with fits.open(file, memmap=False, do_not_scale_image_data=True) as hdus:
-            hdu = _first_image(hdus, name)
-            header, offset = hdu.header.copy(), hdu.fileinfo()["datLoc"]
-    axes = [int(header[f"NAXIS{k}"]) for k in range(header["NAXIS"], 0, -1)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # astropy warns of what is checked and worded here
+        return _read(path, name)
+
+
+def _read(path: Path, name: str) -> Recording:
+    packed = path.suffix.lower() == ".gz"
+    with gzip.open(path) if packed else path.open("rb") as file:
+        unit = _first_image(file, name, packed)
+    header = unit.header
+    tiled = "Z" if unit.is_compressed else ""
+    axes = [whole(header, f"{tiled}NAXIS{k}") for k in range(whole(header, f"{tiled}NAXIS"), 0, -1)]
+    if not 2 <= len(axes) <= 4 or (len(axes) > 2 and axes[-3] == 3 and "COLORTYP" in header):
+        raise InputError(f"{name}: has {axes[:9]} pixels; give an image or a cube of frames")
     shape = axes[-2], axes[-1]
     check_shape(name, shape)
-    count = int(np.prod(axes[:-2], dtype=np.int64)) if len(axes) > 2 else 1
-    if len(axes) > 4 or (len(axes) > 2 and count == 3 and "COLORTYP" in header):
-        raise InputError(f"{name}: has {axes} pixels; give an image or a cube of frames")
-    stored = np.dtype(_DTYPES[header["BITPIX"]])
+    count = int(np.prod(axes[:-2], dtype=object)) if len(axes) > 2 else 1
+    check_count(name, count)
+    stored = _stored(header, f"{tiled}BITPIX", name)
     frame_bytes = shape[0] * shape[1] * stored.itemsize
-    check_length(name, offset + count * frame_bytes, path.stat().st_size)
-    offsets = tuple(offset + k * frame_bytes for k in range(count))
+    end = unit.offset + (unit.size if tiled else count * frame_bytes)
     scale, zero = float(header.get("BSCALE", 1.0)), float(header.get("BZERO", 0.0))
     unsigned = stored.kind == "i" and scale == 1.0 and zero == 2.0 ** (8 * stored.itemsize - 1)
-    plain = PlainPixels(path, offsets, shape, stored.str, unsigned)
+    plain = PlainPixels(
+        path, range(unit.offset, unit.offset + count * frame_bytes, frame_bytes), shape,
+        stored.str, unsigned,
+    )  # fmt: skip
+    as_integers = unsigned or (scale == 1.0 and zero == 0.0 and "BLANK" not in header)
+    dtype = np.dtype(stored.newbyteorder("=").str.replace("i", "u") if unsigned else stored)
+    present = path.stat().st_size
+    pixels: Callable[[int, Window], np.ndarray] = plain
+    if tiled or packed:
+        check_memory(name, 3 * frame_bytes)
+        check_stored(name, present, count * shape[0] * shape[1], count * frame_bytes)
+    if tiled:
+        if packed:
+            raise InputError(f"{name}: is compressed twice; unpack it with gunzip first")
+        check_length(name, end, present)
+        check_tiles(header, axes, name)
+        pixels = TilePixels(path, unit.number, len(axes), tuple(axes[:-2]))
+    elif packed:
+        pixels = GzipPixels(plain)
+    else:
+        check_length(name, end, present)
+    if not as_integers:
+        dtype = np.dtype(np.float32)
+        if not tiled:  # tiles come scaled
+            blank = header.get("BLANK") if stored.kind in "iu" else None
+            pixels = Scaled(pixels, scale, zero, blank)
     notes: list[str] = []
     active, masked = _sections(header, shape, notes)
-    recording = Recording(
+    return Recording(
         "FITS",
         shape,
-        np.dtype(stored.newbyteorder("=").str.replace("i", "u") if unsigned else stored),
-        plain,
+        dtype.newbyteorder("="),
+        pixels,
         (_metadata(header),) * count,
         active=active,
         masked=masked,
@@ -64,17 +102,29 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         notes=tuple(notes),
         left_out=_left_out(header),
     )
-    if unsigned or (scale == 1.0 and zero == 0.0 and "BLANK" not in header):
-        return recording
-    blank = header.get("BLANK") if stored.kind in "iu" else None
-    return replace(recording, dtype=np.dtype(np.float32), read=Scaled(plain, scale, zero, blank))
+
+
+def _first_image(file: Any, name: str, packed: bool) -> Unit:
+    for unit in units(file, name, packed):
+        if unit.is_image or unit.is_compressed:
+            return unit
+    raise InputError(f"{name}: holds no image; give files with one image or cube each")
+
+
+def _stored(header: fits.Header, key: str, name: str) -> np.dtype:
+    bits = whole(header, key)
+    if bits not in _DTYPES:
+        raise InputError(
+            f"{name}: {key} = {bits}; valid: {', '.join(map(str, _DTYPES))}: damaged header"
+        )
+    return np.dtype(_DTYPES[bits])
 
 
 @dataclass(frozen=True)
 class Scaled:
     """``BZERO + BSCALE * stored`` in float32; stored ``BLANK`` becomes NaN."""
 
-    plain: PlainPixels
+    plain: Callable[[int, Window], np.ndarray]
     scale: float
     zero: float
     blank: int | None
@@ -86,29 +136,6 @@ class Scaled:
         if self.blank is not None:
             array[stored == self.blank] = np.nan
         return array
-
-
-def _check_header_ends(path: Path, name: str) -> None:
-    """Refuse a file that is no FITS, or whose first header has no end, before it is parsed."""
-    with path.open("rb") as file:
-        for number in range(_MAX_HEADER_BLOCKS):
-            block = file.read(_BLOCK)
-            if number == 0 and not block.startswith(b"SIMPLE  ="):
-                raise InputError(f"{name}: is no FITS file (no SIMPLE card); correct its suffix")
-            if len(block) < _BLOCK:
-                raise InputError(f"{name}: truncated within its header; copy the file again")
-            if any(block[k : k + 8] == b"END     " for k in range(0, _BLOCK, 80)):
-                return
-    raise InputError(f"{name}: its header has no END in {_MAX_HEADER_BLOCKS} blocks; damaged")
-
-
-def _first_image(hdus: Any, name: str) -> Any:
-    for hdu in hdus:
-        if getattr(hdu, "is_image", False) and hdu.header.get("NAXIS", 0) >= 2:
-            if isinstance(hdu, fits.CompImageHDU):
-                raise InputError(f"{name}: is tile-compressed; unpack it with funpack first")
-            return hdu
-    raise InputError(f"{name}: holds no image; give files with one image or cube each")
 
 
 def _metadata(header: fits.Header) -> Metadata:
@@ -183,4 +210,4 @@ def _colour_filter(header: fits.Header) -> Any:
 
 
 def _positive(value: Any) -> float | None:
-    return float(value) if isinstance(value, (int, float)) and value > 0 else None
+    return float(value) if isinstance(value, (int, float)) and 0 < value < 1e6 else None

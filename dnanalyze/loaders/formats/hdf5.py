@@ -12,14 +12,14 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_length, check_memory
+from dnanalyze.loaders.checks import check_count, check_length, check_memory, check_stored
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.files import natural_key
 from dnanalyze.loaders.formats.numpy_files import stack_shape
 from dnanalyze.loaders.headers import bayer_pattern, from_header
 from dnanalyze.loaders.recording import Metadata, Recording
 
-_MAX_DATASETS = 100_000
+_MAX_DATASETS = 10_000  # each is opened, in about 0.1 ms
 _PER_FRAME = ("temperature_c", "exposure_s", "gain")
 
 
@@ -46,15 +46,20 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             first = frame, data.dtype
             if data.external or data.is_virtual:
                 raise InputError(f"{where}: keeps its pixels in another file; repack the dataset")
-            size = frame[0] * frame[1] * data.dtype.itemsize
+            pixels = frame[0] * frame[1]
+            size = pixels * data.dtype.itemsize
             if data.chunks is None:
                 offset = data.id.get_offset()
                 if offset is not None:
                     check_length(where, offset + count * size, path.stat().st_size)
+                else:
+                    check_stored(where, data.id.get_storage_size(), count * pixels, count * size)
             else:
+                check_stored(where, data.id.get_storage_size(), count * pixels, count * size)
                 chunk = int(np.prod(data.chunks, dtype=np.int64)) * data.dtype.itemsize
                 check_memory(where, size + chunk)
             attributes = root | _group_attributes(file, label) | dict(data.attrs)
+            check_count(name, len(places) + count)
             places += [(label, k) for k in range(count)]
             metadata += _metadata(attributes, count)
     if first is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_length, check_shape
+from dnanalyze.loaders.checks import check_count, check_length, check_shape
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.packing import PACKED_BITS, group_of, row_bytes, unpack
 from dnanalyze.loaders.plain import PlainPixels
@@ -44,7 +45,8 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             f"{width} x {height} with {bits} bits; correct width, height, bits, packing or "
             "header_offset in the sidecar"
         )
-    offsets = tuple(config.header_offset + k * frame for k in range(count))
+    check_count(name, count)
+    offsets = range(config.header_offset, config.header_offset + count * frame, frame)
     decode: PlainPixels | RawRows
     if not packed and stride == width * dtype.itemsize:
         decode = PlainPixels(path, offsets, (height, width), dtype.str)
@@ -61,7 +63,7 @@ class RawRows:
     """Packed or padded rows; only the rows and groups that a window touches are unpacked."""
 
     path: Path
-    offsets: tuple[int, ...]
+    offsets: Sequence[int]
     width: int
     stride: int
     bits: int

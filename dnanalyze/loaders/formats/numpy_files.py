@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +13,19 @@ from numpy.lib import format as npy
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_dtype, check_memory, check_shape
+from dnanalyze.loaders.checks import (
+    check_count,
+    check_dtype,
+    check_memory,
+    check_shape,
+    check_stored,
+)
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.headers import from_header
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Metadata, Recording
 
-_MAX_HEADER = 1 << 16  # bytes
+_MAX_HEADER = 1 << 14  # bytes; a plain array takes 128
 
 
 def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
@@ -30,7 +37,8 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         offset = file.tell()
     count, frame = stack_shape(name, shape, fortran, dtype)
     size = frame[0] * frame[1] * dtype.itemsize
-    plain = PlainPixels(path, tuple(offset + k * size for k in range(count)), frame, dtype.str)
+    offsets = range(offset, offset + count * size, size)
+    plain = PlainPixels(path, offsets, frame, dtype.str)
     plain.check(name)
     return Recording("NumPy", frame, dtype.newbyteorder("="), plain, (Metadata(),) * count)
 
@@ -61,12 +69,12 @@ def stack_shape(
     Raises
     ------
     InputError
-        Other dimensions, a colour image, Fortran order, no numbers.
+        Other dimensions, a colour image, Fortran order, no numbers, too many or too large.
     """
     check_dtype(name, dtype)
     if len(shape) not in (2, 3) or 0 in shape:
         raise InputError(
-            f"{name}: has shape {shape}; give (rows, columns) or (frames, rows, columns)"
+            f"{name}: has shape {str(shape)[:60]}; give (rows, columns) or (frames, rows, columns)"
         )
     if len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4:
         raise InputError(f"{name}: has shape {shape}, a colour image; give raw frames")
@@ -74,7 +82,9 @@ def stack_shape(
         raise InputError(f"{name}: is in Fortran order; save numpy.ascontiguousarray of it")
     rows, columns = shape[-2:]
     check_shape(name, (rows, columns))
-    return (shape[0] if len(shape) == 3 else 1), (rows, columns)
+    count = shape[0] if len(shape) == 3 else 1
+    check_count(name, count)
+    return count, (rows, columns)
 
 
 def _read_npz(path: Path, name: str) -> Recording:
@@ -82,6 +92,7 @@ def _read_npz(path: Path, name: str) -> Recording:
     first: tuple[tuple[int, int], np.dtype] | None = None
     metadata = Metadata()
     with zipfile.ZipFile(path) as archive:
+        check_count(name, len(archive.infolist()))
         for info in archive.infolist():
             label = f"{name}: {info.filename}"
             with archive.open(info) as file:
@@ -95,12 +106,15 @@ def _read_npz(path: Path, name: str) -> Recording:
             if info.file_size < start + count * size:
                 raise InputError(f"{label}: truncated; write the file again")
             check_memory(label, 2 * size)
+            pixels = count * frame[0] * frame[1]
+            check_stored(label, info.compress_size, pixels, count * size)
             if first is not None and (frame, dtype) != first:
                 raise InputError(
                     f"{label}: is {frame} {dtype}, the first array {first[0]} {first[1]}; "
                     "store frames of one shape and type"
                 )
             first = frame, dtype
+            check_count(name, len(places) + count)
             places += [(info.filename, k) for k in range(count)]
     if first is None:
         raise InputError(f"{name}: holds no 2-D array; save frames of (rows, columns)")
@@ -123,12 +137,19 @@ def _header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, np.dtype
     """Shape, order and type; leaves the file at the first pixel."""
     version = npy.read_magic(file)
     readers: dict[tuple[int, int], Any] = {
-        (1, 0): npy.read_array_header_1_0,
-        (2, 0): npy.read_array_header_2_0,
+        (1, 0): (npy.read_array_header_1_0, 2),
+        (2, 0): (npy.read_array_header_2_0, 4),
     }
     if version not in readers:
         raise InputError(f"{name}: npy version {version} holds no plain numbers; save it again")
-    shape, fortran, dtype = readers[version](file, max_header_size=_MAX_HEADER)
+    reader, width = readers[version]
+    size = file.read(width)  # NumPy would read as many bytes as this says before it judges them
+    length = int.from_bytes(size, "little")
+    if length > _MAX_HEADER:
+        raise InputError(f"{name}: declares a header of {length} bytes; damaged: copy it again")
+    shape, fortran, dtype = reader(io.BytesIO(size + file.read(length)))
     if dtype.hasobject:
         raise InputError(f"{name}: holds Python objects, which are never loaded; save numbers")
+    if any(type(n) is not int or n < 0 for n in shape):
+        raise InputError(f"{name}: declares the shape {str(shape)[:60]}; its header is damaged")
     return shape, fortran, dtype

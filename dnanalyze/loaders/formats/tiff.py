@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,20 +12,29 @@ import tifffile
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_dtype, check_length, check_memory, check_shape
+from dnanalyze.loaders.checks import (
+    check_count,
+    check_dtype,
+    check_length,
+    check_memory,
+    check_shape,
+    check_stored,
+)
 from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.grey import PROCESSED, check_grey
 from dnanalyze.loaders.headers import from_header, from_text
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Metadata, Recording
 
-_MAX_PAGES = 1_000_000
 _TAGS = ("ExposureTime", "ISOSpeedRatings", "AnalogGain")
 
 
 def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
     """The header of a TIFF file."""
     with tifffile.TiffFile(path) as tif:
-        pages = [p for p in _pages(tif) if not p.is_reduced]
+        pages = [p for p in _pages(tif, name) if not p.is_reduced]
+        if not pages:
+            raise InputError(f"{name}: holds previews alone; give raw frames")
         first = pages[0]
         shape, dtype = _page_shape(first, name), first.dtype
         check_shape(name, shape)
@@ -41,17 +51,23 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         for page in pages:
             ends = [o + c for o, c in zip(page.dataoffsets, page.databytecounts, strict=False)]
             check_length(name, max(ends, default=0), size)
-        plain = _plain(path, tif, pages, shape)
+        plain = _plain(path, tif, pages, shape, name)
         if plain is not None:
             plain.check(name)
         else:
-            check_memory(name, 2 * shape[0] * shape[1] * np.dtype(dtype).itemsize)
+            pixels = shape[0] * shape[1]
+            decoded = pixels * np.dtype(dtype).itemsize * first.samplesperpixel
+            check_memory(name, 2 * decoded)
+            for page in pages:
+                stored = min(size, sum(page.databytecounts))  # tiles may share their bytes
+                check_stored(name, stored, pixels, decoded)
         metadata = [_metadata(page) for page in pages]
         if plain is not None and len(plain.offsets) > len(metadata):
             metadata = metadata[:1] * len(plain.offsets)
         indices = tuple(page.index for page in pages)
+        notes = _grey_notes(path, pages, name) if first.samplesperpixel > 1 else ()
     decode = plain if plain is not None else TiffPages(path, indices)
-    return Recording("TIFF", shape, np.dtype(dtype), decode, tuple(metadata))
+    return Recording("TIFF", shape, np.dtype(dtype), decode, tuple(metadata), notes=notes)
 
 
 @dataclass(frozen=True)
@@ -65,13 +81,29 @@ class TiffPages:
         """Pixels of ``window`` of page ``index``."""
         number = self.pages[index]
         with tifffile.TiffFile(self.path) as tif:
-            page = tif.pages[number]
+            page: Any = tif.pages[number]
             try:
-                return page.asarray()[window.slices]
+                return colour_first(page.asarray(), page)[window.slices]
             except ValueError as error:  # tifffile leaves LZW and others to imagecodecs
                 if "imagecodecs" not in str(error):
                     raise
         return _by_pillow(self.path, number)[window.slices]
+
+
+def colour_first(array: np.ndarray, page: Any) -> np.ndarray:
+    """The first channel of a page, which may have but one."""
+    if page.samplesperpixel == 1:
+        return array
+    return array[0] if page.planarconfig == tifffile.PLANARCONFIG.SEPARATE else array[..., 0]
+
+
+def _grey_notes(path: Path, pages: list[Any], name: str) -> tuple[str, ...]:
+    """That the colour pages are grey ones in disguise, which is seen by decoding them."""
+    for page in pages:
+        array = page.asarray()
+        planar = page.planarconfig == tifffile.PLANARCONFIG.SEPARATE
+        check_grey(name, np.moveaxis(array, 0, -1) if planar else array)
+    return (PROCESSED,)
 
 
 def _by_pillow(path: Path, page: int) -> np.ndarray:
@@ -80,40 +112,41 @@ def _by_pillow(path: Path, page: int) -> np.ndarray:
 
     with TiffImageFile(path) as image:
         image.seek(page)
-        return np.asarray(image)
+        array = np.asarray(image)
+        return array if array.ndim == 2 else array[..., 0]
 
 
-def _pages(tif: tifffile.TiffFile) -> list[Any]:
-    pages = tif.pages
-    if len(pages) > _MAX_PAGES:
-        raise ValueError(f"{len(pages)} pages")
-    found = [pages[i] for i in range(len(pages))]
-    if not found:
-        raise ValueError("no page")
-    return found
+def _pages(tif: tifffile.TiffFile, name: str) -> list[Any]:
+    check_count(name, len(tif.pages))
+    return [tif.pages[i] for i in range(len(tif.pages))]
 
 
 def _page_shape(page: Any, name: str) -> tuple[int, int]:
+    rgb = page.photometric == tifffile.PHOTOMETRIC.RGB
+    if rgb and page.samplesperpixel in (3, 4) and len(page.shape) == 3:
+        return page.imagelength, page.imagewidth
     if page.samplesperpixel > 1 or len(page.shape) != 2:
         raise InputError(f"{name}: is {page.shape}, a colour or volume image; give raw frames")
     return page.shape
 
 
 def _plain(
-    path: Path, tif: tifffile.TiffFile, pages: list[Any], shape: tuple[int, int]
+    path: Path, tif: tifffile.TiffFile, pages: list[Any], shape: tuple[int, int], name: str
 ) -> PlainPixels | None:
     """Where the pixels lie, if every page is one run of uncompressed bytes."""
     dtype = np.dtype(pages[0].dtype).newbyteorder(tif.byteorder)
-    if not all(page.is_memmappable for page in pages):
+    if not all(page.is_memmappable and page.samplesperpixel == 1 for page in pages):
         return None
-    offsets = [page.dataoffsets[0] for page in pages]
-    if len(pages) == 1:  # one page may head a stack (ImageJ over 4 GB, tifffile's truncate)
+    offsets: Sequence[int] = tuple(page.dataoffsets[0] for page in pages)
+    # one page may head a stack (ImageJ over 4 GB, tifffile's truncate)
+    if len(pages) == 1 and (tif.is_imagej or tif.is_shaped):
         series = tif.series[0]
         count = series.size // (shape[0] * shape[1])
         if count > 1 and series.dataoffset is not None:
+            check_count(name, count)
             step = shape[0] * shape[1] * dtype.itemsize
-            offsets = [series.dataoffset + k * step for k in range(count)]
-    return PlainPixels(path, tuple(offsets), shape, dtype.str)
+            offsets = range(series.dataoffset, series.dataoffset + count * step, step)
+    return PlainPixels(path, offsets, shape, dtype.str)
 
 
 def _metadata(page: Any) -> Metadata:

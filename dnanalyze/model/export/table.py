@@ -16,6 +16,7 @@ from typing import Any
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.text import read_text
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import SCHEMA, NoiseModel, model_from_plain
@@ -128,10 +129,7 @@ def read_table(path: Path, known: dict[str, type[Effect]] | None = None) -> Nois
     InputError
         Not such a table; the line says what is wrong.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {getattr(error, 'strerror', None) or 'not text'}") from None
+    text = read_text(path)
     if path.suffix.lower() == ".json":
         return _from_json(text, str(path), known)
     return _from_csv(text, str(path), known)
@@ -140,7 +138,7 @@ def read_table(path: Path, known: dict[str, type[Effect]] | None = None) -> Nois
 def _from_json(text: str, where: str, known: dict[str, type[Effect]] | None) -> NoiseModel:
     try:
         raw = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         raise InputError(f"{where}: not JSON") from None
     if not isinstance(raw, dict) or raw.get("schema") != TABLE_SCHEMA:
         raise InputError(f"{where}: not a table of parameters ({TABLE_SCHEMA})")
@@ -164,8 +162,10 @@ def _from_csv(text: str, where: str, known: dict[str, type[Effect]] | None) -> N
                     own[row["parameter"]] = law
             else:
                 head[row["parameter"]] = law
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         raise InputError(f"{where}, line {reader.line_num}: the law is not JSON") from None
+    except csv.Error as error:
+        raise InputError(f"{where}: is no CSV table: {error}") from None
     if head.pop("schema", None) != SCHEMA or "order" not in head:
         raise InputError(f"{where}: the rows schema and order are missing; was the table cut?")
     order = head.pop("order")
