@@ -46,7 +46,8 @@ class Limit:
         if not np.isfinite(self.value):
             return f"{self.effect} would not be seen in these captures at any ordinary strength"
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.effect} with {self.parameter} below {number(self.value, 2)}{unit} would not be seen"
+        least = f"{number(self.value, 2)}{unit}"
+        return f"{self.effect} with {self.parameter} below {least} would not be seen"
 
 
 def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:

@@ -218,10 +218,8 @@ def diagnose_headline(found: Any) -> str:
     if not others:
         return sentence(f"{text}, and no effect of the catalogue accounts for {left or 'it'}")
     best = others[0]
-    text += (
-        f". The nearest is {with_rivals(best.effect, best.confidence, best.confused_with)}: with it "
-        f"{error_way(error, best.error_after)}"
-    )
+    nearest = with_rivals(best.effect, best.confidence, best.confused_with)
+    text += f". The nearest is {nearest}: with it {error_way(error, best.error_after)}"
     if best.leaves:
         return sentence(f"{text}, but it leaves unexplained: {statistics_named(best.leaves)}")
     return sentence(f"{text}, but these captures do not support it; unexplained: {left}")

@@ -145,9 +145,9 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
     return SimpleNamespace(
         error=6.5,
         verdict=verdict,
-        candidates=candidates,
+        candidates=candidates if verdict != "adequate" else [],
         ordinary=[],
-        unexplained=["pattern_q0.001"],
+        unexplained=["pattern_q0.001"] if verdict != "adequate" else [],
         detection_limits={"row_fpn": "row_fpn below 0.02 DN would not be seen"},
         next_capture=["eight more frames at 45 C"],
         model=model(),
