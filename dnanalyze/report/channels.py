@@ -8,7 +8,7 @@ from typing import Any
 
 from dnanalyze.report import documents
 from dnanalyze.report.plain import document
-from dnanalyze.report.words import error_way, is_number, listing, naming, number
+from dnanalyze.report.words import error_way, is_number, listing, naming, number, sentence
 
 Document = dict[str, Any]
 COLUMNS = ("channel", "verdict", "its own effects", "error at the start", "error at the end")
@@ -16,7 +16,7 @@ COLUMNS = ("channel", "verdict", "its own effects", "error at the start", "error
 
 def refinement(where: str, command: str, result: Any, output: Path | None) -> Document:
     """As of one channel, with what each channel needed."""
-    made = documents.refinement(where, result, output)
+    made = documents.refinement(where, result, output, sentence(headline(result)))
     made |= {"schema": f"dnanalyze/{command}/1", "error": result.error}
     for plain, step in zip(made["steps"], result.steps, strict=True):
         if step.channel is not None:

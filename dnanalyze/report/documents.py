@@ -106,7 +106,9 @@ def diagnosis(where: str, result: Any) -> Document:
     )
 
 
-def refinement(where: str, result: Any, output: Path | None) -> Document:
+def refinement(
+    where: str, result: Any, output: Path | None, headline: str | None = None
+) -> Document:
     """The error step by step and what the final model holds.
 
     A refinement that is not finished has verdict "missing", and no errors of its parameters.
@@ -117,6 +119,7 @@ def refinement(where: str, result: Any, output: Path | None) -> Document:
         steps=[_step(s) for s in result.steps],
         effects=result.effects,
         verdict=result.verdict,
+        headline=headline or words.refine_headline(result),
         unexplained=result.unexplained,
         parameters=parameters(result),
         finished=getattr(result, "finished", True),
@@ -146,9 +149,8 @@ def _step(step: Any) -> Document:
 
 def addition(where: str, effect: str, result: Any, output: Path | None) -> Document:
     """The error before and after one effect, and whether the captures support it."""
-    return refinement(where, result, output) | {
+    return refinement(where, result, output, words.add_headline(result)) | {
         "schema": "dnanalyze/add/1",
-        "headline": words.add_headline(result),
         "supported": result.steps[-1].supported,
         "added": effect,
         "error_before": document("add", where, e=result.steps[0].error)["e"],

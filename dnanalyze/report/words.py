@@ -289,10 +289,12 @@ def add_headline(result: Any) -> str:
     """What one effect that the user named does to the error, and whether it is supported."""
     before, after = result.steps[0], result.steps[-1]
     text = f"With {after.added} {error_way(before.error, after.error)}"
-    if after.supported:
-        text += f"; these captures support it ({percent(after.confidence)} against nothing missing)"
-    else:
+    if not after.supported:
         text += "; it is not supported by these captures"
+    elif naming(after.added, after.confidence) != after.added:
+        text += f"; these captures support it weakly ({percent(after.confidence)} confidence)"
+    else:
+        text += f"; these captures support it ({percent(after.confidence)} against nothing missing)"
     if result.unexplained:
         left = statistics_named(result.unexplained)
         text += f". The model leaves unexplained: {left}; `dnanalyze diagnose` asks for the rest"

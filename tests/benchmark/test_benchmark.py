@@ -28,7 +28,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
 from dnanalyze.report import benchmark as results
-from dnanalyze.report.pages.benchmark import _rankings
+from dnanalyze.report.pages.benchmark import _rankings, benchmark_page
 
 P = OperatingPoint
 
