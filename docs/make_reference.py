@@ -69,7 +69,8 @@ def commands() -> str:
     group: Any = typer.main.get_command(app)
     parts = [
         "# Commands\n",
-        "Exit codes: 0 done, 1 a check failed, 2 bad input. Progress goes to stderr; it is silent "
+        "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 an internal error "
+        "(`DNANALYZE_DEBUG=1` shows its traceback). Progress goes to stderr; it is silent "
         "with `--quiet` or without a terminal. Generated from the code by "
         "`docs/make_reference.py`; `dnanalyze COMMAND --help` prints the same.\n",
         "| command | gives |\n|---|---|",

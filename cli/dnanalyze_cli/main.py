@@ -1,10 +1,17 @@
-"""The entry point: commands to exit codes (0 done, 1 a check failed, 2 bad input)."""
+"""The entry point: commands to exit codes.
+
+0 done, 1 a check failed, 2 bad input, 3 an internal error; 130 interrupted, 141 the reader of the
+output is gone, 143 terminated.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
+import traceback
 from collections.abc import Sequence
+from pathlib import Path
 
 import typer
 
@@ -27,6 +34,7 @@ from dnanalyze_cli.commands import (
     refine,
     simulate,
 )
+from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped
 
 app = typer.Typer(
     name="dnanalyze",
@@ -53,7 +61,8 @@ for panel, commands in {
 
 # The base of every usage error; Typer carries its own copy of Click, so it is found through Typer.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
-INTERRUPTED, TERMINATED = 130, 143
+BAD_INPUT, INTERNAL, BROKEN_PIPE = 2, 3, 141
+NOTHING_HALF = "nothing was left half-written"
 
 
 @app.callback(invoke_without_command=True)
@@ -70,12 +79,20 @@ def _root(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; return its exit code. What the user can mend is one line on stderr."""
+    """Run one command; return its exit code. Whatever goes wrong is one line on stderr.
+
+    ``DNANALYZE_DEBUG=1`` shows the traceback of an internal error, which is never exit code 1: that
+    says that a check failed.
+    """
     command = typer.main.get_command(app)
     try:
         result = command.main(arguments, prog_name="dnanalyze", standalone_mode=False)
+        if result == INTERRUPTED:  # some versions of Typer give the code, others raise
+            raise KeyboardInterrupt
     except (KeyboardInterrupt, typer.Abort):
-        result = INTERRUPTED
+        return _fail(f"interrupted; {NOTHING_HALF}", INTERRUPTED)
+    except Stopped as stop:
+        return _fail(str(stop), stop.code)
     except InputError as error:
         return _fail(str(error))
     except _UsageError as error:
@@ -84,8 +101,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return leave.exit_code
     except MemoryError:
         return _fail("out of memory; use fewer or smaller frames")
-    if result == INTERRUPTED:  # some versions of Typer give the code, others raise
-        return _fail("interrupted; nothing was left half-written", INTERRUPTED)
+    except BrokenPipeError:
+        return _reader_gone()
+    except SystemExit as leave:
+        if leave.code == TERMINATED:
+            return _fail(f"terminated; {NOTHING_HALF}", TERMINATED)
+        if isinstance(leave.__context__, BrokenPipeError):  # Typer's answer to it is exit code 1
+            return _reader_gone()
+        return _internal(leave)
+    except Exception as error:
+        return _internal(error)
     return result if isinstance(result, int) else 0
 
 
@@ -94,9 +119,41 @@ def run() -> None:
     signal.signal(
         signal.SIGTERM, lambda *_: sys.exit(TERMINATED)
     )  # so that temporaries are removed
-    sys.exit(main())
+    code = main()
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        code = _reader_gone()
+    sys.exit(code)
 
 
-def _fail(text: str, code: int = 2) -> int:
+def _fail(text: str, code: int = BAD_INPUT) -> int:
     print("dnanalyze: " + " ".join(text.split()), file=sys.stderr)
     return code
+
+
+def _internal(error: BaseException) -> int:
+    """One line on what failed and where, and how to report it."""
+    debug = os.environ.get("DNANALYZE_DEBUG", "") not in ("", "0")
+    if debug:
+        traceback.print_exception(error)
+    frames = traceback.extract_tb(error.__traceback__)
+    at = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
+    more = "the traceback above" if debug else "the traceback that DNANALYZE_DEBUG=1 shows"
+    return _fail(
+        f"internal error: {type(error).__name__}: {_short(error)}{at}; please report it with the "
+        f"command, `dnanalyze --version` and {more}",
+        INTERNAL,
+    )
+
+
+def _short(error: BaseException, most: int = 200) -> str:
+    """The message of an error, which may be a page long."""
+    text = " ".join(str(error).split())
+    return text if len(text) <= most else text[:most] + " ..."
+
+
+def _reader_gone() -> int:
+    """What reads the output has ended, as ``head`` does: no error, and nothing more to say."""
+    sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (what is buffered yet goes there at the end)
+    return BROKEN_PIPE

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dnanalyze.errors import InputError
-from dnanalyze.report.files import atomic_write, check_output
+from dnanalyze.report.files import check_output, write_together
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -100,8 +100,7 @@ class Session:
     def __post_init__(self) -> None:
         from rich.console import Console
 
-        wanted = [p for p in (self.json, self.report, self.csv, self.output) if p]
-        files = [p for p in wanted if p != STDOUT]
+        files = self.files
         for path in files:
             check_output(path, self.captures)
             if [p.resolve() for p in files].count(path.resolve()) > 1:
@@ -217,11 +216,6 @@ class Session:
         with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
             yield Progress(bars, bars.add_task(text, total=None, count=""))
 
-    def keep(self, model: str) -> None:
-        """Write the model as far as it is, so that an interrupted run need not begin anew."""
-        if self.output and self.output != STDOUT:
-            atomic_write(self.output, model)
-
     def write(
         self,
         content: dict[str, Any],
@@ -230,6 +224,39 @@ class Session:
         model: Callable[[], str] | None = None,
     ) -> None:
         """Write what was asked for; everything is made before the first file appears."""
+        made = self._made(content, page, table, model)
+        write_together({path: text for path, text in made if path != STDOUT})
+        for path, text in made:
+            if path == STDOUT:
+                sys.stdout.write(text)
+            else:
+                self.say(f"wrote {path}")
+
+    def keep(
+        self,
+        content: dict[str, Any],
+        page: Callable[[], str],
+        table: Callable[[], Any],
+        model: Callable[[], str],
+    ) -> None:
+        """Write the files as far as a run is, so that it need not begin anew; nothing is said."""
+        made = self._made(content, page, table, model)
+        write_together({path: text for path, text in made if path != STDOUT})
+
+    @property
+    def files(self) -> list[Path]:
+        """Files that were asked for."""
+        wanted = (self.output, self.json, self.report, self.csv)
+        return [p for p in wanted if p is not None and p != STDOUT]
+
+    def _made(
+        self,
+        content: dict[str, Any],
+        page: Callable[[], str] | None,
+        table: Callable[[], Any] | None,
+        model: Callable[[], str] | None,
+    ) -> list[tuple[Path, str]]:
+        """What was asked for, as text."""
         from dnanalyze.report.plain import to_json
 
         if self.channel is not None:
@@ -243,9 +270,4 @@ class Session:
             made.append((self.csv, table().to_csv(index=False)))
         if self.json:
             made.append((self.json, to_json(content)))
-        for path, text in made:
-            if path == STDOUT:
-                sys.stdout.write(text)
-            else:
-                atomic_write(path, text)
-                self.say(f"wrote {path}")
+        return made

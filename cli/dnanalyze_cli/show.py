@@ -194,33 +194,17 @@ def _families(console: Console, families: Mapping[str, float]) -> None:
 
 
 def diagnosis(console: Console, captures: Any, result: Any) -> None:
-    """The verdict, the candidates with their evidence, the limits, the next capture.
-
-    Where nothing is missing, what chance put forward is no candidate.
-    """
+    """The verdict, the candidates with their evidence, the limits, the next capture."""
     _verdict(console, capture.one_line(captures), words.diagnose_headline(result))
-    candidates = [] if result.verdict == "adequate" else result.candidates
-    _table(
-        console,
-        ("candidate", "error after", "explains", "confidence", "confused with"),
-        (
-            (
-                c.effect,
-                number(c.error_after),
-                words.percent(c.explained),
-                words.percent(c.confidence),
-                ", ".join(c.confused_with) or "–",
-            )
-            for c in candidates[:MOST_ROWS]
-        ),
-    )
-    if candidates:
-        best = candidates[0]
-        _points(console, f"Evidence for {best.effect}", list(best.evidence))
+    candidates = [c for c in result.candidates if c.effect not in result.ordinary]
+    every = [c for c in result.candidates if c.effect in result.ordinary]
+    _candidates(console, "candidate", candidates)
+    _candidates(console, "what every sensor has", every)
+    for best in (candidates or every)[:1]:
+        title = f"Evidence for {words.naming(best.effect, best.confidence)}"
+        _points(console, title, list(best.evidence))
     _points(
-        console,
-        "What no candidate explains",
-        [named(n) for n in result.unexplained[:MOST_FAILURES]],
+        console, "What stays unexplained", [named(n) for n in result.unexplained[:MOST_FAILURES]]
     )
     _points(
         console, "What would not have been seen", words.texts(result.detection_limits)[:MOST_ROWS]
@@ -229,27 +213,70 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
         _points(console, "The next capture", words.texts(result.next_capture))
 
 
-def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
-    """The error step by step."""
-    headline = words.refine_headline(list(result.steps), result.verdict)
-    _verdict(console, capture.one_line(captures), headline)
-    top = max([s.error for s in result.steps if words.is_number(s.error)] + [1.0])
+def _candidates(console: Console, title: str, found: Sequence[Any]) -> None:
+    """Effects with the error after each, best first; rivals where there are any."""
+    rivals = any(c.confused_with for c in found)
     _table(
         console,
-        ("step", "", "error"),
+        (title, "error after", "explains", "confidence", *(("confused with",) if rivals else ())),
         (
             (
-                words.step_name(step.added, place),
+                words.naming(c.effect, c.confidence),
+                number(c.error_after),
+                words.percent(c.explained),
+                words.percent(c.confidence),
+                *((", ".join(c.confused_with) or "–",) if rivals else ()),
+            )
+            for c in found[:MOST_ROWS]
+        ),
+    )
+
+
+def refinement(
+    console: Console, captures: Any, result: Any, output: Path | None, by_hand: bool = False
+) -> None:
+    """The error step by step, why, the final model's numbers, and what stays unexplained.
+
+    ``by_hand``: of `add`, where the user named the effect.
+    """
+    headline = words.add_headline(result) if by_hand else words.refine_headline(result)
+    _verdict(console, capture.one_line(captures), headline)
+    steps = list(result.steps)
+    top = max([s.error for s in steps if words.is_number(s.error)] + [1.0])
+    _table(
+        console,
+        ("step", "", "error", "confidence"),
+        (
+            (
+                words.naming(words.step_name(step.added, place), step.confidence),
                 _bar(step.error / top if words.is_number(step.error) else 0),
                 number(step.error),
+                words.percent(step.confidence),
             )
-            for place, step in enumerate(result.steps)
+            for place, step in enumerate(steps)
         ),
         left=2,
+    )
+    kept = words.net_additions([s.added for s in steps])
+    why = {s.added: s for s in steps if s.added in kept and words.is_number(s.confidence)}
+    _points(console, "Why" if by_hand else "Why each was added", [_reason(s) for s in why.values()])
+    _table(
+        console,
+        ("the final model", "value", "unit"),
+        ((p.name, with_error(p.value, p.se), p.unit) for p in result.parameters),
+    )
+    _points(
+        console, "What stays unexplained", [named(n) for n in result.unexplained[:MOST_FAILURES]]
     )
     console.print(f"The model holds {words.listing(result.effects)}.")
     if output is None:
         console.print("It was not kept; name a file with -o to keep it.", style="dim")
+
+
+def _reason(step: Any) -> str:
+    """The most telling evidence of a step, with what the effect may be instead."""
+    name = words.with_rivals(step.added, step.confidence, step.confused_with)
+    return f"{name}: {step.evidence[0]}"
 
 
 def detection(console: Console, captures: Any, result: Any) -> None:

@@ -10,8 +10,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from dnanalyze.report.benchmark import headline, summary
-from dnanalyze.report.words import number, sentence, with_error
+from dnanalyze.report.benchmark import groups, headline, summary
+from dnanalyze.report.words import listing, number, sentence, with_error
 
 SHOWN = {
     "dark_current", "temporal_noise", "dsnu", "hot_pixels", "row_noise", "read_noise",
@@ -40,6 +40,10 @@ def result(console: Console, held: Any) -> None:
         cells = (_cell(ranking.of(name), wide) for name in names)
         table.add_row(Text(f"{ranking.title}{unit}{at}"), *cells)
     console.print(Padding(table, (0, 0, 1, 2)))
+    for ranking in summary(held):
+        for names in groups(ranking) if ranking.base in SHOWN else ():
+            text = f"{ranking.title}: {listing(names)} are not distinguishable"
+            console.print(Padding(Text(sentence(text), style="dim"), (0, 0, 0, 2)))
     for sensor in held.sensors:
         made = ", ".join(e.effect for e in sensor.effects)
         if made:

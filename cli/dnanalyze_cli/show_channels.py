@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dnanalyze.report import capture, channels
-from dnanalyze.report.words import number, percent, sentence
+from dnanalyze.report.words import naming, number, percent, sentence
 
 
 def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
@@ -38,7 +38,7 @@ def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict
             (
                 name,
                 d.verdict,
-                best.effect if best else "–",
+                naming(best.effect, best.confidence) if best else "–",
                 number(d.error),
                 number(best.error_after) if best else "–",
                 percent(best.confidence) if best else "–",

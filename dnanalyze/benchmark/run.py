@@ -19,15 +19,25 @@ TELLING = 2.0  # standard errors of a difference, from which two sensors are tol
 
 @dataclass(frozen=True)
 class Placed:
-    """A sensor's place under a criterion; equal ranks are not told apart.
+    """A sensor's place under a criterion.
 
     Without a rank are figures that are not to be believed, or compared: those of a filtered output,
     and those of single frames beside others that tell noise from pattern.
+
+    Parameters
+    ----------
+    sensor : str
+    figure : Figure
+    rank : int or None
+        1 + the number of sensors that are better by more than two standard errors.
+    alike : tuple of str
+        Sensors that are not distinguishable from it, of those with a rank.
     """
 
     sensor: str
     figure: Figure
     rank: int | None
+    alike: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -222,7 +232,7 @@ def _rank(
     sensors: Sequence[SensorRecord],
     figures: Sequence[Figure],
 ) -> Ranking:
-    """Best first; a sensor that is not told apart from the one before it shares its rank."""
+    """Best first; what the printed errors do not tell apart shares a rank."""
     doubts = [
         _doubt(s, f, figures) if criterion.better else ""
         for s, f in zip(sensors, figures, strict=True)
@@ -231,14 +241,17 @@ def _rank(
     sign = -1.0 if criterion.better == "high" else 1.0
     known = [(name, figure) for name, figure, doubt in entries if figure.known and not doubt]
     known.sort(key=lambda p: sign * p[1].value)
-    places: list[Placed] = []
-    for i, (name, figure) in enumerate(known):
-        rank: int | None = i + 1
-        if places:
-            last = places[-1]
-            if not _told_apart(last.figure, figure):
-                rank = last.rank
-        places.append(Placed(name, figure, rank if criterion.better else None))
+    places = [Placed(name, figure, None) for name, figure in known]
+    if criterion.better:
+        places = [
+            Placed(
+                name,
+                figure,
+                1 + sum(_told_apart(other, figure) for _, other in known[:i]),
+                tuple(n for n, other in known if n != name and not _told_apart(other, figure)),
+            )
+            for i, (name, figure) in enumerate(known)
+        ]
     for name, figure, doubt in entries:
         if figure.known and doubt:
             places.append(Placed(name, replace(figure, note=f"{figure.note}; {doubt}"), None))
@@ -258,10 +271,7 @@ def _doubt(sensor: SensorRecord, figure: Figure, figures: Sequence[Figure]) -> s
 
 
 def _told_apart(a: Figure, b: Figure) -> bool:
-    """By more than two standard errors; of positive figures, those of their logarithms."""
-    if a.value > 0 and b.value > 0:
-        relative = math.hypot(a.se / a.value, b.se / b.value)
-        return abs(math.log(a.value / b.value)) > TELLING * relative
+    """By more than two standard errors of the difference, on the scale of the figures."""
     return abs(a.value - b.value) > TELLING * math.hypot(a.se, b.se)
 
 

@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo
+from dnanalyze.digits import number
 from dnanalyze.loaders.captures import OperatingPoint
 
 NOTICEABLE = 4.0  # floors
+SHARE = 1e-6  # of another number, that the sums behind a statistic hardly resolve
+FEWEST = 0.5  # a count below it is none
 
 
 def failures(rows: Sequence[dict[str, Any]], most: int = 12) -> list[str]:
@@ -55,37 +58,77 @@ def sentence(name: str, group: Sequence[dict[str, Any]]) -> str:
     info = infos()[name]
     off = [r for r in group if abs(r["discrepancy"]) > NOTICEABLE] or list(group)
     worst = max(off, key=lambda r: abs(r["discrepancy"]))
-    said = misfit(info, worst["measured"], worst["simulated"], worst["discrepancy"])
-    return f"{said} ({_amount(worst)}) {_where(off, group)}"
+    pair = worst["measured"], worst["simulated"]
+    said = misfit(info, *pair, worst["discrepancy"], worst.get("floor", 0.0))
+    size = f"{abs(worst['discrepancy']):.0f} floors"
+    if not side_by_side(info, *pair, worst.get("floor", 0.0)):
+        size = f"{_amount(worst)}; {size}"
+    return f"{said} ({size}) {_where(off, group)}".rstrip()
 
 
-def misfit(info: StatisticInfo, measured: float, simulated: float, discrepancy: float) -> str:
+def misfit(
+    info: StatisticInfo,
+    measured: float,
+    simulated: float,
+    discrepancy: float,
+    floor: float = 0.0,
+) -> str:
     """What a statistic says where it lies above (discrepancy > 0) or below the model, in words.
 
-    Where the sentence wants a ratio to a model that has none of it, the title stands alone.
+    Where the sentence wants a ratio, and the model's number is zero within its error, it gives both
+    numbers instead.
+
+    Parameters
+    ----------
+    info : StatisticInfo
+    measured, simulated : float
+        Plain units.
+    discrepancy : float
+        Floors.
+    floor : float
+        Error of the difference, on the scale of the statistic.
     """
+    if side_by_side(info, measured, simulated, floor):
+        there, model = (_or_none(info, *v) for v in ((measured, simulated), (simulated, measured)))
+        return f"{info.title}: {there} measured, {model} in the model"
     words = info.high if discrepancy > 0 else info.low
-    if "{ratio}" in words and not (measured > 0 and simulated > 0):
-        return info.title
     unit = "" if info.unit in ("", "1") else f" {info.unit}"
     return (
         words.format(
-            measured=f"{measured:.3g}{unit}",
-            ratio=f"{measured / simulated:.3g}" if simulated else "",
-            difference=f"{abs(measured - simulated):.3g}{unit}",
+            measured=f"{number(measured)}{unit}",
+            ratio=number(measured / simulated) if simulated else "",
+            difference=f"{number(abs(measured - simulated))}{unit}",
         )
         or info.title
     )
 
 
+def side_by_side(info: StatisticInfo, measured: float, simulated: float, floor: float) -> bool:
+    """Whether a statistic told by a ratio has none here: the model's number may be zero."""
+    if "{ratio}" not in info.high + info.low:
+        return False
+    if measured <= 0 or simulated <= SHARE * measured:
+        return True
+    if info.scale is Scale.LOG:  # its error is a share of it
+        return False
+    return info.scale.coordinate(simulated) - info.scale.coordinate(0.0) < floor
+
+
+def _or_none(info: StatisticInfo, value: float, other: float) -> str:
+    """A number with its unit, or that there is none."""
+    if value <= max(SHARE * abs(other), FEWEST if info.scale is Scale.ROOT else 0.0):
+        return "none"
+    return number(value) + ("" if info.unit in ("", "1") else f" {info.unit}")
+
+
 def _amount(row: dict[str, Any]) -> str:
     measured, simulated = row["measured"], row["simulated"]
     unit = f" {row['unit']}" if row["unit"] not in ("", "1") else ""
-    text = f"measured {measured:.3g}, model {simulated:.3g}{unit}"
+    text = f"measured {number(measured)}, model {number(simulated)}{unit}"
     if row["scale"] == "log" and measured > 0 and simulated > 0:
         power = 10 if "^2" in row["unit"] else 20
         text += f", {power * np.log10(measured / simulated):+.1f} dB"
-    return f"{text}; {abs(row['discrepancy']):.0f} floors"
+    return text
 
 
 def _where(off: Sequence[dict[str, Any]], group: Sequence[dict[str, Any]]) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import CERTAIN
+from dnanalyze.digits import number
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
@@ -45,7 +46,8 @@ class Limit:
         if not np.isfinite(self.value):
             return f"{self.effect} would not be seen in these captures at any ordinary strength"
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.effect} with {self.parameter} below {self.value:.2g}{unit} would not be seen"
+        least = f"{number(self.value, 2)}{unit}"
+        return f"{self.effect} with {self.parameter} below {least} would not be seen"
 
 
 def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:

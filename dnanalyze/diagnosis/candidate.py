@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,8 @@ class Candidate:
         Probability that this is the effect to add next.
     confused_with : list of str
     evidence : list of str
+    leaves : list of str
+        Statistics that the model leaves and that it does not put right, worst first.
     """
 
     effect: str
@@ -28,3 +30,4 @@ class Candidate:
     confidence: float
     confused_with: list[str]
     evidence: list[str]
+    leaves: list[str] = field(default_factory=list)

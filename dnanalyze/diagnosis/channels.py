@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import chain
 
 from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
 from dnanalyze.diagnosis.refine import Refinement, Step, add, refine
+from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit
+from dnanalyze.fitting.fit import Parameter, fit
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
@@ -78,6 +79,16 @@ class ChannelRefinement:
     def verdict(self) -> str:
         """The least good of the channels'."""
         return worst_verdict(r.verdict for r in self.channels.values())
+
+    @property
+    def unexplained(self) -> list[str]:
+        """Statistics that the model of any channel leaves unexplained."""
+        return list(dict.fromkeys(n for r in self.channels.values() for n in r.unexplained))
+
+    @cached_property
+    def parameters(self) -> list[Parameter]:
+        """The numbers of the model of all channels, with their standard errors."""
+        return parameters_of(self.bench, self.state)
 
     @property
     def error(self) -> float:
@@ -234,9 +245,7 @@ def _steps(made: Mapping[str, Refinement]) -> list[ChannelStep]:
     for channel, result in made.items():
         for step in result.steps[1:]:
             errors[channel] = step.error
-            steps.append(
-                ChannelStep(step.added, over_all(), step.confidence, step.evidence, channel)
-            )
+            steps.append(ChannelStep(**vars(step) | {"error": over_all()}, channel=channel))
     return steps
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dnanalyze.comparator.error import LUCK
 from dnanalyze.diagnosis.deviance import DEFLATION
 from dnanalyze.diagnosis.trial import Trial
 
@@ -16,10 +17,6 @@ NOTHING = 25.0
 WITNESS = 20.0  # gain of the lesser half, twice what chance reached there
 CERTAIN = 60.0  # evidence that leaves "nothing is missing" less than one chance in ten
 PLAIN = 300.0  # evidence, in units of the misfit left, that the luck of one sensor does not make
-# The few defects or tracks of a half may be more or fewer than their density says: where the
-# evidence is certain the error may rise by what it scatters over simulated sensors of one make (.06
-# of an ordinary one's, .13 where tracks of particles cross it).
-LUCK = 0.06
 # Of names given where something stayed unexplained, 13 of 19 were there on virtual sensors with an
 # effect of the catalogue, and 0 of 24 where it is in none: even odds that it stands in for another.
 STANDS_IN = 0.5
@@ -64,7 +61,11 @@ def confidence_of(found: Trial, trials: Sequence[Trial], error: float) -> float:
 
 
 def lowers(found: Trial, error: float) -> bool:
-    """Whether a model that stands at ``error`` is better with the effect, on the unseen half."""
+    """Whether a model that stands at ``error`` is better with the effect, on the unseen half.
+
+    The few defects or tracks of a half may be more or fewer than their density says: where the
+    evidence is certain the error may rise by what it scatters over simulated sensors of one make.
+    """
     return found.error < error * (1.0 + (LUCK if found.evidence > CERTAIN * found.spread else 0.0))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -21,6 +21,7 @@ from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import (
     CERTAIN,
     PLAIN,
+    STANDS_IN,
     apart,
     confidence_of,
     confidences,
@@ -44,6 +45,7 @@ from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
 
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
+EVERY_SENSOR = "every sensor has it: put in together with the others of its kind, without asking"
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
 
 
@@ -58,10 +60,12 @@ class Diagnosis:
     verdict : str
         "adequate", "missing" or "unexplained".
     candidates : list of Candidate
-        Best first; what every sensor has, if the model had nothing of it, after an effect that is
-        missing beside it.
+        Best first: the one that is missing, then by confidence. What every sensor has, if the model
+        had nothing of it, after an effect that is missing beside it. None where the model is
+        adequate: what chance puts forward is no candidate.
     unexplained : list of str
-        Statistics that no candidate explains.
+        Statistics that stay unexplained, worst first: by what is missing, or by the model where
+        the data support no candidate.
     detection_limits : dict
         Effect to a sentence: below which strength it would not be seen in these captures.
     next_capture : list of str
@@ -153,15 +157,20 @@ def beside_everyday(
         effect = stage.model.get(name)
         assert effect is not None
         words = evidence_for(held, before, stage, type(effect))
+        words.append(EVERY_SENSOR)
         share = min(1.0, max(0.0, was - now) / max(error - 1.0, 1e-6))
         ordinary.append(Candidate(name, now, share, chance, [], words))
         before = stage
     first = int(found.verdict == "missing")
+    others = [  # in shares of the same error
+        replace(c, explained=min(1.0, max(0.0, found.error - c.error_after) / max(error - 1, 1e-6)))
+        for c in found.candidates
+    ]
     return replace(
         found,
         error=error,
         verdict="missing" if found.verdict == "adequate" else found.verdict,
-        candidates=[*found.candidates[:first], *ordinary, *found.candidates[first:]],
+        candidates=[*others[:first], *ordinary, *others[first:]],
         ordinary=[c.effect for c in ordinary],
     )
 
@@ -340,15 +349,38 @@ def judge(
         )
     if over is not None:
         verdict, open_yet = "missing", over.left
-        candidates[0] = over.told(candidates[0])
+        candidates = [over.told(candidates[0]), *_by_confidence(candidates[1:])]
     else:
         open_yet = unexplained(held, state)
         verdict = "unexplained" if open_yet else "adequate"
+        candidates = _by_confidence(
+            _unsupported(held, state, c, t, open_yet)
+            for c, t in zip(candidates if open_yet else (), kept, strict=False)
+        )
     made = Diagnosis(name, error, verdict, candidates, open_yet, {}, [], state.model, tried)
     return replace(
         made,
         detection_limits=detection_limits(held, state, known) if in_full else {},
         next_capture=next_capture(held, verdict, candidates),
+    )
+
+
+def _by_confidence(candidates: Iterable[Candidate]) -> list[Candidate]:
+    """The most probable first; those alike in the order of the evidence."""
+    return sorted(candidates, key=lambda c: -c.confidence)
+
+
+def _unsupported(
+    held: Bench, state: State, candidate: Candidate, found: Trial, left: Sequence[str]
+) -> Candidate:
+    """A candidate that the data do not support, where something stays unexplained.
+
+    It may bend around what is really missing, as one that leaves what nothing else explains.
+    """
+    return replace(
+        candidate,
+        confidence=candidate.confidence * STANDS_IN,
+        leaves=[name for name in left if not mends(held, [name], state, found.state)],
     )
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
-from dnanalyze.comparator.words import listed, misfit, short_labels
+from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
+from dnanalyze.digits import number
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
@@ -47,22 +48,35 @@ def evidence_for(
     for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
         if name in relief:
             relief[name] *= 1.5
-    ranked = sorted(relief, key=lambda n: -relief[n])
-    told: list[str] = []
-    for name in ranked:
-        if len(told) >= most or was.of(name) < CLEAR or relief[name] <= 0:
-            break
-        told.append(
-            f"{_sentence(bench, before, name)}; with {effect.name} in, "
-            f"{was.of(name):.0f} floors become {now.of(name):.1f}"
-        )
+    closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
+    closer.sort(key=lambda n: -relief[n])
+    told = [
+        f"{_sentence(bench, before, name)}; with {effect.name} in, "
+        f"{_size(was, name)} floors become {_size(now, name)}"
+        for name in [n for n in closer if was.of(n) >= CLEAR][:most]
+    ]
+    if not told:
+        told = [_in_sum(effect.name, was, now, closer[:most])]
     character = {
         "fixed": "the same in every frame: a pattern of the silicon or the readout",
         "temporal": "new in every frame: noise, not a pattern",
     }.get(effect.varies)
-    if told and character:
-        told.append(character)
-    return told
+    return [*told, character] if character else told
+
+
+def _size(of: Profile, name: str) -> str:
+    return number(of.of(name), 2)
+
+
+def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
+    """What many small reliefs come to, where none stands out by itself."""
+    if not names:
+        return f"no statistic comes closer with {effect} in"
+    parts = [f"{infos()[n].title} ({_size(was, n)} floors become {_size(now, n)})" for n in names]
+    return (
+        f"no statistic that comes closer with {effect} in was {CLEAR:g} floors off by itself; "
+        f"small misfits fall, most of all {', '.join(parts)}"
+    )
 
 
 def evidence_against(
@@ -89,24 +103,30 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
     if not here.size:
         return info.title
     z = state.train[here]
-    off = np.abs(z) > CLEAR
     worst = int(np.argmax(np.abs(z)))
+    off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the judged half may be the one that is off
     i = here[worst]
     model = train.coordinates[i] - state.train[i] * train.floor[i]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model))
-    words = misfit(info, measured, simulated, float(z[worst]))
-    unit = "" if info.unit == "1" else f" {info.unit}"
-    size = f"{measured:.3g} against {simulated:.3g}{unit}"
-    if info.scale is Scale.LOG and "{ratio}" not in info.high:
-        size = f"{measured / simulated:.3g} times the model"
-    settings = train.setting[here]
+    floor = float(train.floor[i])
+    words = misfit(info, measured, simulated, float(z[worst]), floor)
+    unit = "" if info.unit in ("", "1") else f" {info.unit}"
+    size = f"{number(measured)} against {number(simulated)}{unit}"
+    if side_by_side(info, measured, simulated, floor):
+        size = ""
+    elif info.scale is Scale.LOG and "{ratio}" not in info.high:
+        size = f"{number(measured / simulated)} times the model"
+    more = ", ".join(part for part in (size, _places(bench, train.setting[here], off)) if part)
+    return f"{words} ({more})" if more else words
+
+
+def _places(bench: Bench, settings: np.ndarray, off: np.ndarray) -> str:
+    """At which operating points; nothing where there is but one."""
     if len(set(settings)) == 1:
-        where = ""
-    elif off.all():
-        where = ", at every operating point"
-    else:
-        places = sorted({int(s) for s in settings[off]})
-        names = short_labels([point for point, _ in bench.plan.settings])
-        where = ", at " + listed([names[s] for s in places[:3]])
-        where += " and more" if len(places) > 3 else ""
-    return f"{words} ({size}{where})"
+        return ""
+    if off.all():
+        return "at every operating point"
+    places = sorted({int(s) for s in settings[off]})
+    names = short_labels([point for point, _ in bench.plan.settings])
+    more = " and more" if len(places) > 3 else ""
+    return "at " + listed([names[s] for s in places[:3]]) + more

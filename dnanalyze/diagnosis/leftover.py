@@ -58,11 +58,12 @@ class Leftover:
                 "stand in for an effect that is in no catalogue"
             )
             sure = candidate.confidence * STANDS_IN
-            return replace(candidate, confidence=sure, evidence=[*candidate.evidence, words])
+            told = [*candidate.evidence, words]
+            return replace(candidate, confidence=sure, evidence=told, leaves=self.left)
         if self.mender is None:
             return candidate
         words = f"it leaves {worst}, which {self.mender} beside it would put right"
-        return replace(candidate, evidence=[*candidate.evidence, words])
+        return replace(candidate, evidence=[*candidate.evidence, words], leaves=self.left)
 
 
 def leftover(

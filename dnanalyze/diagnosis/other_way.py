@@ -39,7 +39,7 @@ def by_another_way(walk: Walk, path: Path) -> Path:
         walk.tell(Step(f"-{name}", before.error))
     for step in kept.steps[len(before.steps) :]:
         walk.tell(step)
-    walk.keep(kept.state.model)
+    walk.keep(kept)
     return kept
 
 
@@ -51,5 +51,8 @@ def _sure_by(walk: Walk, fork: Fork, kept: Path, left: Path) -> Path:
         for path in (kept, left)
     ]
     sure = float(confidences(ends, error_of(walk.held, was.state))[0])
-    step = replace(kept.steps[place], confidence=sure)
+    step = kept.steps[place]
+    both = (fork.taken.effect, fork.other.effect)
+    near = dict.fromkeys([*step.confused_with, *(e for e in both if e != step.added)])
+    step = replace(step, confidence=sure, confused_with=list(near))
     return replace(kept, steps=(*kept.steps[:place], step, *kept.steps[place + 1 :]))

@@ -10,12 +10,28 @@ from dnanalyze.fitting.least_squares import State
 
 @dataclass(frozen=True)
 class Step:
-    """What was added (None: the starting model; "-name": taken out again), and the error then."""
+    """What was added, and the error then.
+
+    Parameters
+    ----------
+    added : str, optional
+        None: the starting model; "-name": taken out again.
+    error : float
+    confidence : float, optional
+        Probability that it was missing; None where nothing was asked.
+    evidence : list of str
+    confused_with : list of str
+        Effects that explained nearly as much of the same.
+    supported : bool
+        Whether the data support it; what a user adds may not be.
+    """
 
     added: str | None
     error: float
     confidence: float | None = None
     evidence: list[str] = field(default_factory=list)
+    confused_with: list[str] = field(default_factory=list)
+    supported: bool = True
 
 
 @dataclass(frozen=True)

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
-from dnanalyze.diagnosis.confidence import STANDS_IN
-from dnanalyze.diagnosis.diagnose import Diagnosis, judge
+from dnanalyze.diagnosis.confidence import STANDS_IN, confidence_of
+from dnanalyze.diagnosis.diagnose import EVERY_SENSOR, Diagnosis, judge, missing
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.other_way import by_another_way
 from dnanalyze.diagnosis.path import Path, Step
 from dnanalyze.diagnosis.screening import prospects
+from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of, judged
 from dnanalyze.diagnosis.walk import Walk
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.fit import Parameter, paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
@@ -40,8 +42,8 @@ class Refinement:
     verdict : str
         "adequate", "missing" (stopped early) or "unexplained".
     model : NoiseModel
-    diagnosis : Diagnosis
-        Of the final model.
+    diagnosis : Diagnosis or None
+        Of the final model; None where the refinement is not finished.
     bench : Bench
     state : State
     """
@@ -51,9 +53,29 @@ class Refinement:
     effects: list[str]
     verdict: str
     model: NoiseModel
-    diagnosis: Diagnosis
+    diagnosis: Diagnosis | None
     bench: Bench
     state: State
+
+    @property
+    def finished(self) -> bool:
+        """Whether it came to its end."""
+        return self.diagnosis is not None
+
+    @property
+    def unexplained(self) -> list[str]:
+        """Statistics that the final model leaves unexplained, worst first."""
+        return [] if self.diagnosis is None else self.diagnosis.unexplained
+
+    @cached_property
+    def parameters(self) -> list[Parameter]:
+        """The numbers of the final model with their standard errors; simulates when first asked.
+
+        Of a refinement that is not finished without the errors (NaN), which would take long.
+        """
+        if self.finished:
+            return parameters_of(self.bench, self.state)
+        return parameters_of(self.bench, self.state, 0)
 
 
 def refine(
@@ -67,7 +89,7 @@ def refine(
     held: Bench | None = None,
     tell: Callable[[Step], None] = lambda _: None,
     trying: Callable[[str], None] = lambda _: None,
-    keep: Callable[[NoiseModel], None] = lambda _: None,
+    keep: Callable[[Refinement], None] = lambda _: None,
 ) -> Refinement:
     """Complete a model.
 
@@ -89,29 +111,45 @@ def refine(
     tell, trying : callable
         Called after every step, and with the name of every effect that is tried.
     keep : callable
-        Called with the model whenever it stands complete; from any of these one may go on.
+        Called with the refinement as it is whenever its model stands complete; from any of these
+        models one may go on.
     """
     held = held or bench(design(captures))
     known = catalogue() if known is None else known
     begun = model or paper_start(held)
     state = fitted(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
-    walk = Walk(held, open_to, tuple(begun.names), most_effects, until_error, tell, trying, keep)
+
+    def kept(path: Path) -> None:
+        keep(_so_far(captures.name, held, path))
+
+    walk = Walk(held, open_to, tuple(begun.names), most_effects, until_error, tell, trying, kept)
     path = walk.note(Path(state, ()), state, None)
+    kept(path)
     if lacks_everyday(begun, exclude):
         stages: list[tuple[str, State]] = []
         everyday(held, state, exclude, lambda name, s: stages.append((name, s)))
         for name, stage in stages:
-            path = walk.note(path, stage, name)
-        keep(path.state.model)
+            path = walk.note(path, stage, name, why=[EVERY_SENSOR])
+        kept(path)
     path = by_another_way(walk, walk.to_end(path))
     found = judge(captures.name, held, path.state, path.tried, path.best, known, in_full=False)
     steps = list(path.steps)
+    if found.verdict == "unexplained" and walk.near_enough(path):
+        found = replace(found, verdict="missing")  # nothing was asked of what is left
     if found.verdict == "unexplained":
         steps = [_doubted(s) for s in steps]
     state = path.state
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
+    )
+
+
+def _so_far(name: str, held: Bench, path: Path) -> Refinement:
+    """A refinement that is not finished."""
+    state = path.state
+    return Refinement(
+        name, list(path.steps), state.model.names, "missing", state.model, None, held, state
     )
 
 
@@ -130,7 +168,11 @@ def add(
     known: dict[str, type[Effect]] | None = None,
     held: Bench | None = None,
 ) -> Refinement:
-    """Put one effect in, refit everything together, and report the error before and after."""
+    """Put one effect in, refit everything together, and report the error before and after.
+
+    Whether these captures support it is decided as in `diagnose`, of this effect alone: its
+    confidence is that against nothing missing, and no rival was asked.
+    """
     known = catalogue() if known is None else known
     effect = find(name, known)
     held = held or bench(design(captures))
@@ -140,7 +182,10 @@ def add(
     begun = start(held, larger, knobs_of(larger), like=before)
     after = judged(held, before, name, minimise(held, begun, 8))
     why = evidence_for(held, before, after.state, effect)
-    steps = [Step(None, error_of(held, before)), Step(name, after.error, None, why)]
+    error = error_of(held, before)
+    supported = missing(held, before, [after]) is not None
+    sure = confidence_of(after, [after], error) * (1.0 if supported else STANDS_IN)
+    steps = [Step(None, error), Step(name, after.error, sure, why, supported=supported)]
     found = judge(captures.name, held, after.state, [], None, known, in_full=False)
     state = after.state
     return Refinement(

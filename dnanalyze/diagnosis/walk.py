@@ -16,7 +16,6 @@ from dnanalyze.diagnosis.trial import Trial, best_guess, candidates_of, error_of
 from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY
 
 
@@ -31,8 +30,10 @@ class Walk:
         Effects that may be added, by name.
     begun : tuple of str
         Effects of the model to begin with, which are not counted as added.
-    most_effects, until_error, tell, trying, keep
+    most_effects, until_error, tell, trying
         As in `refine`.
+    keep : callable
+        Called with the path whenever its model stands complete.
     """
 
     held: Bench
@@ -42,20 +43,32 @@ class Walk:
     until_error: float | None = None
     tell: Callable[[Step], None] = lambda _: None
     trying: Callable[[str], None] = lambda _: None
-    keep: Callable[[NoiseModel], None] = lambda _: None
+    keep: Callable[[Path], None] = lambda _: None
 
-    def note(self, path: Path, state: State, name: str | None, sure: float | None = None) -> Path:
-        """The path, gone on to a state; why, where the data had to speak for what was added."""
+    def note(
+        self,
+        path: Path,
+        state: State,
+        name: str | None,
+        sure: float | None = None,
+        near: Sequence[str] = (),
+        why: Sequence[str] = (),
+    ) -> Path:
+        """The path, gone on to a state; why, where the data had to speak for what was added.
+
+        ``near``: what it may be confused with. ``why``: the reason where they had not.
+        """
         effect = None if name is None or sure is None else state.model.get(name)
-        why = [] if effect is None else evidence_for(self.held, path.state, state, type(effect))
-        step = Step(name, error_of(self.held, state), sure, why)
+        if effect is not None:
+            why = evidence_for(self.held, path.state, state, type(effect))
+        step = Step(name, error_of(self.held, state), sure, list(why), list(near))
         self.tell(step)
         return replace(path, state=state, steps=(*path.steps, step))
 
     def to_end(self, path: Path) -> Path:
         """Go on until nothing more is missing, or it is enough."""
         held, fresh = self.held, False
-        while not self._near_enough(path):
+        while not self.near_enough(path):
             state, error = path.state, error_of(held, path.state)
             open_to = candidates_of(state, self.known, [BASE, *path.dropped])
             tried = ranked(held, state, open_to, self.trying)
@@ -77,7 +90,8 @@ class Walk:
             if best is None or self._full(len(added) - len(gone)):
                 return path
             path = self._without(_forked(path, best, among, error), state, gone)
-            path, fresh = self.add(path, best, confidence_of(best, among, error)), False
+            sure, near = confidence_of(best, among, error), rivals(best, among)
+            path, fresh = self.add(path, best, sure, near), False
         return replace(path, tried=(), best=None)
 
     def added(self, state: State) -> list[str]:
@@ -86,14 +100,14 @@ class Walk:
 
     def stops(self, path: Path) -> bool:
         """Whether it was told to go no further."""
-        return self._near_enough(path) or self._full(len(self.added(path.state)))
+        return self.near_enough(path) or self._full(len(self.added(path.state)))
 
-    def add(self, path: Path, found: Trial, sure: float) -> Path:
+    def add(self, path: Path, found: Trial, sure: float, near: Sequence[str] = ()) -> Path:
         """One more effect, everything at its best place, and what is needless with it gone."""
         begun = best_guess(self.held, path.state, found)
-        path = self.note(path, completed(self.held, begun, found.effect), found.effect, sure)
+        path = self.note(path, completed(self.held, begun, found.effect), found.effect, sure, near)
         path = self._without(path, *needless(self.held, path.state))
-        self.keep(path.state.model)
+        self.keep(path)
         return path
 
     def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
@@ -102,7 +116,8 @@ class Walk:
             path = self.note(path, state, f"-{name}")
         return replace(path, state=state, dropped=(*path.dropped, *gone))
 
-    def _near_enough(self, path: Path) -> bool:
+    def near_enough(self, path: Path) -> bool:
+        """Whether the error is as low as was asked."""
         return self.until_error is not None and path.error <= self.until_error
 
     def _full(self, count: int) -> bool:

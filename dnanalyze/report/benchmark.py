@@ -24,6 +24,7 @@ def rows(result: Any) -> list[dict[str, Any]]:
             "value": p.figure.value,
             "se": p.figure.se,
             "rank": p.rank,
+            "not_distinguishable_from": " ".join(p.alike),
             "note": p.figure.note,
         }
         for r in result.rankings
@@ -57,6 +58,7 @@ def document(folders: Sequence[str], result: Any) -> dict[str, Any]:
                     {
                         "sensor": p.sensor,
                         "rank": p.rank,
+                        "not_distinguishable_from": p.alike,
                         "value": p.figure.value,
                         "se": p.figure.se,
                         "note": p.figure.note,
@@ -130,21 +132,35 @@ def summary(result: Any) -> list[Any]:
     return [r for r in found if r is not None]
 
 
+HEADLINE = ("dark_current", "read_noise", "dsnu", "hot_pixels")
+
+
 def headline(result: Any) -> str:
-    """Who leads where, of those that are ranked; no overall score."""
+    """Who leads where, of those that are ranked, and where none does; no overall score."""
     leads: dict[str, list[str]] = {}
+    alike: list[str] = []
     middle = middle_of(result)
     for ranking in summary(result):
-        if ranking.base not in ("dark_current", "read_noise", "dsnu", "hot_pixels"):
-            continue
         known = [p for p in ranking.places if p.rank is not None]
-        first = [p.sensor for p in known if p.rank == known[0].rank]
-        if len(known) > 1 and len(first) == 1:
-            told = "" if len(known) == len(result.sensors) else f" of the {len(known)} ranked"
-            title = f"{ranking.title} ({ranking.unit}){told}"
+        if ranking.base not in HEADLINE or len(known) < 2:
+            continue
+        first = [p.sensor for p in known if p.rank == 1]
+        told = "" if len(known) == len(result.sensors) else f" of the {len(known)} ranked"
+        title = f"{ranking.title} ({ranking.unit}){told}"
+        if len(first) == 1:
             leads.setdefault(first[0], []).append(title)
+        else:
+            alike.append(title)
     at = f" at {middle:g} °C" if is_number(middle) else ""
     if not leads:
         return f"No sensor is told apart from the others in dark current, noise or hot pixels{at}."
     parts = [f"{name} leads in {listing(titles)}" for name, titles in leads.items()]
+    parts += [f"the best are not distinguishable in {listing(alike)}"] if alike else []
     return f"Of {len(result.sensors)} sensors{at}, {'; '.join(parts)}."
+
+
+def groups(ranking: Any) -> list[list[str]]:
+    """Sensors that share a rank, since their errors do not tell them apart; best first."""
+    ranks = sorted({p.rank for p in ranking.places if p.rank is not None})
+    shared = ([p.sensor for p in ranking.places if p.rank == rank] for rank in ranks)
+    return [names for names in shared if len(names) > 1]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from dnanalyze.report import documents
 from dnanalyze.report.plain import document
-from dnanalyze.report.words import is_number, listing, number
+from dnanalyze.report.words import error_way, is_number, listing, naming, number, sentence
 
 Document = dict[str, Any]
 COLUMNS = ("channel", "verdict", "its own effects", "error at the start", "error at the end")
@@ -16,7 +16,7 @@ COLUMNS = ("channel", "verdict", "its own effects", "error at the start", "error
 
 def refinement(where: str, command: str, result: Any, output: Path | None) -> Document:
     """As of one channel, with what each channel needed."""
-    made = documents.refinement(where, result, output)
+    made = documents.refinement(where, result, output, sentence(headline(result)))
     made |= {"schema": f"dnanalyze/{command}/1", "error": result.error}
     for plain, step in zip(made["steps"], result.steps, strict=True):
         if step.channel is not None:
@@ -26,6 +26,7 @@ def refinement(where: str, command: str, result: Any, output: Path | None) -> Do
             "effects": part.effects,
             "error": part.steps[-1].error,
             "verdict": part.verdict,
+            "unexplained": part.unexplained,
             "model": part.model.to_plain(),
         }
         for name, part in result.channels.items()
@@ -65,7 +66,7 @@ def rows(result: Any) -> list[tuple[str, ...]]:
         (
             name,
             part.verdict,
-            listing(result.own[name]) or "–",
+            listing(_names(part, result.own[name])) or "–",
             number(part.steps[0].error),
             number(part.steps[-1].error),
         )
@@ -73,12 +74,18 @@ def rows(result: Any) -> list[tuple[str, ...]]:
     ]
 
 
+def _names(part: Any, effects: Iterable[str]) -> list[str]:
+    """Effects of one channel, those that are not sure as such."""
+    sure = {step.added: step.confidence for step in part.steps}
+    return [naming(effect, sure.get(effect)) for effect in effects]
+
+
 def headline(result: Any) -> str:
     """The verdict in one sentence."""
     own = {c: names for c, names in result.own.items() if names}
-    places = [f"{listing(names)} in {c}" for c, names in own.items()]
+    places = [f"{listing(_names(result.channels[c], names))} in {c}" for c, names in own.items()]
     found = [*result.shared, *places]
     text = f"Found: {listing(found)}" if found else "No channel needs more than every sensor has"
     first, last = result.steps[0].error, result.error
-    shown = f"; the error falls from {number(first)} to {number(last)}" if is_number(last) else ""
+    shown = f"; {error_way(first, last)}" if is_number(last) else ""
     return f"{text}{shown}, with one model of all channels"

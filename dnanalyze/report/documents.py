@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dnanalyze.report import words
 from dnanalyze.report.plain import document
 
 Document = dict[str, Any]
@@ -88,12 +89,16 @@ def comparison(where: str | None, result: Any, command: str = "compare") -> Docu
 
 def diagnosis(where: str, result: Any) -> Document:
     """The verdict and the candidates, best first."""
-    keys = ("effect", "error_after", "explained", "confidence", "confused_with", "evidence")
+    keys = (
+        "effect", "error_after", "explained", "confidence", "confused_with", "evidence", "leaves",
+    )  # fmt: skip
     return document(
         "diagnose",
         where,
         error=getattr(result, "error", None),
         verdict=result.verdict,
+        headline=words.diagnose_headline(result),
+        ordinary=result.ordinary,
         candidates=[_fields(c, *keys) for c in result.candidates],
         unexplained=result.unexplained,
         detection_limits=result.detection_limits,
@@ -101,17 +106,34 @@ def diagnosis(where: str, result: Any) -> Document:
     )
 
 
-def refinement(where: str, result: Any, output: Path | None) -> Document:
-    """The error step by step and what the final model holds."""
+def refinement(
+    where: str, result: Any, output: Path | None, headline: str | None = None
+) -> Document:
+    """The error step by step and what the final model holds.
+
+    A refinement that is not finished has verdict "missing", and no errors of its parameters.
+    """
     return document(
         "refine",
         where,
         steps=[_step(s) for s in result.steps],
         effects=result.effects,
         verdict=result.verdict,
+        headline=headline or words.refine_headline(result),
+        unexplained=result.unexplained,
+        parameters=parameters(result),
+        finished=getattr(result, "finished", True),
         model=output,
         fitted=result.model.to_plain(),
     )
+
+
+def parameters(result: Any) -> list[Document]:
+    """The numbers of a model with their standard errors and the effects that they belong to."""
+    return [
+        {"effect": p.name.split(".")[0].split("[")[0]} | _fields(p, "name", "value", "se", "unit")
+        for p in result.parameters
+    ]
 
 
 def _step(step: Any) -> Document:
@@ -121,14 +143,15 @@ def _step(step: Any) -> Document:
     return (
         made
         | ({"removed": step.added[1:]} if gone else {})
-        | _fields(step, "confidence", "evidence")
+        | _fields(step, "confidence", "confused_with", "evidence")
     )
 
 
 def addition(where: str, effect: str, result: Any, output: Path | None) -> Document:
-    """The error before and after one effect."""
-    return refinement(where, result, output) | {
+    """The error before and after one effect, and whether the captures support it."""
+    return refinement(where, result, output, words.add_headline(result)) | {
         "schema": "dnanalyze/add/1",
+        "supported": result.steps[-1].supported,
         "added": effect,
         "error_before": document("add", where, e=result.steps[0].error)["e"],
         "error_after": document("add", where, e=result.steps[-1].error)["e"],

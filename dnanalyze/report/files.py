@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from dnanalyze.errors import InputError
@@ -27,6 +29,47 @@ def atomic_write(path: Path, content: str | bytes) -> None:
             stream.write(content.encode("utf-8") if isinstance(content, str) else content)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def write_together(contents: Mapping[Path, str]) -> None:
+    """Several files, all of them or none: each is written whole before the first gets its name.
+
+    Ctrl-C and SIGTERM wait until all have theirs.
+
+    Raises
+    ------
+    InputError
+        One of them cannot be written; then none is.
+    """
+    from dnanalyze.loaders.writers import atomic
+
+    path = None
+    try:
+        with _undisturbed(), ExitStack() as stack:
+            for path, content in contents.items():
+                stack.enter_context(atomic(path)).write(content.encode("utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Signals that would end the process come when the block is done."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # handlers run in the main thread alone
+        return
+    came: list[int] = []
+    before = {
+        which: signal.signal(which, lambda number, _: came.append(number))
+        for which in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler if handler is not None else signal.SIG_DFL)
+        if came:
+            signal.raise_signal(came[0])
 
 
 @contextmanager

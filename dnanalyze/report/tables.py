@@ -93,9 +93,17 @@ def laws(measured: Any) -> tuple[list[str], list[tuple[str, list[Any], str]]]:
 
 def steps(result: Any) -> pd.DataFrame:
     """The error step by step."""
-    return _frame(
-        [{"step": n, "added": s.added, "error": s.error} for n, s in enumerate(result.steps)]
-    )
+    rows = [
+        {
+            "step": n,
+            "added": s.added,
+            "error": s.error,
+            "confidence": s.confidence,
+            "confused_with": " ".join(s.confused_with),
+        }
+        for n, s in enumerate(result.steps)
+    ]
+    return _frame(rows)
 
 
 def findings(result: Any) -> pd.DataFrame:

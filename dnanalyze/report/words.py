@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+
+from dnanalyze.digits import is_number, number
 
 FAMILIES = {
     "level": "Level and noise",
@@ -23,28 +25,6 @@ FAMILIES = {
 def family_title(name: str) -> str:
     """Heading of a family of statistics."""
     return FAMILIES.get(name, name.replace("_", " ").capitalize())
-
-
-def is_number(value: Any) -> bool:
-    """A finite number, not a truth value."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def number(value: Any, digits: int = 3) -> str:
-    """Short text of a number: ``digits`` significant, no exponent where it reads well without."""
-    if not is_number(value):
-        return "–"
-    if value == 0:
-        return "0"
-    size = abs(value)
-    if size >= 1e6 or size < 1e-4:
-        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        return (
-            f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(exponent)}"
-        )
-    decimals = max(0, digits - 1 - math.floor(math.log10(size)))
-    text = f"{value:.{decimals}f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def with_error(value: Any, error: Any, unit: str = "") -> str:
@@ -167,42 +147,96 @@ def compare_headline(error: Any, baselines: Mapping[str, Any]) -> str:
     return sentence(text)
 
 
+SURE = 0.9  # confidence below which a name is only possible
+NAMED = 3  # statistics that a sentence names
+
+
+def naming(effect: str, confidence: Any) -> str:
+    """The name of an effect, ``possibly`` where it is not sure."""
+    return f"possibly {effect}" if is_number(confidence) and confidence < SURE else effect
+
+
+def with_rivals(effect: str, confidence: Any, rivals: Iterable[str]) -> str:
+    """The name, with what it may be instead where it is not sure."""
+    text, rivals = naming(effect, confidence), list(rivals)
+    return f"{text} (or {' or '.join(rivals)})" if rivals and text != effect else text
+
+
+def statistics_named(names: Sequence[str], most: int = NAMED) -> str:
+    """Statistics by their titles, the first few of them."""
+    from dnanalyze.analyzers.catalogue import catalogue
+
+    known = catalogue()
+    titles = [known[n].title if n in known else n for n in names[:most]]
+    if len(names) > most:
+        return f"{', '.join(titles)} and {len(names) - most} more"
+    return listing(titles)
+
+
+def error_way(before: Any, after: Any) -> str:
+    """Which way the error goes: it falls, rises, or stays within its own scatter."""
+    from dnanalyze.comparator.error import LUCK, way
+
+    if not (is_number(before) and is_number(after)):
+        return f"the error goes from {number(before)} to {number(after)}"
+    gone = way(before, after)
+    if gone == "stays":
+        where = (
+            f"stays at {number(after)}"
+            if number(before) == number(after)
+            else (f"goes from {number(before)} to {number(after)}")
+        )
+        return f"the error {where}, within its scatter of {100 * LUCK:.0f} %"
+    return f"the error {gone} from {number(before)} to {number(after)}"
+
+
 def diagnose_headline(found: Any) -> str:
     """The verdict of a diagnosis in one sentence."""
-    candidates, ordinary = list(found.candidates), found.ordinary
+    ordinary = found.ordinary
     every = f"what every sensor has ({listing(ordinary)})"
-    falls = f"the error falls from {number(found.error)} to "
-    put_in = [number(c.error_after) for c in candidates if c.effect in ordinary]
+    put_in = [c.error_after for c in found.candidates if c.effect in ordinary]
+    others = [c for c in found.candidates if c.effect not in ordinary]
     if found.verdict == "adequate":
         return (
             "Adequate: nothing is missing that these frames could show "
             f"(error {number(found.error)})."
         )
-    if found.verdict == "missing" and candidates and candidates[0].effect in ordinary:
-        return (
-            f"Missing: {every}; with it {falls}{put_in[-1]}, and nothing else is missing that "
-            "these frames could show."
+    if found.verdict == "missing" and found.candidates and found.candidates[0].effect in ordinary:
+        return sentence(
+            f"Missing: {every}; with it {error_way(found.error, put_in[-1])}, and nothing else is "
+            "missing that these frames could show"
         )
-    if found.verdict == "missing" and candidates:
-        best = candidates[0]
-        beside, it = (f", beside {every}", "all of it") if ordinary else ("", "it")
-        text = (
-            f"Missing: {best.effect}, with {percent(best.confidence)} confidence{beside}; "
-            f"with {it} {falls}{number(best.error_after)}"
-        )
-        if best.confused_with:
-            rivals = listing(best.confused_with)
-            text += f". These frames cannot always tell it from {rivals}"
-        return sentence(text)
+    if found.verdict == "missing" and others:
+        return _missing(found, others[0], every if ordinary else "")
+    error, text = found.error, f"Unexplained: something is missing (error {number(found.error)})"
     if ordinary:
-        return (
-            f"Unexplained: with {every} {falls}{put_in[-1]}; something else is missing, and no "
-            "effect of the catalogue accounts for it."
+        error = put_in[-1]
+        text = (
+            f"Unexplained: with {every} {error_way(found.error, error)}; something else is missing"
         )
-    return (
-        f"Unexplained: something is missing (error {number(found.error)}), "
-        "and no effect of the catalogue accounts for it."
+    left = statistics_named(found.unexplained)
+    if not others:
+        return sentence(f"{text}, and no effect of the catalogue accounts for {left or 'it'}")
+    best = others[0]
+    nearest = with_rivals(best.effect, best.confidence, best.confused_with)
+    text += f". The nearest is {nearest}: with it {error_way(error, best.error_after)}"
+    if best.leaves:
+        return sentence(f"{text}, but it leaves unexplained: {statistics_named(best.leaves)}")
+    return sentence(f"{text}, but these captures do not support it; unexplained: {left}")
+
+
+def _missing(found: Any, best: Any, every: str) -> str:
+    """What is missing, the error with it, and what it leaves or may be confused with."""
+    beside, it = (f", beside {every}", "all of it") if every else ("", "it")
+    text = (
+        f"Missing: {naming(best.effect, best.confidence)}, with {percent(best.confidence)} "
+        f"confidence{beside}; with {it} {error_way(found.error, best.error_after)}"
     )
+    if found.unexplained:
+        text += f"; it leaves unexplained: {statistics_named(found.unexplained)}"
+    if best.confused_with:
+        text += f". These frames cannot always tell it from {listing(best.confused_with)}"
+    return sentence(text)
 
 
 def net_additions(added: Iterable[str | None]) -> list[str]:
@@ -216,20 +250,57 @@ def net_additions(added: Iterable[str | None]) -> list[str]:
     return kept
 
 
-def refine_headline(steps: list[Any], verdict: str) -> str:
+def refine_headline(result: Any) -> str:
     """The verdict of a refinement in one sentence."""
+    steps, verdict = list(result.steps), result.verdict
     first, last = steps[0].error, steps[-1].error
-    added = net_additions([s.added for s in steps])
+    by_name = {s.added: s for s in steps}  # the last time that it was added
+    added = [
+        with_rivals(name, by_name[name].confidence, by_name[name].confused_with)
+        for name in net_additions([s.added for s in steps])
+    ]
     if not added:
-        text = f"Nothing was added; the error stays at {number(first)}"
+        text = f"Nothing was added; {error_way(first, last)}"
     else:
-        text = f"The error falls from {number(first)} to {number(last)} with {listing(added)}"
+        text = f"{error_way(first, last).capitalize()} with {listing(added)}"
+    if not result.finished:
+        return sentence(f"{text}; not finished: what is left was not asked yet")
+    left = statistics_named(result.unexplained)
     ending = {
         "adequate": "nothing is left to find in these frames",
-        "missing": "more could be added, but was not asked for",
-        "unexplained": "what remains is in no catalogue",
+        "missing": _stopped(result),
+        "unexplained": f"no effect of the catalogue accounts for what stays unexplained: {left}",
     }
     return sentence(f"{text}; {ending.get(verdict, verdict)}")
+
+
+def _stopped(result: Any) -> str:
+    """What is missing yet in a refinement that was told to stop."""
+    found = [] if result.diagnosis is None else list(result.diagnosis.candidates)
+    if found:
+        best = found[0]
+        name = with_rivals(best.effect, best.confidence, best.confused_with)
+        return f"it stopped as told; the next to add is {name}"
+    left = statistics_named(result.unexplained)
+    return f"it stopped as told, and what is left was not asked: {left}"
+
+
+def add_headline(result: Any) -> str:
+    """What one effect that the user named does to the error, and whether it is supported."""
+    before, after = result.steps[0], result.steps[-1]
+    text = f"With {after.added} {error_way(before.error, after.error)}"
+    if not after.supported:
+        text += "; it is not supported by these captures"
+    elif naming(after.added, after.confidence) != after.added:
+        text += f"; these captures support it weakly ({percent(after.confidence)} confidence)"
+    else:
+        text += f"; these captures support it ({percent(after.confidence)} against nothing missing)"
+    if result.unexplained:
+        left = statistics_named(result.unexplained)
+        text += f". The model leaves unexplained: {left}; `dnanalyze diagnose` asks for the rest"
+    elif result.verdict == "adequate":
+        text += ". Nothing is left to find in these frames"
+    return sentence(text)
 
 
 def step_name(added: str | None, place: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 from dataclasses import replace
@@ -9,6 +10,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dnanalyze_cli import show_benchmark
+from rich.console import Console
 
 from dnanalyze.benchmark import record as records
 from dnanalyze.benchmark.criteria import CRITERIA, SINGLE
@@ -24,6 +27,8 @@ from dnanalyze.model.laws import TableLaw, arrhenius
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
+from dnanalyze.report import benchmark as results
+from dnanalyze.report.pages.benchmark import _rankings, benchmark_page
 
 P = OperatingPoint
 
@@ -96,6 +101,39 @@ def test_sensors_are_ranked_and_those_not_told_apart_share_a_rank():
     )
     (ranking,) = [r for r in result.rankings if r.criterion == "dark_current"]
     assert [(p.sensor, p.rank) for p in ranking.places] == [("good", 1), ("same", 1), ("worst", 3)]
+
+
+def ranked(figures):
+    """Sensor, rank and what it is not told from, by figures of read noise."""
+    sensors = []
+    for name, value, se in figures:
+        made = made_record(name, 3.0)
+        made.single["read_noise"] = Figure(value, se)
+        sensors.append(made)
+    result = side_by_side(sensors)
+    (ranking,) = [r for r in result.rankings if r.criterion == "read_noise"]
+    return result, [(p.sensor, p.rank, p.alike) for p in ranking.places]
+
+
+def test_ranks_go_by_the_errors_that_are_printed():
+    """1499 apart, by an error of 1492: not told apart, whatever the ratio."""
+    result, places = ranked([("vague", 1562.0, 1492.0), ("fine", 63.0, 13.0)])
+    assert places == [("fine", 1, ("vague",)), ("vague", 1, ("fine",))]
+    made = results.document(["a", "b"], result)
+    (told,) = [r for r in made["rankings"] if r["criterion"] == "read_noise"]
+    assert told["places"][0]["not_distinguishable_from"] == ["vague"]
+    row = _rankings(result).tables[0].rows[-1]
+    assert "not distinguishable from vague" in row[-1]
+    console = Console(width=80, record=True, file=io.StringIO())
+    show_benchmark.result(console, result)
+    assert "fine and vague are not distinguishable" in " ".join(console.export_text().split())
+
+
+def test_who_is_told_from_the_best_is_no_first_whatever_stands_between():
+    _, places = ranked([("worst", 500.0, 1.0), ("best", 63.0, 1.0), ("vague", 100.0, 300.0)])
+    assert places == [
+        ("best", 1, ("vague",)), ("vague", 1, ("best", "worst")), ("worst", 2, ("vague",)),
+    ]  # fmt: skip
 
 
 def test_gain_and_area_normalise():
@@ -254,7 +292,6 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     from dnanalyze.diagnosis import refine as refinement
     from dnanalyze.fitting.fit import fit
     from dnanalyze.report.benchmark import document
-    from dnanalyze.report.pages.benchmark import benchmark_page
 
     def right(captures, held, trying):
         truth = sensors[captures.name]

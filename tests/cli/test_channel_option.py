@@ -107,6 +107,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
         channels, "add_channels", lambda found, name, own, **_: finished(found, own)
     )
     monkeypatch.setattr(compare, "compare", lambda *_, **__: fakes.comparison())
+    monkeypatch.setattr(channels, "parameters_of", lambda *_: fakes.fit().parameters)
     for command, more in (
         ("refine", ["--max-effects", "3"]), ("add", ["column_fpn"]), ("channels", [])
     ):  # fmt: skip

@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 from importlib import import_module
 from types import SimpleNamespace
 
@@ -212,3 +213,49 @@ def test_where_nothing_is_missing_the_terminal_shows_no_candidates(
     said = capsys.readouterr().out
     assert ("column_gain" in said) is shown
     assert ("Evidence for" in said) is shown
+
+
+def stopped_by(error, monkeypatch):
+    """A refinement that is stopped after its second step."""
+
+    def run(*_, keep, **__):
+        for count in (1, 2):
+            so_far = fakes.refinement()
+            so_far.steps, so_far.finished, so_far.diagnosis = so_far.steps[:count], False, None
+            so_far.verdict = "missing"
+            keep(so_far)
+        raise error
+
+    monkeypatch.setattr("dnanalyze.diagnosis.refine.refine", run)
+
+
+@pytest.mark.parametrize(("error", "code"), [(KeyboardInterrupt(), 130), (SystemExit(143), 143)])
+def test_an_interrupted_refinement_leaves_all_files_of_one_step_and_says_how_to_go_on(
+    folder, calls, tmp_path, monkeypatch, capsys, error, code
+):
+    stopped_by(error, monkeypatch)
+    model, out, page = (tmp_path / name for name in ("m.yaml", "r.json", "r.html"))
+    files = ["-o", str(model), "--json", str(out), "--report", str(page)]
+    more = ["--exclude", "rts", "--max-effects", "3", "-q"]
+    assert main(["refine", str(folder), *files, *more]) == code
+    made = json.loads(out.read_text())
+    assert [s["added"] for s in made["steps"]] == [None, "row_fpn"]
+    assert made["finished"] is False
+    assert "row_fpn" in page.read_text()
+    assert load_model(model).names == ["convolved_lognormal"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["m.yaml", "r.html", "r.json"]
+    (line,) = capsys.readouterr().err.splitlines()
+    words = shlex.split(line.split("go on with: ")[1])
+    assert words[:3] == ["dnanalyze", "refine", str(folder)]
+    assert words[3:7] == ["--model", str(model), "-o", str(model)]
+    assert words[words.index("--max-effects") + 1] == "2"  # one is in already
+    assert {"--exclude", "--json", "--report"} <= set(words)
+
+
+def test_an_interrupted_refinement_without_a_model_file_asks_for_one(
+    folder, calls, tmp_path, monkeypatch, capsys
+):
+    stopped_by(KeyboardInterrupt(), monkeypatch)
+    assert main(["refine", str(folder), "-q"]) == 130
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "-o" in line

@@ -149,3 +149,49 @@ def test_a_terminated_run_leaves_no_temporary(model, tmp_path):
     process.communicate(timeout=60)
     assert process.returncode == 143
     assert os.listdir(tmp_path) == ["m.yaml"]
+
+
+def failing_with(error):
+    def fail(*_, **__):
+        raise error
+
+    return fail
+
+
+@pytest.mark.parametrize(
+    "error", [KeyError("mu"), RuntimeError("several\nlines of\nit"), SystemExit(1), OSError(5, "x")]
+)
+def test_an_internal_error_is_3_and_one_line_that_says_how_to_report_it(
+    folder, monkeypatch, capsys, error
+):
+    monkeypatch.setattr("dnanalyze.loaders.inspect", failing_with(error))
+    monkeypatch.delenv("DNANALYZE_DEBUG", raising=False)
+    assert main(["inspect", str(folder), "-q"]) == 3
+    shown = capsys.readouterr().err
+    assert shown.count("\n") == 1
+    assert shown.startswith(f"dnanalyze: internal error: {type(error).__name__}: ")
+    assert "test_exit_codes.py:" in shown
+    assert "report" in shown
+    monkeypatch.setenv("DNANALYZE_DEBUG", "1")
+    assert main(["inspect", str(folder), "-q"]) == 3
+    assert "Traceback (most recent call last)" in capsys.readouterr().err
+
+
+def test_out_of_memory_is_one_line(folder, monkeypatch, capsys):
+    monkeypatch.setattr("dnanalyze.loaders.inspect", failing_with(MemoryError()))
+    assert "out of memory" in refused(["inspect", folder, "-q"], capsys)
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_is_gone_is_no_failed_check(unbuffered):
+    """As ``dnanalyze effects | head -0``: written at once, or at the end."""
+    code = "from dnanalyze_cli.main import run; run()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "effects"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+    )  # fmt: skip
+    process.stdout.close()
+    shown = process.stderr.read().decode()
+    process.stderr.close()
+    assert (process.wait(60), shown) == (141, "")

@@ -41,3 +41,27 @@ def test_places_are_told_by_what_differs():
     assert short_labels(series[:1]) == ["25 C, 0.05 s, gain 1"]
     grid = [OperatingPoint(t, e) for t in (25.0, 45.0) for e in (0.1, 1.0)]
     assert listed(short_labels(grid)[:2]) == "25 C, 0.1 s; 25 C, 1 s"
+
+
+def test_no_ratio_to_a_number_that_may_be_zero():
+    """As 40 hot pixels against 2.2e-16, and against 1, whose error is 1."""
+    known = catalogue()["hot_count_8"]
+    assert (
+        misfit(known, 40.0, 2.2e-16, 9.0) == f"{known.title}: 40 pixels measured, none in the model"
+    )
+    assert "40 pixels measured, 1 pixels in the model" in misfit(known, 40.0, 1.0, 9.0, 1.4)
+    assert "is 1.6 times" not in misfit(known, 40.0, 25.0, 3.0, 1.4)
+    assert misfit(known, 40.0, 25.0, 3.0, 1.4).startswith("1.6 times as many")
+    assert "none measured, 33 pixels in the model" in misfit(known, 0.0, 33.0, -9.0, 1.4)
+    row = {
+        "measured": 40.0, "simulated": 2.2e-16, "discrepancy": 9.0, "floor": 1.4, "unit": "pixels",
+        "scale": "root", "channel": None, "temperature_c": 25.0, "exposure_s": None,
+    }  # fmt: skip
+    said = sentence("hot_count_8", [row])
+    assert said.endswith("40 pixels measured, none in the model (9 floors) at 25 C")
+
+
+def test_thousands_are_written_out():
+    known = catalogue()
+    assert "1235 DN above" in misfit(known["mean"], 1300.0, 65.4, 9.0)
+    assert "is 1200 times" in misfit(known["temporal_noise"], 1200.0, 1.0, 9.0)

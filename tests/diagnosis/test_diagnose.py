@@ -114,6 +114,31 @@ def test_an_error_that_no_single_statistic_makes_is_told_by_the_farthest(rows, m
     assert len(found.unexplained) == 3
 
 
+def test_what_the_data_do_not_support_is_no_sure_name_and_of_what_is_adequate_none(
+    rows, found, monkeypatch
+):
+    """One story: the list says what the verdict says."""
+    _, held = rows
+    state = start(held, found.model, knobs_of(found.model))
+    leader = found.trials[0]
+    idle = replace(leader, effect="row_noise", state=state)  # as sure, and puts nothing right
+    left = ["temporal_noise", *found.candidates[0].leaves]
+    puts_right = [n for n in ("row_mean_sd", "pattern_rows_0.1_0.3") if n in held.train.names]
+    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.unexplained", lambda *_: [*left, *puts_right])
+    told = judge("rows", held, state, [leader, idle], None, KNOWN, in_full=False)
+    assert told.verdict == "unexplained"
+    sure = [c.confidence for c in told.candidates]
+    assert sure == sorted(sure, reverse=True)
+    assert max(sure) <= 0.5
+    named = {c.effect: c for c in told.candidates}
+    assert set(puts_right) & set(named["row_fpn"].leaves) == set()
+    assert named["row_noise"].leaves == told.unexplained
+    assert all(c.evidence for c in told.candidates)
+    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.unexplained", lambda *_: [])
+    told = judge("rows", held, state, [leader, idle], None, KNOWN, in_full=False)
+    assert (told.verdict, told.candidates) == ("adequate", [])
+
+
 def test_what_is_excluded_is_not_put_in(rows):
     captures, held = rows
     found = diagnose(captures, known=KNOWN, held=held, exclude=["quantization", "row_fpn"])

@@ -52,7 +52,8 @@ def test_the_better_end_is_taken_and_told_with_what_was_given_up(ordinary, tried
     assert [s.added for s in told] == [f"-{WRONG}", RIGHT]
     assert told[0].error == path.steps[0].error
     assert told[1] == found.steps[1]
-    assert kept == [found.state.model]
+    assert kept == [found]
+    assert found.steps[1].confused_with == [WRONG]
 
 
 def test_an_end_that_is_no_better_makes_what_was_taken_surer(ordinary, tried, monkeypatch):

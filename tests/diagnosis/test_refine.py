@@ -1,6 +1,7 @@
 """Completing a model on a sensor of the independent generator, step by step."""
 
 import importlib
+import math
 from dataclasses import replace
 
 import pytest
@@ -15,15 +16,27 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
     whole = refine(striped, known=known, keep=kept.append, tell=told.append)
     assert whole.effects == [BASE, *sorted(EVERYDAY, key=whole.effects.index), "row_fpn"]
     assert [s.added for s in told] == [None, *EVERYDAY, "row_fpn"]
-    assert kept[-1] == whole.model
-    assert set(kept[0].names) == {BASE, *EVERYDAY}
-    rest = refine(striped, kept[0], known=known)
+    assert kept[-1].model == whole.model
+    assert [k.model.names for k in kept[:1]] == [[BASE]]
+    assert set(kept[1].effects) == {BASE, *EVERYDAY}
+    assert not any(k.finished for k in kept)
+    assert [s.added for s in kept[-1].steps] == [s.added for s in whole.steps]
+    assert all(math.isnan(p.se) for p in kept[-1].parameters)
+    rest = refine(striped, kept[1].model, known=known)
     assert [s.added for s in rest.steps] == [None, "row_fpn"]
     assert set(rest.effects) == set(whole.effects)
     assert rest.steps[-1].error < 1.0 < 1.1 < rest.steps[0].error
-    by_hand = add(striped, "row_fpn", kept[0], known=known)
-    for done in (whole, by_hand):  # and say why
+    by_hand = add(striped, "row_fpn", kept[1].model, known=known)
+    for done in (whole, by_hand):  # and say why, how sure that is, and how strong it is
         assert any("row_fpn in" in words for words in done.steps[-1].evidence)
+        assert done.steps[-1].confidence > 0.99
+        assert done.unexplained == []
+        (strength,) = (p for p in done.parameters if p.name == "row_fpn.sigma")
+        assert 0.0 < strength.se < 0.5 * strength.value
+    assert all(s.evidence for s in whole.steps[1:])
+    idle = add(striped, "row_noise", whole.model, known=known)
+    assert not idle.steps[-1].supported
+    assert idle.steps[-1].confidence < 0.5
 
 
 def test_it_stops_where_it_is_told(striped, known):

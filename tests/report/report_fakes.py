@@ -136,7 +136,7 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
     candidates = [
         SimpleNamespace(
             effect=name, error_after=after, explained=0.9, confidence=sure,
-            confused_with=rivals, evidence=["striped power 38 times the model's"],
+            confused_with=rivals, evidence=["striped power 38 times the model's"], leaves=[],
         )
         for name, after, sure, rivals in (
             ("column_fpn", 1.1, 0.97, ["column_gain"]), ("column_gain", 3.0, 0.02, []),
@@ -145,9 +145,9 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
     return SimpleNamespace(
         error=6.5,
         verdict=verdict,
-        candidates=candidates,
+        candidates=candidates if verdict != "adequate" else [],
         ordinary=[],
-        unexplained=["pattern_q0.001"],
+        unexplained=["pattern_q0.001"] if verdict != "adequate" else [],
         detection_limits={"row_fpn": "row_fpn below 0.02 DN would not be seen"},
         next_capture=["eight more frames at 45 C"],
         model=model(),
@@ -157,16 +157,22 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
 def refinement() -> SimpleNamespace:
     """Something added, something taken out again."""
     steps = [
-        SimpleNamespace(added=a, error=e, confidence=c, evidence=[])
-        for a, e, c in (
-            (None, 6.5, None), ("row_fpn", 4.0, 0.6), ("column_fpn", 1.1, 0.97),
-            ("-row_fpn", 1.05, None),
+        SimpleNamespace(
+            added=a, error=e, confidence=c, evidence=["stripes"] if c else [], confused_with=r,
+            supported=True,
+        )
+        for a, e, c, r in (
+            (None, 6.5, None, []), ("row_fpn", 4.0, 0.6, ["row_noise"]),
+            ("column_fpn", 1.1, 0.97, []), ("-row_fpn", 1.05, None, []),
         )
     ]  # fmt: skip
     return SimpleNamespace(
         steps=steps,
         effects=["convolved_lognormal", "column_fpn"],
         verdict="adequate",
+        unexplained=[],
+        finished=True,
+        parameters=fit().parameters,
         model=model(),
         diagnosis=diagnosis("adequate"),
         bench=None,

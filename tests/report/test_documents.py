@@ -50,10 +50,17 @@ def test_the_keys_are_those_of_the_contract():
     diagnose = MADE["diagnose"]()
     assert {"error", "verdict", "candidates", "unexplained"} <= set(diagnose)
     assert set(diagnose["candidates"][0]) == {
-        "effect", "error_after", "explained", "confidence", "confused_with", "evidence",
+        "effect", "error_after", "explained", "confidence", "confused_with", "evidence", "leaves",
     }  # fmt: skip
     refine = MADE["refine"]()
-    assert {"steps", "effects", "verdict", "model"} <= set(refine)
+    assert {"steps", "effects", "verdict", "unexplained", "parameters", "model"} <= set(refine)
+    assert all(
+        {"added", "error", "confidence", "confused_with", "evidence"} <= set(step)
+        for step in refine["steps"]
+    )
+    assert refine["parameters"][1] == {
+        "effect": "pedestal", "name": "pedestal", "value": 64.0, "se": None, "unit": "DN",
+    }  # fmt: skip
     assert refine["model"] == "m.yaml"
     detect = MADE["detect"]()
     assert {"filtered", "kind", "findings"} <= set(detect)

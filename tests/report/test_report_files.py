@@ -1,10 +1,11 @@
 import os
+import signal
 import stat
 
 import pytest
 
 from dnanalyze.errors import InputError
-from dnanalyze.report.files import atomic_folder, atomic_write, check_output
+from dnanalyze.report.files import atomic_folder, atomic_write, check_output, write_together
 
 
 def test_a_file_is_written_whole_and_replaces_the_old_one(tmp_path):
@@ -84,3 +85,24 @@ def test_outputs_that_cannot_be_written_are_refused_early(tmp_path):
         check_output(tmp_path)
     with pytest.raises(InputError, match="does not exist"):
         check_output(tmp_path / "nowhere" / "out.json")
+
+
+def test_files_that_belong_together_appear_all_or_none(tmp_path):
+    model, page = tmp_path / "m.yaml", tmp_path / "r.html"
+    write_together({model: "1", page: "1"})
+    with pytest.raises(InputError, match=r"no/r\.json"):
+        write_together({model: "2", page: "2", tmp_path / "no" / "r.json": "2"})
+    assert [p.read_text() for p in (model, page)] == ["1", "1"]
+    assert sorted(os.listdir(tmp_path)) == ["m.yaml", "r.html"]
+
+
+@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_waits_until_all_of_them_have_their_names(tmp_path, monkeypatch, which):
+    came, real = [], os.replace
+    monkeypatch.setattr(os, "replace", lambda *a: (signal.raise_signal(which), real(*a)))
+    before = signal.signal(which, lambda *_: came.append(sorted(os.listdir(tmp_path))))
+    try:
+        write_together({tmp_path / "m.yaml": "1", tmp_path / "r.html": "1"})
+    finally:
+        signal.signal(which, before)
+    assert came == [["m.yaml", "r.html"]]

@@ -1,3 +1,4 @@
+import io
 import math
 import re
 from types import SimpleNamespace
@@ -6,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from report_fakes import POINTS, diagnosis, refinement
+from rich.console import Console
 
 from dnanalyze.report import words
 
@@ -87,9 +89,107 @@ def test_what_every_sensor_has_is_told_beside_what_else_is_missing(verdict, besi
         assert part in text
 
 
+def test_the_headline_of_what_is_unexplained_agrees_with_the_list():
+    found = diagnosis("unexplained")
+    best = found.candidates[0]
+    best.confidence, best.leaves = 0.45, ["temporal_psd_0.35_0.5", "hot_count_5"]
+    text = words.diagnose_headline(found)
+    assert "no effect of the catalogue" not in text
+    assert "possibly column_fpn (or column_gain)" in text
+    assert "falls from 6.5 to 1.1" in text
+    assert "leaves unexplained: power of the temporal noise" in text
+    found.candidates = []
+    assert "no effect of the catalogue accounts for" in words.diagnose_headline(found)
+
+
+def test_a_name_below_90_percent_is_a_possible_one_everywhere():
+    from dnanalyze_cli import show
+    from report_fakes import captures
+
+    from dnanalyze.report.pages.diagnose import diagnose_page
+
+    found = diagnosis()
+    found.candidates[0].confidence = 0.55
+    console = Console(width=80, record=True, file=io.StringIO())
+    show.diagnosis(console, captures(), found)
+    told = [
+        words.diagnose_headline(found),
+        console.export_text().split("candidate")[1],
+        diagnose_page(captures(), found),
+    ]
+    for text in told:
+        assert "possibly column_fpn" in text
+        assert "column_gain" in text
+    found.candidates[0].confidence = 0.9
+    assert "possibly" not in words.diagnose_headline(found)
+
+
+@pytest.mark.parametrize(
+    ("after", "told"),
+    [(0.913, "goes from 0.874 to 0.913, within its scatter of 6 %"),
+     (0.5, "falls from 0.874 to 0.5"), (1.2, "rises from 0.874 to 1.2"),
+     (0.874, "stays at 0.874, within")],
+)  # fmt: skip
+def test_which_way_the_error_goes(after, told):
+    assert told in words.error_way(0.874, after)
+
+
+def added(supported, after=0.913, unexplained=()):
+    found = refinement()
+    start, step = found.steps[:2]
+    start.error, step.error, step.supported, step.confidence = 0.874, after, supported, 0.05
+    found.steps, found.unexplained = [start, step], list(unexplained)
+    found.verdict = "unexplained" if unexplained else "adequate"
+    return found
+
+
+def test_an_effect_that_is_not_needed_is_said_to_be_unsupported():
+    text = words.add_headline(added(False))
+    assert "not supported by these captures" in text
+    assert "falls" not in text
+    text = words.add_headline(added(True, 0.5, ["hot_count_5"]))
+    assert "falls from 0.874 to 0.5" in text
+    assert "not supported" not in text
+    assert "in no catalogue" not in text  # nothing else was asked
+    assert "leaves unexplained: pixels above 5" in text
+
+
+def test_a_refinement_says_what_stays_and_how_sure_it_is():
+    from dnanalyze_cli import show
+    from report_fakes import captures
+
+    from dnanalyze.report.pages.refine import refine_page
+
+    found = refinement()
+    found.steps = found.steps[:2]  # row_fpn, 60 %, or row_noise
+    found.verdict, found.unexplained = "unexplained", ["temporal_psd_0.35_0.5"]
+    found.diagnosis = diagnosis("unexplained")
+    console = Console(width=80, record=True, file=io.StringIO())
+    show.refinement(console, captures(), found, None)
+    shown, page = console.export_text(), refine_page(captures(), found)
+    assert max(map(len, shown.splitlines())) <= 80
+    for text in (words.refine_headline(found), shown, page):
+        assert "possibly row_fpn" in text
+        assert "row_noise" in text
+        assert "0.35 to 0.5 c/px" in text
+    for text in (shown, page):
+        assert "60 %" in text
+        assert "1.234 ± 0.012" in text
+
+
+def test_a_refinement_that_was_told_to_stop_names_what_is_next():
+    found = refinement()
+    found.verdict, found.diagnosis = "missing", diagnosis("missing")
+    assert "the next to add is column_fpn" in words.refine_headline(found)
+    found.diagnosis.candidates, found.unexplained = [], ["hot_count_5"]
+    assert "was not asked: " in words.refine_headline(found)
+    found.finished = False
+    assert "not finished" in words.refine_headline(found)
+
+
 def test_what_was_taken_out_again_is_not_said_to_be_added():
     found = refinement()
-    text = words.refine_headline(found.steps, found.verdict)
+    text = words.refine_headline(found)
     assert "column_fpn" in text
     assert "row_fpn" not in text
     assert re.search(r"from 6\.5 to 1\.05", text)

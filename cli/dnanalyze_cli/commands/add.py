@@ -84,7 +84,9 @@ def add(
             own = fit(found, replicates=0, held=held, tell=progress.fitting(held)).model
         progress.now(f"Adding {effect}")
         result = run(found, effect, own, known=known, held=held)
-    show.refinement(session.console, found, result, output)
+    with session.progress("Errors of the parameters"):
+        _ = result.parameters
+    show.refinement(session.console, found, result, output, by_hand=True)
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare
@@ -92,7 +94,7 @@ def add(
 
         with session.progress("Comparing"):
             comparison = compare(found, result.model, held=result.bench)
-        return refine_page(found, result, comparison)
+        return refine_page(found, result, comparison, by_hand=True)
 
     session.write(
         documents.addition(captures, effect, result, output),

@@ -82,6 +82,8 @@ def _tell(
     print("3. What is missing, added until nothing is left to find (`dnanalyze refine`):\n")
     with session.progress("Refining") as progress:
         result = refine(found, trying=lambda name: progress.now(f"Trying {name}"))
+        progress.now("Errors of the parameters")
+        _ = result.parameters
     show.refinement(session.console, found, result, folder)
     verdict = "found" if hide in result.effects else "not found"
     print(f"\n4. What was hidden: {hide}, {level}. It was {verdict}.")

@@ -68,13 +68,16 @@ def refine(
 ) -> None:
     """Diagnose and add until nothing more is missing; the error at each step.
 
-    The model file is written at each step; an interrupted run goes on with --model of that file.
+    Model, JSON and report are written at each step; an interrupted run goes on with --model.
     """
+    from dnanalyze.diagnosis.refine import Refinement
     from dnanalyze.diagnosis.refine import refine as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables, words
+    from dnanalyze.report.pages.refine import refine_page
     from dnanalyze_cli import over_channels, show
+    from dnanalyze_cli.going_on import command_line, kept_when_stopped
 
     session = Session(
         "refine",
@@ -110,35 +113,59 @@ def refine(
             ),
         )
         return
-    with session.progress("Reading") as progress:
-        held = progress.bench(found)
-        result = run(
-            found,
-            model=own,
-            held=held,
-            exclude=tuple(exclude or ()),
-            most_effects=max_effects,
-            until_error=until_error,
-            known=known,
-            tell=lambda step: progress.note(
-                f"{words.number(step.error):>7}  {words.step_name(step.added, 0)}"
-            ),
-            trying=lambda name: progress.now(f"Trying {name}"),
-            keep=lambda model: session.keep(dump_model(model)),
+
+    def keep(result: Refinement) -> None:
+        so_far.append(result)
+        session.keep(
+            documents.refinement(captures, result, output),
+            lambda: refine_page(found, result),
+            lambda: tables.steps(result),
+            lambda: dump_model(result.model),
         )
-    show.refinement(session.console, found, result, output)
 
-    def page() -> str:
-        from dnanalyze.comparator.compare import compare
-        from dnanalyze.report.pages.refine import refine_page
+    def go_on() -> list[str]:
+        return command_line(
+            captures,
+            output,
+            {"--exclude": exclude, "--until-error": until_error, "--json": json, "--report": report,
+             "--csv": csv, "--config": config, "--tolerance-c": tolerance_c, "--channel": channel,
+             "--effects": effects},
+            max_effects,
+            so_far[-1] if so_far else None,
+        )  # fmt: skip
 
-        with session.progress("Comparing"):
-            comparison = compare(found, result.model, held=result.bench)
-        return refine_page(found, result, comparison)
+    so_far: list[Refinement] = []
+    with kept_when_stopped(session.files, so_far, go_on):
+        with session.progress("Reading") as progress:
+            held = progress.bench(found)
+            result = run(
+                found,
+                model=own,
+                held=held,
+                exclude=tuple(exclude or ()),
+                most_effects=max_effects,
+                until_error=until_error,
+                known=known,
+                tell=lambda step: progress.note(
+                    f"{words.number(step.error):>7}  {words.step_name(step.added, 0)}"
+                ),
+                trying=lambda name: progress.now(f"Trying {name}"),
+                keep=keep,
+            )
+        with session.progress("Errors of the parameters"):
+            _ = result.parameters
+        show.refinement(session.console, found, result, output)
 
-    session.write(
-        documents.refinement(captures, result, output),
-        page,
-        lambda: tables.steps(result),
-        lambda: dump_model(result.model),
-    )
+        def page() -> str:
+            from dnanalyze.comparator.compare import compare
+
+            with session.progress("Comparing"):
+                comparison = compare(found, result.model, held=result.bench)
+            return refine_page(found, result, comparison)
+
+        session.write(
+            documents.refinement(captures, result, output),
+            page,
+            lambda: tables.steps(result),
+            lambda: dump_model(result.model),
+        )

@@ -85,7 +85,7 @@ def _glance(result: Any) -> Section:
     return Section(
         "glance",
         "At a glance",
-        text=[f"{at}In brackets the rank; sensors that are not told apart share one.",
+        text=[f"{at}In brackets the rank; equal ranks are not distinguishable.",
               *_marks(result)],
         tables=[Table(("sensor", *columns), rows, sortable=True, narrow=True)],
     )  # fmt: skip
@@ -211,7 +211,11 @@ def _rankings(result: Any) -> Section:
         if len(ranked) < 2 or r is not fairest(result, r.base, r.temperature_c):
             continue
         at = f"{r.temperature_c:g}\N{NO-BREAK SPACE}°C" if r.temperature_c is not None else ""
-        order = "; ".join(f"{p.rank}. {p.sensor} ({_cell(p.figure)})" for p in ranked)
+        order = "; ".join(
+            f"{p.rank}. {p.sensor} ({_cell(p.figure)})"
+            + (f", not distinguishable from {listing(p.alike)}" if p.alike else "")
+            for p in ranked
+        )
         left = [names[p.sensor] for p in r.places if p.rank is None and p.figure.known]
         order += f"; not ranked: {listing(left)}" if left else ""
         rows.append((r.title, r.unit, at, order))
@@ -219,7 +223,9 @@ def _rankings(result: Any) -> Section:
         "rankings",
         "Ranking per criterion",
         text=[
-            "Sensors whose figures differ by less than two standard errors share a rank.",
+            "The rank is 1 plus the number of sensors that are better by more than two standard "
+            "errors of the difference, on the scale that is printed; figures that differ by less "
+            "are not distinguishable.",
             *_marks(result),
         ],
         tables=[Table(("criterion", "unit", "at", "best first"), rows, words=4)] if rows else [],

@@ -11,10 +11,10 @@ from dnanalyze.report.channels import COLUMNS, headline, rows
 from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
+from dnanalyze.report.pages.refine import STEP_COLUMNS, step_rows
 from dnanalyze.report.words import (
     diagnose_headline,
     number,
-    percent,
     refine_headline,
     sentence,
     step_name,
@@ -51,17 +51,11 @@ def refinement_page(captures: Any, result: Any, comparison: Any) -> str:
 
 def _steps(channel: str, part: Any) -> Section:
     names = [step_name(s.added, place) for place, s in enumerate(part.steps)]
-    table = Table(
-        ("step", "confidence", "error after"),
-        [
-            (name, percent(s.confidence), number(s.error))
-            for name, s in zip(names, part.steps, strict=True)
-        ],
-    )
+    table = Table(STEP_COLUMNS, step_rows(part.steps))
     return Section(
         f"channel-{channel}",
         f"Channel {channel}",
-        text=[refine_headline(list(part.steps), part.verdict)],
+        text=[refine_headline(part)],
         pictures=[waterfall(names, [s.error for s in part.steps])],
         tables=[table],
     )

@@ -11,6 +11,7 @@ from dnanalyze.report.pages import compare
 from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
     diagnose_headline,
+    naming,
     number,
     percent,
     plural,
@@ -26,7 +27,7 @@ def sections(result: Any) -> list[Section]:
     found = list(result.candidates)
     rows = [
         (
-            c.effect,
+            naming(c.effect, c.confidence),
             ", ".join(c.confused_with) or "–",
             number(c.error_after),
             percent(c.explained),
@@ -38,7 +39,7 @@ def sections(result: Any) -> list[Section]:
     evidence = [
         Section(
             f"evidence-{c.effect}",
-            f"Evidence for {c.effect}",
+            f"Evidence for {naming(c.effect, c.confidence)}",
             points=[sentence(e) for e in c.evidence],
         )
         for c in found[result.verdict == "missing" : 3]  # the best one's stands with the verdict
@@ -53,7 +54,7 @@ def sections(result: Any) -> list[Section]:
         *evidence,
         Section(
             "unexplained",
-            "What no candidate explains",
+            "What stays unexplained",
             points=[sentence(named(n)) for n in result.unexplained],
         ),
         Section("next", "The next capture", points=texts(result.next_capture)),

@@ -10,41 +10,72 @@ from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.words import (
+    add_headline,
+    naming,
     number,
     percent,
     refine_headline,
     sentence,
     step_name,
+    with_error,
 )
 
 
-def refine_page(captures: Any, result: Any, comparison: Any = None) -> str:
-    """HTML of the page; with a comparison of the final model its panels follow."""
+def step_rows(steps: Any) -> list[tuple[str, str, str, str]]:
+    """Step, confidence, what it may be confused with, error after."""
+    return [
+        (
+            naming(step_name(s.added, place), s.confidence),
+            percent(s.confidence),
+            ", ".join(s.confused_with) or "–",
+            number(s.error),
+        )
+        for place, s in enumerate(steps)
+    ]
+
+
+STEP_COLUMNS = ("step", "confidence", "confused with", "error after")
+
+
+def parameter_section(result: Any) -> Section:
+    """The numbers of the final model with their standard errors."""
+    rows = [(p.name, with_error(p.value, p.se), p.unit) for p in result.parameters]
+    return Section(
+        "parameters",
+        "The effects of the final model",
+        text=["Value and standard error; the errors are those of one measured and one simulated "
+              "sensor, which the estimate was made with."] if rows else [],
+        tables=[Table(("parameter", "value", "unit"), rows)] if rows else [],
+    )  # fmt: skip
+
+
+def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: bool = False) -> str:
+    """HTML of the page; with a comparison of the final model its panels follow.
+
+    ``by_hand``: of `add`, where the user named the effect.
+    """
     steps = list(result.steps)
     names = [step_name(s.added, place) for place, s in enumerate(steps)]
-    rows = [
-        (name, percent(getattr(s, "confidence", None)), number(s.error))
-        for name, s in zip(names, steps, strict=True)
-    ]
     why = [
-        sentence(f"{s.added}: {e}")
+        sentence(f"{naming(s.added, s.confidence)}: {e}")
         for s in steps
         if s.added
-        for e in getattr(s, "evidence", None) or ()
+        for e in s.evidence
     ]
-    rest = getattr(result, "diagnosis", None)
+    rest = result.diagnosis
     page = Page(
         "Refinement",
         capture.title(captures),
-        refine_headline(steps, result.verdict),
+        add_headline(result) if by_hand else refine_headline(result),
         [
             Section(
                 "steps",
                 "The error, step by step",
                 pictures=[waterfall(names, [s.error for s in steps])],
-                tables=[Table(("step", "confidence", "error after"), rows)],
+                tables=[Table(STEP_COLUMNS, step_rows(steps))],
             ),
             Section("why", "Why each was added", points=why),
+            parameter_section(result),
             *(diagnose.sections(rest) if rest is not None else []),
             *(
                 compare.sections(comparison)
