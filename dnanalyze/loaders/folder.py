@@ -20,11 +20,11 @@ from dnanalyze.loaders.manifest import read_manifest
 from dnanalyze.loaders.names import from_names, from_regex
 from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
+from dnanalyze.loaders.thermometer import TOLERANCE_C
 
 if TYPE_CHECKING:
     Region = Literal["active", "masked", "all"]
 
-TOLERANCE_C = 1.5
 T = TypeVar("T")
 
 
@@ -48,7 +48,8 @@ def load(
     config : str, path or Config, optional
         A sidecar; without it ``dnanalyze.yaml`` in the folder, where there is one.
     tolerance_c : float, optional
-        Frames of one operating point span at most this, C; 1.5 where the sidecar does not say.
+        Frames of one operating point span at most this, C. Where the sidecar does not say it
+        either, 1.5, or less where the scatter of the temperatures shows several set points.
     include_masked : bool
         The whole readout, masked pixels and all; the same as ``region="all"``.
     region : {"active", "masked", "all"}, optional
@@ -67,8 +68,8 @@ def load(
     """
     place = find(path)
     sidecar = _sidecar(config, place)
-    tolerance = next(t for t in (tolerance_c, sidecar.tolerance_c, TOLERANCE_C) if t is not None)
-    if not tolerance >= 0:
+    tolerance = _first(tolerance_c, sidecar.tolerance_c)
+    if tolerance is not None and not tolerance >= 0:
         raise InputError(f"tolerance_c {tolerance}: must be 0 C or more")
     asked = "all" if include_masked else region or sidecar.region
     notes: list[str] = []
@@ -176,7 +177,7 @@ def _capture_set(
     manifest: dict[Path, Metadata],
     recordings: list[tuple[Path, Recording]],
     part: str,
-    tolerance_c: float,
+    tolerance_c: float | None,
     notes: list[str],
 ) -> CaptureSet:
     frames: list[tuple[Frame, float | None]] = []
@@ -214,7 +215,8 @@ def _capture_set(
     )
     notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
-    source = Source(formats, str(first.dtype), tolerance_c, part)
+    span = TOLERANCE_C if tolerance_c is None else tolerance_c
+    source = Source(formats, str(first.dtype), span, part)
     return CaptureSet(place.name, sensor, group(frames, tolerance_c), tuple(notes), source)
 
 
