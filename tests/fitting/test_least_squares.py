@@ -174,3 +174,18 @@ def test_derivatives_of_another_model_are_taken_over_by_name():
     )
     np.testing.assert_array_equal(other.jacobian[:, 1:], first.jacobian[:, :-1][:, ::-1])
     assert np.isnan(other.jacobian[:, 0]).all()
+
+
+@pytest.mark.parametrize(("span", "held"), [(1.6, True), (20.0, False)])
+def test_an_energy_is_held_where_the_temperatures_tell_no_slope(span, held):
+    bench = small.bench_of()
+    settings = tuple(
+        replace(s, point=replace(s.point, temperature_c=25.0 + span * (n > 0)))
+        for n, s in enumerate(bench.plan.captures.settings)
+    )
+    captures = replace(bench.plan.captures, settings=settings)
+    bench = replace(bench, plan=replace(bench.plan, captures=captures))
+    model = small.model().with_effect(small.KNOWN["hot_pixels"](fraction=0.05, scale=200.0))
+    knobs = [k for k in knobs_of(model) if k.effect == "hot_pixels" and k.parameter == "ea_ev"]
+    found = derive(bench, start(bench, model, knobs))
+    assert (np.linalg.norm(found.jacobian) == 0) == held
