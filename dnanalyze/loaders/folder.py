@@ -1,4 +1,4 @@
-"""``load``: a capture folder to a ``CaptureSet``, headers only."""
+"""``load``: a capture folder to a ``CaptureSet``: headers, and a glance at the frames."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from dnanalyze.loaders.config import Config, read_config, sidecar_of
 from dnanalyze.loaders.files import Place, find
 from dnanalyze.loaders.formats import MODULES, read_header
 from dnanalyze.loaders.grouping import group
+from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
 from dnanalyze.loaders.names import from_names, from_regex
 from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
@@ -37,6 +38,9 @@ def load(
     region: Region | None = None,
 ) -> CaptureSet:
     """Dark frames of one sensor, grouped by operating point; pixels are read when asked for.
+
+    A sample of each frame is looked at: identical frames of an operating point count once, and the
+    notes tell of these and other frames that are suspect (`dnanalyze.loaders.health`).
 
     Each of temperature, exposure, gain and channel is taken from the first source that says it:
     manifest, file header, name, sidecar.
@@ -214,10 +218,12 @@ def _capture_set(
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
     )
     notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
+    settings, suspect = examined(group(frames, tolerance_c))
+    notes += suspect
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part)
-    return CaptureSet(place.name, sensor, group(frames, tolerance_c), tuple(notes), source)
+    return CaptureSet(place.name, sensor, settings, tuple(notes), source)
 
 
 def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:

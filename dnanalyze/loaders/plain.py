@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,6 +34,7 @@ class PlainPixels:
     shape: tuple[int, int]
     dtype: str
     sign_flip: bool = False
+    partial: ClassVar[bool] = True
 
     @property
     def frame_bytes(self) -> int:

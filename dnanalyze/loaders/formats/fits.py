@@ -10,7 +10,7 @@ import re
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from astropy.io import fits
@@ -78,6 +78,7 @@ class Scaled:
     scale: float
     zero: float
     blank: int | None
+    partial: ClassVar[bool] = True
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of plane ``index``."""
