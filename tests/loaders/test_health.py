@@ -10,7 +10,6 @@ from dnanalyze import analyze
 from dnanalyze.errors import InputError
 from dnanalyze.loaders import health, inspect, load
 
-
 SHAPE = (200, 512)
 PATTERN = np.random.default_rng(99).normal(100.0, 8.0, SHAPE)
 
