@@ -109,6 +109,7 @@ _OVERVIEW = {
 
 def statistics(console: Console, captures: Any, measured: Any) -> None:
     """Level and noise at every operating point, then the trends."""
+    from dnanalyze.analyzers.trends import law_doubts
     from dnanalyze.report.pages.analyze import headline
 
     _verdict(console, capture.one_line(captures), headline(measured))
@@ -136,6 +137,7 @@ def statistics(console: Console, captures: Any, measured: Any) -> None:
             for title, values, unit in found
         ),
     )
+    _points(console, "What is doubtful", law_doubts(measured))
     reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})
     _points(console, "What these frames cannot tell", reasons[:MOST_FAILURES])
 

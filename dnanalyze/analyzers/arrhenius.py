@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from dnanalyze.analyzers.statistics import Value
 BOLTZMANN_EV = 8.617333e-5
 KELVIN = 273.15
 BETTER = 13.8  # drop of chi^2 for two more parameters: p = .001
+# Dark current of silicon: .2 to .3 eV where fields lower the barrier, half the gap (.55 to .65)
+# in depletion, the gap (1.1 to 1.2) by diffusion, with room for the T^3 of its prefactor.
+USUAL_EV = (0.2, 1.5)
+BEYOND = 2.0  # standard errors
 
 
 def misfit(pulls: np.ndarray, parameters: int) -> float:
@@ -49,6 +54,26 @@ def arrhenius_laws(kelvin: np.ndarray, rate: np.ndarray, relative: np.ndarray) -
     if kelvin.size >= 6:
         out |= _two_populations(x, rate, relative, solution, float(pulls @ pulls))
     return out
+
+
+def unusual(energy_ev: float, se: float) -> bool:
+    """Whether an activation energy lies outside those of dark current by more than its error."""
+    low, high = USUAL_EV
+    return energy_ev + BEYOND * se < low or energy_ev - BEYOND * se > high
+
+
+def doubts(trends: Mapping[str, Value]) -> list[str]:
+    """A sentence for each activation energy that is not one of dark current."""
+    found = ((n, trends.get(f"activation_energy_{n}ev")) for n in ("", "1_", "2_"))
+    step = trends.get("doubling_step_c")
+    return [
+        f"The activation energy of {v.value:.3g} +- {v.se:.2g} eV"
+        + (f" (doubling every {step.value:.3g} C)" if step is not None and not n else "")
+        + f" is not that of a dark current, {USUAL_EV[0]:g} to {USUAL_EV[1]:g} eV: check the "
+        "temperatures, the exposures and the black level, and whether light fell on the sensor."
+        for n, v in found
+        if v is not None and unusual(v.value, v.se)
+    ]
 
 
 def _two_populations(

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, misfit
+from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, doubts, misfit
 from dnanalyze.analyzers.statistics import (
     SettingStatistics,
     StatisticInfo,
@@ -17,6 +17,7 @@ from dnanalyze.analyzers.statistics import (
     Value,
 )
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
+from dnanalyze.loaders.thermometer import tells_slope
 
 BIAS_SHARE = 1e-3  # of the longest exposure, up to which a frame counts as bias
 BLACK_LEVEL_ERROR = 0.5  # DN, of a recorded black level
@@ -75,6 +76,13 @@ def trends(
         replace(s, values=s.values | {"dark_rate_dn_s": rates[s.point]}) if s.point in rates else s
         for s in settings
     ]
+
+
+def law_doubts(measured: Statistics) -> list[str]:
+    """Laws over temperature that are not believed, a sentence each, channel by channel."""
+    channels = channel_trends(measured)
+    named = [f"Channel {name}: {text}" for name, laws in channels.items() for text in doubts(laws)]
+    return named if channels else doubts(measured.trends)
 
 
 def channel_trends(measured: Statistics) -> dict[str, dict[str, Value]]:
@@ -148,7 +156,7 @@ def dark_signal(
         r if keep else Value(0.0, float(e)) for r, keep, e in zip(rates, dark, error, strict=True)
     ]
     told = dark & np.isfinite(series.kelvin) & (signal > HEADROOM * error)
-    if np.unique(series.kelvin[told]).size >= 2:
+    if tells_slope(series.kelvin[told]):
         rate = signal[told] / series.exposure[told]
         relative = np.hypot(error[told] / signal[told], RELATIVE_ERROR)
         out |= arrhenius_laws(series.kelvin[told], rate, relative)
@@ -166,7 +174,8 @@ def _bias_level(series: Series, bias: np.ndarray) -> np.ndarray:
 def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
     """One constant under a dark signal t R(T): R free at each temperature, or an Arrhenius law.
 
-    Free rates need two exposures at some temperature; the law needs three temperatures.
+    Free rates need two exposures at some temperature; the law needs three temperatures, far enough
+    apart for a slope.
     """
     kelvin = np.where(np.isfinite(series.kelvin), series.kelvin, 0.0)
     temperatures, index = np.unique(np.round(kelvin), return_inverse=True)
@@ -179,7 +188,7 @@ def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
         design[:, 0] = 1.0
         design[np.arange(series.level.size), 1 + index] = series.exposure
         return _linear_pedestal(design, series, black_level)
-    if temperatures.size >= 3 and np.all(kelvin > 0):
+    if temperatures.size >= 3 and np.all(kelvin > 0) and tells_slope(kelvin):
         found = _law_pedestal(series, black_level)
         if found is not None:
             return found

@@ -143,10 +143,11 @@ def record(
         Called with a line of progress.
     """
     from dnanalyze.analyzers.analyze import analyze
+    from dnanalyze.analyzers.trends import law_doubts
 
     tell(f"{name}: statistics")
     statistics = analyze(captures)
-    notes: list[str] = list(captures.notes)
+    notes: list[str] = [*captures.notes, *law_doubts(statistics)]
     errors, result = _modelled(name, captures, quick, tell, notes)
     own_gain = _gain_of_model(result) if result else ABSENT
     filtered, kind = _filtered(name, captures, tell, notes)

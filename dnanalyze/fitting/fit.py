@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dnanalyze.analyzers.arrhenius import USUAL_EV, unusual
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import (
@@ -233,7 +234,20 @@ def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarr
     with np.errstate(invalid="ignore", divide="ignore"):
         correlations = covariance / np.outer(spread, spread)
     doubts = [] if seen is None else _doubts(knobs, spread, correlations, seen)
+    doubts += [
+        f"{p.name}: {p.value:.3g} +- {p.se:.2g} eV is not the activation energy of a dark current, "
+        f"{USUAL_EV[0]:g} to {USUAL_EV[1]:g} eV"
+        for k, p in zip(knobs, parameters, strict=True)
+        if _of_dark_current(state.model, k) and unusual(p.value, p.se)
+    ]
     return Fit(state.model, parameters, correlations, doubts, held, state)
+
+
+def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:
+    """Whether it is the energy of a dark current: not of what need not be one, such as a glow."""
+    effect = model.get(knob.effect) if knob.energy and knob.part != "ea_ev" else None
+    usual = getattr(type(effect), knob.parameter, None)
+    return effect is not None and isinstance(usual, float) and not unusual(usual, 0.0)
 
 
 def _plain_error(knob: Knob, position: float, spread: float) -> float:
@@ -245,7 +259,9 @@ def _doubts(
 ) -> list[str]:
     sentences = []
     for i, knob in enumerate(knobs):
-        if not seen[i]:
+        if knob.energy and not seen[i]:
+            sentences.append(f"{knob.name}: held; these captures tell no activation energy")
+        elif not seen[i]:
             sentences.append(f"{knob.name}: nothing in these captures depends on it")
         elif knob.log and spread[i] > VAGUE:
             sentences.append(

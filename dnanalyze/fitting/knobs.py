@@ -54,6 +54,11 @@ class Knob:
         """Rows of a table form a group: each moves other settings, so one simulation serves."""
         return f"{self.effect}.{self.parameter}[]" if self.part.isdigit() else self.name
 
+    @property
+    def energy(self) -> bool:
+        """Whether it is an activation energy: a slope over temperature."""
+        return "ea_ev" in (self.part, self.parameter)
+
     def inside(self, position: float) -> float:
         """A position on the knob's scale, moved within its bounds."""
         low, high = (self.position(b) for b in (self.lower, self.upper))

@@ -16,6 +16,7 @@ import numpy as np
 
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.noise_model import NoiseModel
 
 HUBER = 6.0
@@ -125,7 +126,8 @@ def derive(
 
     A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
     ``anew``: also those that are known, which then tell how long a step must be. Of what lies in
-    the judged half alone, the fitted one tells nothing: there they are 0.
+    the judged half alone, the fitted one tells nothing, nor do temperatures too near each other of
+    an activation energy: there they are 0.
     """
     jacobian = state.jacobian.copy()
     groups: dict[str, list[int]] = {}
@@ -134,8 +136,10 @@ def derive(
             groups.setdefault(knob.group, []).append(i)
     seen = []
     for members in groups.values():
-        effect = state.model.get(state.knobs[members[0]].effect)
-        if effect is None or effect.lies_in(bench.plan.windows[0]):
+        knob = state.knobs[members[0]]
+        effect = state.model.get(knob.effect)
+        told = not knob.energy or tells_slope(p.temperature_c for p, _ in bench.plan.settings)
+        if told and (effect is None or effect.lies_in(bench.plan.windows[0])):
             seen.append(members)
         else:
             jacobian[:, members] = 0.0

@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 
 from dnanalyze.fitting.moments import Moments, temperature_knots
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.laws import Law, TableLaw, value_at
@@ -170,11 +171,18 @@ def _by_temperature(points: list[OperatingPoint], mu: np.ndarray, lit: list[int]
     Between rows the table is a straight line over 1/T, an activation energy of its own. Even where
     two currents with energies .6 eV apart mix, that is within 1 % over `NEAR_C`, so temperatures
     nearer than that to the next need no row: it would hang on the frames of one short exposure.
+    Temperatures too near each other for a slope have rows where the longest exposure was taken.
     """
     rows: dict[OperatingPoint, tuple[tuple[float, float], float]] = {}
     for kind in dict.fromkeys((points[i].gain, points[i].channel) for i in lit):
         alike = [i for i in lit if (points[i].gain, points[i].channel) == kind]
-        knots = temperature_knots([t for i in alike if (t := points[i].temperature_c) is not None])
+        timed = [
+            (t, points[i].exposure_s) for i in alike if (t := points[i].temperature_c) is not None
+        ]
+        if not tells_slope(t for t, _ in timed):
+            longest = max((e or 0.0 for _, e in timed), default=0.0)
+            timed = [(t, e) for t, e in timed if (e or 0.0) == longest]
+        knots = temperature_knots([t for t, _ in timed])
         for i in alike:
             p = points[i]
             at, away = p.temperature_c, 0.0

@@ -1,4 +1,4 @@
-"""``load``: a capture folder to a ``CaptureSet``, headers only."""
+"""``load``: a capture folder to a ``CaptureSet``: headers, and a glance at the frames."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from dnanalyze.loaders.config import Config, read_config, sidecar_of
 from dnanalyze.loaders.files import Place, find
 from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
 from dnanalyze.loaders.grouping import group
+from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
 from dnanalyze.loaders.names import from_names, from_regex
 from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
+from dnanalyze.loaders.thermometer import TOLERANCE_C
 
 if TYPE_CHECKING:
     Region = Literal["active", "masked", "all"]
 
-TOLERANCE_C = 1.5
 T = TypeVar("T")
 
 
@@ -38,6 +39,9 @@ def load(
 ) -> CaptureSet:
     """Dark frames of one sensor, grouped by operating point; pixels are read when asked for.
 
+    A sample of each frame is looked at: identical frames of an operating point count once, and the
+    notes tell of these and other frames that are suspect (`dnanalyze.loaders.health`).
+
     Each of temperature, exposure, gain and channel is taken from the first source that says it:
     manifest, file header, name, sidecar.
 
@@ -48,7 +52,8 @@ def load(
     config : str, path or Config, optional
         A sidecar; without it ``dnanalyze.yaml`` in the folder, where there is one.
     tolerance_c : float, optional
-        Frames of one operating point span at most this, C; 1.5 where the sidecar does not say.
+        Frames of one operating point span at most this, C. Where the sidecar does not say it
+        either, 1.5, or less where the scatter of the temperatures shows several set points.
     include_masked : bool
         The whole readout, masked pixels and all; the same as ``region="all"``.
     region : {"active", "masked", "all"}, optional
@@ -67,8 +72,8 @@ def load(
     """
     place = find(path)
     sidecar = _sidecar(config, place)
-    tolerance = next(t for t in (tolerance_c, sidecar.tolerance_c, TOLERANCE_C) if t is not None)
-    if not tolerance >= 0:
+    tolerance = _first(tolerance_c, sidecar.tolerance_c)
+    if tolerance is not None and not tolerance >= 0:
         raise InputError(f"tolerance_c {tolerance}: must be 0 C or more")
     asked = "all" if include_masked else region or sidecar.region
     notes: list[str] = []
@@ -176,7 +181,7 @@ def _capture_set(
     manifest: dict[Path, Metadata],
     recordings: list[tuple[Path, Recording]],
     part: str,
-    tolerance_c: float,
+    tolerance_c: float | None,
     notes: list[str],
 ) -> CaptureSet:
     frames: list[tuple[Frame, float | None]] = []
@@ -224,9 +229,12 @@ def _capture_set(
         + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
         for text, names in odd.items()
     ]
+    settings, suspect = examined(group(frames, tolerance_c))
+    notes += suspect
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
-    source = Source(formats, str(first.dtype), tolerance_c, part)
-    return CaptureSet(place.name, sensor, group(frames, tolerance_c), tuple(notes), source)
+    span = TOLERANCE_C if tolerance_c is None else tolerance_c
+    source = Source(formats, str(first.dtype), span, part)
+    return CaptureSet(place.name, sensor, settings, tuple(notes), source)
 
 
 def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:

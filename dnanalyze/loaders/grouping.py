@@ -1,65 +1,76 @@
-"""Frames to settings: the same channel, gain and exposure, and nearly the same temperature."""
+"""Frames to settings: the same channel, gain and exposure, and one temperature."""
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+
+import numpy as np
 
 from dnanalyze.loaders.captures import Frame, OperatingPoint, Setting
+from dnanalyze.loaders.thermometer import clusters, isolated
 
 
-def group(frames: Sequence[tuple[Frame, float | None]], tolerance_c: float) -> tuple[Setting, ...]:
+def group(
+    frames: Sequence[tuple[Frame, float | None]], tolerance_c: float | None = None
+) -> tuple[Setting, ...]:
     """Settings, sorted by operating point.
 
-    Within one channel, gain and exposure the frames are sorted by temperature, and a group takes
-    the next frame while its span stays within the tolerance. Its point has the mean temperature.
+    Temperatures are clustered over all frames (`thermometer.clusters`), whatever their channel,
+    gain and exposure: a regulated sensor has one temperature for all of them. A point has the mean
+    temperature of its cluster; where neighbouring clusters lie nearer than a cluster is wide, as in
+    a series of cooling, that of its own frames.
 
     Parameters
     ----------
     frames : sequence of (Frame, float or None)
         Each with its place in time, where known; otherwise the given order stands.
-    tolerance_c : float
-        Largest span of the temperatures in one setting, C.
+    tolerance_c : float, optional
+        Largest span of the temperatures in one setting, C; by default 1.5, or less where the
+        readings scatter by much less than they lie apart.
     """
+    state, shared = _states([f.point.temperature_c for f, _ in frames], tolerance_c)
     alike: dict[tuple, list[int]] = defaultdict(list)
     for index, (frame, _) in enumerate(frames):
         point = frame.point
-        known = point.temperature_c is not None
-        alike[(point.channel, _near(point.gain), _near(point.exposure_s), known)].append(index)
+        key = (point.channel, _near(point.gain), _near(point.exposure_s), state[index])
+        alike[key].append(index)
     settings = []
-    for indices in alike.values():
-        for span in _spans(indices, [f.point.temperature_c for f, _ in frames], tolerance_c):
-            ordered = sorted(span, key=lambda i: (_order(frames[i][1]), i))
-            settings.append(_setting([frames[i][0] for i in ordered]))
+    for (*_, here), indices in alike.items():
+        ordered = sorted(indices, key=lambda i: (_order(frames[i][1]), i))
+        settings.append(_setting([frames[i][0] for i in ordered], shared.get(here)))
     return tuple(sorted(settings, key=lambda s: s.point.sort_key()))
 
 
-def _spans(
-    indices: list[int], temperatures: Sequence[float | None], tolerance_c: float
-) -> Iterable[list[int]]:
-    span: list[int] = []
-    start = 0.0
-    for index in sorted(indices, key=lambda i: temperatures[i] or 0.0):
-        here = temperatures[index] or 0.0
-        if span and here - start > tolerance_c + 1e-9:
-            yield span
-            span = []
-        if not span:
-            start = here
-        span.append(index)
-    yield span
+def _states(
+    temperatures: Sequence[float | None], tolerance_c: float | None
+) -> tuple[list[int | None], dict[int | None, float]]:
+    """The cluster of each frame (None: unknown), and the temperatures that clusters share."""
+    known = [(t, i) for i, t in enumerate(temperatures) if t is not None]
+    known.sort()
+    readings = np.array([t for t, _ in known])
+    state: list[int | None] = [None] * len(temperatures)
+    shared: dict[int | None, float] = {}
+    for number, (first, last) in enumerate(clusters(readings, tolerance_c)):
+        for _, index in known[first:last]:
+            state[index] = number
+        if isolated(readings, first, last):
+            shared[number] = _mean([t for t, _ in known[first:last]])
+    return state, shared
 
 
-def _setting(frames: list[Frame]) -> Setting:
+def _setting(frames: list[Frame], temperature_c: float | None) -> Setting:
     first = frames[0].point
-    known = [f.point.temperature_c for f in frames if f.point.temperature_c is not None]
-    mean = None
-    if known:
-        # equal temperatures must give exactly that temperature, not a rounded sum
-        mean = known[0] if min(known) == max(known) else math.fsum(known) / len(known)
-    point = OperatingPoint(mean, first.exposure_s, first.gain, first.channel)
+    if temperature_c is None and first.temperature_c is not None:
+        temperature_c = _mean([f.point.temperature_c or 0.0 for f in frames])
+    point = OperatingPoint(temperature_c, first.exposure_s, first.gain, first.channel)
     return Setting(point, tuple(frames))
+
+
+def _mean(known: list[float]) -> float:
+    """Equal temperatures give exactly that temperature; else to 1e-6 C, free of the sum's tail."""
+    return known[0] if min(known) == max(known) else round(math.fsum(known) / len(known), 6)
 
 
 def _near(value: float | None) -> float | None:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Setting
+from dnanalyze.loaders.thermometer import tells_slope
 
 _LOOKS = 8  # frames that are read for their codes
 _FEW_FRAMES = 8  # below this, variances between frames are known to worse than about 50 %
-_SAME_C = 3.0  # temperatures closer than this carry no activation energy
 
 
 def inspect(captures: CaptureSet) -> dict[str, Any]:
@@ -90,18 +90,12 @@ def _missing_temperature(points: list[OperatingPoint]) -> list[str]:
             f"{len(points) - len(known)} of {len(points)} operating points have no temperature "
             "and stay out of the trends."
         )
-    if _spread(points) < _SAME_C:
+    if not tells_slope(known):
         said.append(
             "One temperature only: no activation energy, and no effect can be told by how it "
             "moves with temperature."
         )
     return said
-
-
-def _spread(points: list[OperatingPoint]) -> float:
-    """From the coldest to the warmest known temperature, C; 0 where none is known."""
-    known = [p.temperature_c for p in points if p.temperature_c is not None]
-    return max(known) - min(known) if known else 0.0
 
 
 def _missing_exposure(points: list[OperatingPoint]) -> list[str]:
@@ -117,7 +111,8 @@ def _missing_exposure(points: list[OperatingPoint]) -> list[str]:
             f"{len(points) - len(exposures)} of {len(points)} operating points have no exposure."
         )
     if len(set(exposures)) == 1 and exposures[0] > 0:
-        by = "by temperature alone" if _spread(points) >= _SAME_C else "not at all"
+        temperatures = (p.temperature_c for p in points)
+        by = "by temperature alone" if tells_slope(temperatures) else "not at all"
         said.append(
             f"One exposure only: what grows with time and what does not are told apart {by}; "
             "bias frames or a second exposure would help."

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -34,6 +35,7 @@ class PlainPixels:
     shape: tuple[int, int]
     dtype: str
     sign_flip: bool = False
+    partial: ClassVar[bool] = True
 
     @property
     def frame_bytes(self) -> int:

@@ -62,7 +62,8 @@ class Recording:
     dtype : numpy.dtype
         Of the pixels as stored.
     read : callable
-        ``read(index, window)``: pixels of frame ``index``, DN; picklable.
+        ``read(index, window)``: pixels of frame ``index``, DN; picklable. Its attribute
+        ``partial`` is true where it reads a window without decoding the rest.
     frames : tuple of Metadata
         One for each frame in the file.
     active : Window, optional
@@ -121,6 +122,11 @@ class FrameReader:
     index: int
     region: Window
     checked: bool = True
+
+    @property
+    def partial(self) -> bool:
+        """Whether a window is read without the rest of the frame; readers say so themselves."""
+        return bool(getattr(self.read, "partial", False))
 
     def __call__(self, window: Window | None = None) -> np.ndarray:
         """Pixels of ``window`` (None is all), DN: native byte order, C-contiguous, 2-D.

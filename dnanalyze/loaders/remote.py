@@ -76,6 +76,11 @@ class Fetched:
     path: Path
     origin: Origin
 
+    @property
+    def partial(self) -> bool:
+        """As of the reader of the copy."""
+        return bool(getattr(self.read, "partial", False))
+
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of frame ``index``."""
         if not self.path.exists():

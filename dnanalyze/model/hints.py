@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
 
@@ -75,10 +76,10 @@ def thermal_fit(
     w = np.exp(0.5 * (y - y.max()))
     centre = np.average(x, weights=w)
     spread = np.average((x - centre) ** 2, weights=w)
-    if spread < 1e-6:
-        ea = default_ev
-    else:
+    if tells_slope(t for t, g in zip(temperature, good, strict=True) if g):
         ea = float(np.average((x - centre) * y, weights=w) / spread)
+    else:
+        ea = default_ev
     ea = min(max(ea, 0.0), 1.5)
     return float(np.exp(np.average(y, weights=w) - ea * centre)), ea
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model import hints
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.evidence import excess
@@ -32,10 +33,11 @@ def _of_all(clues: Clues) -> HotSignal | None:
     """One population at all settings: N p (e^(-a/nu) - e^(-b/nu)) pixels from a to b robust sigmas.
 
     nu goes by Arrhenius. Where counts show no excess none may reach, so a cold setting tells of the
-    energy too.
+    energy too. Temperatures too near each other for a slope tell none.
     """
+    energies = ENERGIES if tells_slope(p.temperature_c for p in clues.points) else ENERGIES[:1]
     sigma = _sigma(clues)
-    growth = hints.thermal_growth(clues, ENERGIES) * hints.exposure_and_gain(clues)
+    growth = hints.thermal_growth(clues, energies) * hints.exposure_and_gain(clues)
     extra, variance = _between(clues)
     told = np.isfinite(sigma) & (sigma > 0) & np.isfinite(growth).all(axis=0)
     told &= np.isfinite(extra).any(axis=0)
@@ -55,7 +57,7 @@ def _of_all(clues: Clues) -> HotSignal | None:
     if pixels <= 0:
         return None
     fraction = pixels / float(np.prod(clues.shape))
-    return HotSignal(fraction, float(scales[energy, scale]), float(ENERGIES[energy]))
+    return HotSignal(fraction, float(scales[energy, scale]), float(energies[energy]))
 
 
 def _of_each(clues: Clues) -> HotSignal | None:

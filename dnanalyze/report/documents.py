@@ -23,7 +23,7 @@ def inspection(where: str, found: dict[str, Any]) -> Document:
 
 def statistics(where: str, measured: Any) -> Document:
     """Every statistic with its standard error."""
-    from dnanalyze.analyzers.trends import channel_trends
+    from dnanalyze.analyzers.trends import channel_trends, law_doubts
     from dnanalyze.report.tables import info
 
     rows = []
@@ -52,7 +52,15 @@ def statistics(where: str, measured: Any) -> Document:
     channels = {name: {"trends": _values(t)} for name, t in channel_trends(measured).items()}
     more = {"channels": channels} if channels else {}
     trends = _values(measured.trends)
-    return document("analyze", where, sensor=measured.sensor, settings=rows, trends=trends, **more)
+    return document(
+        "analyze",
+        where,
+        sensor=measured.sensor,
+        settings=rows,
+        trends=trends,
+        doubts=law_doubts(measured),
+        **more,
+    )
 
 
 def _values(named: Mapping[str, Any]) -> Document:

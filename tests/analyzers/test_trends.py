@@ -5,9 +5,10 @@ import pytest
 from dark_frames import captures_of
 
 from dnanalyze.analyzers.analyze import analyze
-from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws
-from dnanalyze.analyzers.trends import Series, dark_signal
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, doubts
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
+from dnanalyze.analyzers.trends import Series, dark_signal, law_doubts
+from dnanalyze.loaders.captures import OperatingPoint, Sensor
 
 SHAPE = (64, 64)
 
@@ -110,3 +111,45 @@ def test_captures_over_temperature_have_laws_and_rates_and_lasting_hot_pixels():
 def test_one_setting_has_no_trend():
     frames = [np.random.default_rng(4).integers(90, 110, SHAPE).astype(np.uint16)] * 2
     assert analyze(captures_of([(OperatingPoint(), frames)])).trends == {}
+
+
+def test_no_energy_is_told_over_a_span_that_the_thermometer_blurs():
+    # jitter of .4 C: a rise of 20 % over it would be 2.5 eV
+    celsius = np.array([-17.26, -17.2, -17.03, -16.86])
+    level = 100.0 + np.array([0.0, 200.0, 220.0, 240.0])
+    found, rates = dark_signal(series(celsius, [0.0, 1.0, 1.0, 1.0], level))
+    assert "activation_energy_ev" not in found
+    assert "doubling_step_c" not in found
+    assert rates[1].value == pytest.approx(200.0)
+
+
+def test_no_pedestal_comes_of_a_law_over_such_a_span():
+    celsius = np.array([20.0, 21.1, 22.2])
+    found, _ = dark_signal(series(celsius, 1.0, [100.0, 110.0, 125.0]))
+    assert found == {}
+
+
+@pytest.mark.parametrize(
+    ("energy", "se", "said"),
+    [(0.65, 0.02, False), (0.15, 0.03, False), (0.05, 0.02, True), (1.6, 0.1, False),
+     (1.7, 0.05, True), (-0.3, 0.05, True)],
+)  # fmt: skip
+def test_an_energy_outside_those_of_dark_current_is_doubted(energy, se, said):
+    found = doubts({"activation_energy_ev": Value(energy, se), "doubling_step_c": Value(99.0, 9.0)})
+    assert bool(found) == said
+    assert not said or (f"{energy:g}" in found[0] and "doubling every 99 C" in found[0])
+
+
+def test_doubts_are_told_channel_by_channel():
+    def setting(channel, celsius, exposure, level):
+        point = OperatingPoint(celsius, exposure, None, channel)
+        values = {"median": Value(level, 0.0), "drift": Value(0.01, 0.5)}
+        return SettingStatistics(point, "", 4, (64, 64), values)
+
+    settings = []
+    for channel, energy in (("hcg", 0.6), ("lcg", 0.02)):
+        for t in (0.0, 20.0, 40.0, 60.0):
+            settings.append(setting(channel, t, 0.0, 64.0))
+            settings.append(setting(channel, t, 1.0, 64.0 + float(rate(t, energy, 40.0))))
+    (text,) = law_doubts(Statistics("", Sensor((64, 64)), tuple(settings)))
+    assert text.startswith("Channel lcg: The activation energy of 0.02")

@@ -187,3 +187,18 @@ def test_the_last_bits_of_linear_algebra_do_not_choose_the_path(monkeypatch):
     again = minimise(held, start(held, begun, knobs_of(begun)), iterations=3)
     assert again.model == ended.model != begun
     np.testing.assert_array_equal(again.train, ended.train)
+
+
+@pytest.mark.parametrize(("span", "held"), [(1.6, True), (20.0, False)])
+def test_an_energy_is_held_where_the_temperatures_tell_no_slope(span, held):
+    bench = small.bench_of()
+    settings = tuple(
+        replace(s, point=replace(s.point, temperature_c=25.0 + span * (n > 0)))
+        for n, s in enumerate(bench.plan.captures.settings)
+    )
+    captures = replace(bench.plan.captures, settings=settings)
+    bench = replace(bench, plan=replace(bench.plan, captures=captures))
+    model = small.model().with_effect(small.KNOWN["hot_pixels"](fraction=0.05, scale=200.0))
+    knobs = [k for k in knobs_of(model) if k.effect == "hot_pixels" and k.parameter == "ea_ev"]
+    found = derive(bench, start(bench, model, knobs))
+    assert (np.linalg.norm(found.jacobian) == 0) == held

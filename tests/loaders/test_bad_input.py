@@ -94,9 +94,11 @@ def test_link_that_leaves_the_folder(tmp_path):
     refused(tmp_path / "in", "leads outside the capture folder")
 
 
-def test_link_within_the_folder_is_a_frame(tmp_path):
+def test_link_within_the_folder_is_a_frame_that_counts_once(tmp_path):
     (tmp_path / "b.tif").symlink_to(tif(tmp_path / "a.tif"))
-    assert load(tmp_path).frame_count == 2
+    captures = load(tmp_path)
+    assert captures.frame_count == 1
+    assert "b.tif has the same pixels as a.tif" in captures.notes[0]
 
 
 def test_unreadable(tmp_path, monkeypatch):

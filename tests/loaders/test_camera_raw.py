@@ -89,7 +89,7 @@ def test_lit_frames_give_their_masked_strip(tmp_path):
 def test_two_cameras_are_told_apart(tmp_path):
     dng(tmp_path / "a.dng", ARRAY[:100])
     dng(tmp_path / "b.dng")
-    dng(tmp_path / "c.dng")
+    dng(tmp_path / "c.dng", ARRAY[::-1])
     captures = load(tmp_path)
     assert [f.name for f in captures.frames()] == ["b.dng", "c.dng"]
     assert "left out: a.dng" in captures.notes[0]

@@ -42,6 +42,56 @@ def test_a_cooling_series_is_one_setting_a_frame():
     assert [s.point.temperature_c for s in found] == sorted(temperatures)
 
 
+def test_jitter_of_one_set_point_is_one_temperature_for_all_exposures():
+    # two codes of a thermometer with steps of .43 C, mixed otherwise at each exposure
+    low, high = -17.37, -16.94
+    points = [(low, 120.0)] * 9 + [(high, 120.0)] * 3 + [(low, 300.0)] + [(high, 300.0)] * 4
+    found = group(frames(*points, (low, 900.0)))
+    assert [len(s.frames) for s in found] == [12, 5, 1]
+    mean = (10 * low + 3 * high + low + 4 * high) / 18
+    (shared,) = {s.point.temperature_c for s in found}
+    assert shared == pytest.approx(mean, abs=1e-6)
+
+
+def test_several_set_points_have_one_temperature_each_whatever_the_exposure():
+    rng = np.random.default_rng(0)
+    points = [(t + rng.normal(0, 0.1), e) for t in (25.0, 35.0, 45.0) for e in (1.0, 2.0, 4.0, 8.0)]
+    found = group(frames(*points))
+    temperatures = sorted({s.point.temperature_c for s in found})
+    assert temperatures == pytest.approx([25, 35, 45], abs=0.2)
+    assert len(found) == 12
+
+
+def test_set_points_nearer_than_the_tolerance_are_told_by_their_scatter():
+    points = [(t + 0.01 * k, 1.0) for t in (20.0, 21.0, 22.0) for k in range(4)]
+    found = group(frames(*points))
+    assert [len(s.frames) for s in found] == [4, 4, 4]
+    assert [s.point.temperature_c for s in found] == pytest.approx([20.015, 21.015, 22.015])
+    given = group(frames(*points), 1.5)  # a tolerance that is given decides alone
+    assert sorted(len(s.frames) for s in given) == [4, 8]
+
+
+def test_a_dense_series_keeps_the_temperatures_of_its_own_frames():
+    # cooling by .5 C a frame, two exposures in turn: no cluster stands alone
+    points = [(20.0 - 0.5 * k, 1.0 + k % 2) for k in range(40)]
+    found = group(frames(*points))
+    for setting in found:
+        own = [f.point.temperature_c for f in setting.frames]
+        assert setting.point.temperature_c == pytest.approx(np.mean(own), abs=1e-6)
+        assert max(own) - min(own) <= 1.5
+    assert len({s.point.temperature_c for s in found}) > 20
+
+
+def test_a_span_is_cut_at_its_widest_gap():
+    found = group(frames((7.1,), (8.4,), (8.7,)), 1.5)
+    assert names(found) == [["0"], ["1", "2"]]
+
+
+def test_many_temperatures_are_clustered_in_time():
+    found = group(frames(*[(0.01 * k,) for k in range(20_000)]), 0.0)
+    assert len(found) == 20_000
+
+
 def test_exposure_gain_and_channel_part_settings_unknown_apart_from_known():
     points = [
         (25.0, 1.0, 1.0, "hcg"), (25.0, 1.0, 1.0, "lcg"), (25.0, 1.0, 2.0, "hcg"),

@@ -119,7 +119,7 @@ def test_files_beside_the_manifest_are_left_out_and_said(tmp_path):
 
 def test_skip_and_tolerance_of_the_sidecar(tmp_path):
     for t in (20, 22, 24):
-        tif(tmp_path / f"T+0{t}C" / "a.tif")
+        tif(tmp_path / f"T+0{t}C" / "a.tif", seed=t)
     tif(tmp_path / "bad" / "x.tif")
     sidecar = tmp_path.parent / "side.yaml"
     sidecar.write_text("skip: ['bad/*']\ntolerance_c: 4\n")

@@ -45,6 +45,12 @@ def test_qsi583(captures_root):
     assert [s.point.temperature_c for s in captures.settings] == pytest.approx([-8.6, -7.0])
 
 
+def test_st7_is_one_operating_temperature(captures_root):
+    captures = load(captures_root / "real" / "st7_2019")  # set to -17 C, read as -17.37 or -16.94
+    assert len({s.point.temperature_c for s in captures.settings}) == 1
+    assert [s.point.exposure_s for s in captures.settings] == [120.0, 300.0, 900.0]
+
+
 def test_scmos(captures_root):
     captures = load(captures_root / "real" / "scmos_single")
     array = next(captures.frames()).read()

@@ -35,6 +35,9 @@ def test_growth_by_arrhenius_is_one_where_a_temperature_is_not_known():
 def test_thermal_fit_without_a_range_of_temperatures_takes_the_default():
     one = clues(OperatingPoint(45.0), OperatingPoint(45.0))
     assert hints.thermal_fit(one, np.array([4.0, 9.0]), 0.4) == pytest.approx((6.9, 0.4), rel=0.1)
+    # a degree apart, a ratio of 2 would be 6 eV
+    near = clues(OperatingPoint(44.5), OperatingPoint(45.5))
+    assert hints.thermal_fit(near, np.array([4.0, 8.0]), 0.4)[1] == 0.4
     unknown = clues(OperatingPoint(), OperatingPoint())
     assert hints.thermal_fit(unknown, np.array([4.0, 8.0]), 0.4) == (6.0, 0.4)
     assert hints.thermal_fit(one, np.array([np.nan, 0.0])) is None

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from astropy.io import fits
@@ -128,6 +128,7 @@ class Scaled:
     scale: float
     zero: float
     blank: int | None
+    partial: ClassVar[bool] = True
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of plane ``index``."""

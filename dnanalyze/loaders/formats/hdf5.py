@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import h5py
 import numpy as np
@@ -83,6 +83,7 @@ class Datasets:
 
     path: Path
     places: tuple[tuple[str, int], ...]
+    partial: ClassVar[bool] = True
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of frame ``index``; only the chunks that it touches are read."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -69,6 +70,7 @@ class RawRows:
     bits: int
     packing: str
     dtype: str
+    partial: ClassVar[bool] = True
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of frame ``index``."""

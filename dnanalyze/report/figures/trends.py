@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.arrhenius import unusual
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
 from dnanalyze.report.figures.style import (
     ACCENT,
@@ -104,7 +105,7 @@ def _law(ax: Any, layer: Layer, warm: Sequence[Any], pedestal: float) -> None:
     line = hottest[1] * np.exp(-trend.value / BOLTZMANN_EV * (1 / kelvin - 1 / hottest[0]))
     ax.plot(1000 / kelvin, line, color=ACCENT, linewidth=1.0, linestyle=(0, (1, 2)))
     ax.annotate(
-        f"{with_error(trend.value, trend.se)} eV",
+        f"{with_error(trend.value, trend.se)} eV" + ("?" if unusual(trend.value, trend.se) else ""),
         (1000 / kelvin[25], line[25]), xytext=(8, 8), textcoords="offset points", color=ACCENT,
     )  # fmt: skip
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from dnanalyze.analyzers.arrhenius import unusual
+from dnanalyze.analyzers.trends import law_doubts
 from dnanalyze.loaders.inspection import missing
 from dnanalyze.report import capture
 from dnanalyze.report.figures.style import layers
@@ -33,7 +35,8 @@ def headline(measured: Any) -> str:
     step = measured.trends.get("doubling_step_c")
     if energy is not None and is_number(energy.value):
         text += f" Dark signal: activation energy {with_error(energy.value, energy.se)} eV"
-        text += f", doubling every {number(step.value, 2)} °C." if step is not None else "."
+        text += f", doubling every {number(step.value, 2)} °C" if step is not None else ""
+        text += ", not that of a dark current." if unusual(energy.value, energy.se) else "."
     return text
 
 
@@ -68,7 +71,7 @@ def analyze_page(captures: Any, measured: Any) -> str:
         capture.title(captures),
         headline(measured),
         [*family_panels(layers(measured)), trend_section(measured), missing_section(measured)],
-        points=missing(captures),
+        points=[*law_doubts(measured), *missing(captures)],
         facts=capture.facts(captures),
         notes=captures.notes,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from dnanalyze.analyzers.trends import law_doubts
 from dnanalyze.report import capture
 from dnanalyze.report.figures import heatmap
 from dnanalyze.report.figures.style import layers
@@ -60,7 +61,7 @@ def compare_page(captures: Any, result: Any) -> str:
         compare_headline(result.error, baselines),
         sections(result),
         tone=tone_of(result.error),
-        points=[sentence(f) for f in result.failures[:FIRST]],
+        points=[*(sentence(f) for f in result.failures[:FIRST]), *law_doubts(result.measured)],
         figures=numbers(result.error, baselines),
         facts=capture.facts(captures),
         notes=captures.notes,

@@ -1,0 +1,265 @@
+"""Frames that cannot be what they are taken for: copies, near copies, one code, a moving level.
+
+Each frame is seen through a few strips of rows, which formats that are stored plainly read alone;
+what the strips make suspect of equality is confirmed on the full frames.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import Frame, Setting, Window
+from dnanalyze.loaders.recording import FrameReader
+
+SAMPLE = 1 << 16  # pixels: a mean level to .006 of the noise, a difference of frames to .3 %
+STRIPS = 16  # all over the frame, so that noise of long range averages out as in the frame
+DECODED = 1 << 29  # pixels decoded whole for the sake of their strips; 64 frames of 4K
+AT_ONCE = 16  # samples in memory
+ALONE = 0.99  # share of the pixels at one code from which the others tell no noise
+FROZEN = 1 / 3  # of the usual difference of neighbours: a ninth of its variance
+MOVED = 0.02  # share of the temporal variance that a moving level adds: 1 % of the noise
+CLEAR = 8.0  # standard errors by which the level must move; the range of 1000 frames takes 6.5
+TREND = 1e-3  # chance of a slope over time as steep as one that is called a drift
+CAP = 5.0  # 90 % quantiles: what differs by more is a hit or a blinking pixel, and counts so much
+OF_TWO = 2 / np.sqrt(np.pi)  # mean |difference| of two frames over their noise, if it is normal
+
+
+def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[str, ...]]:
+    """The settings without the second of identical frames, and what their frames make suspect.
+
+    Frames that cannot be read are left to whoever reads them. Of frames that only decode whole as
+    many are looked at as ``DECODED`` allows, the first of each setting.
+
+    Returns
+    -------
+    settings : tuple of Setting
+    notes : tuple of str
+        A sentence each.
+    """
+    most = _most_frames(settings)
+    known: dict[bytes, tuple[Frame, int]] = {}
+    seen, kept = [], []
+    found = _Found()
+    for number, setting in enumerate(settings):
+        view, copies = _View(setting), set()
+        for frame, sample in _samples(setting.frames[:most]):
+            digest = hashlib.blake2b(sample.tobytes(), digest_size=16).digest()
+            first, home = known.setdefault(digest, (frame, number))
+            if first is not frame and _identical(first, frame):
+                (found.copies if home == number else found.elsewhere).append((frame, first))
+                if home == number:
+                    copies.add(id(frame))
+                    continue
+            view.add(frame, sample)
+        frames = tuple(f for f in setting.frames if id(f) not in copies)
+        kept.append(replace(setting, frames=frames))
+        seen.append(view)
+    found.frozen = [pair for view in seen for pair in view.frozen()]
+    found.alone = [(v, code) for v in seen if (code := v.code) is not None]
+    found.moving = [(v, *moved) for v in seen if (moved := v.moved()) is not None]
+    return tuple(kept), found.notes(len(seen))
+
+
+@dataclass
+class _View:
+    """The samples of one setting's frames, gone through one by one."""
+
+    setting: Setting
+    names: list[str] = field(default_factory=list)
+    steps: list[float] = field(default_factory=list)
+    levels: list[float] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
+    code: float | None = None
+    first: np.ndarray | None = None
+    last: np.ndarray | None = None
+
+    def add(self, frame: Frame, sample: np.ndarray) -> None:
+        if not np.isfinite(sample).all():
+            return
+        if self.first is None or self.last is None:
+            self.first = sample
+            self.code = _code(frame, sample)
+            self.levels.append(0.0)
+        else:
+            self.levels.append(_change(sample, self.first)[0])
+            _, error, step = _change(sample, self.last)
+            self.errors.append(error)
+            self.steps.append(step)
+        self.names.append(frame.name)
+        self.last = sample
+
+    def frozen(self) -> list[tuple[str, str]]:
+        """Frames, each with the one before, that differ far less than the other neighbours do."""
+        return [
+            (self.names[k + 1], self.names[k])
+            for k, step in enumerate(self.steps)
+            if len(self.steps) > 1 and step < FROZEN * np.median(np.delete(self.steps, k))
+        ]
+
+    def moved(self) -> tuple[float, float] | None:
+        """By how much the level moves over the frames, DN, and how much noise alone moves it."""
+        if not self.errors:
+            return None
+        noise = float(np.median(self.steps)) / OF_TWO
+        span, error = float(np.ptp(self.levels)), float(np.median(self.errors))
+        if span <= CLEAR * error:
+            return None
+        told = (
+            np.var(self.levels, ddof=1) > MOVED * noise**2 or _chance_of_slope(self.levels) < TREND
+        )
+        return (span, error) if told else None
+
+
+@dataclass
+class _Found:
+    """What was found, over all settings."""
+
+    copies: list[tuple[Frame, Frame]] = field(default_factory=list)
+    elsewhere: list[tuple[Frame, Frame]] = field(default_factory=list)
+    frozen: list[tuple[str, str]] = field(default_factory=list)
+    alone: list[tuple[_View, float]] = field(default_factory=list)
+    moving: list[tuple[_View, float, float]] = field(default_factory=list)
+
+    def notes(self, settings: int) -> tuple[str, ...]:
+        return tuple(text for text in self._notes(settings) if text)
+
+    def _notes(self, settings: int) -> Iterator[str]:
+        if self.copies:
+            a, b = self.copies[0]
+            yield (
+                f"{a.name} has the same pixels as {b.name}{_more(self.copies)}: identical frames "
+                "count once."
+            )
+        if self.elsewhere:
+            a, b = self.elsewhere[0]
+            yield (
+                f"{a.name} ({a.point.label()}) has the same pixels as {b.name} "
+                f"({b.point.label()}){_more(self.elsewhere)}: one of the two operating points is "
+                "wrong."
+            )
+        if self.frozen:
+            frozen, before = self.frozen[0]
+            yield (
+                f"{frozen} hardly differs from {before}{_more(self.frozen)}: less than a third of "
+                "what neighbouring frames differ by; copied, averaged or not read out anew."
+            )
+        if self.alone:
+            view, code = self.alone[0]
+            yield (
+                f"In {len(self.alone)} of {settings} operating points 99 % of the pixels or more "
+                f"have one code, {code:g} DN at {view.setting.point.label()}: their noise is "
+                "clipped or below one step."
+            )
+        if self.moving:
+            view, span, error = max(self.moving, key=lambda m: m[1] / m[2])
+            yield (
+                f"The mean level moves within {len(self.moving)} of {settings} operating points, "
+                f"at {view.setting.point.label()} by {span:.3g} DN over {len(view.names)} frames, "
+                f"where the noise of the pixels explains {error:.1g} DN."
+            )
+
+
+def _more(pairs: Sequence[object]) -> str:
+    return f", and so {len(pairs) - 1} more" if len(pairs) > 1 else ""
+
+
+def _most_frames(settings: Sequence[Setting]) -> int:
+    """Frames of each setting that are looked at."""
+    loads = [f.load for s in settings for f in s.frames]
+    whole = [x for x in loads if isinstance(x, FrameReader) and not x.partial]
+    if not whole:
+        return max(len(s.frames) for s in settings)
+    rows, columns = whole[0].region.shape
+    return max(2, DECODED // (rows * columns * len(settings)))
+
+
+def _samples(frames: Sequence[Frame]) -> Iterator[tuple[Frame, np.ndarray]]:
+    """Frames with their samples, several read at once; without those that cannot be read."""
+    with ThreadPoolExecutor(min(AT_ONCE, len(os.sched_getaffinity(0)))) as pool:
+        for begin in range(0, len(frames), AT_ONCE):
+            some = frames[begin : begin + AT_ONCE]
+            for frame, sample in zip(some, pool.map(_sample, some), strict=True):
+                if sample is not None:
+                    yield frame, sample
+
+
+def _sample(frame: Frame) -> np.ndarray | None:
+    """Strips of the frame, one below the other; None where it cannot be read."""
+    reader = _unchecked(frame)
+    rows, columns = reader.region.shape
+    width = min(columns, SAMPLE // STRIPS)
+    height = max(1, min(SAMPLE // STRIPS // width, rows // STRIPS))
+    left = (columns - width) // 2
+    tops = np.unique(np.linspace(0, rows - height, STRIPS).astype(int))
+    windows = [Window(int(t), int(t) + height, left, left + width) for t in tops]
+    try:
+        if reader.partial:
+            return np.concatenate([reader(w) for w in windows])
+        whole = reader()
+        return np.concatenate([whole[w.slices] for w in windows])
+    except InputError:
+        return None
+
+
+def _unchecked(frame: Frame) -> FrameReader:
+    """Constant frames and those with NaN are refused by whoever analyses them."""
+    assert isinstance(frame.load, FrameReader)
+    return replace(frame.load, checked=False)
+
+
+def _identical(a: Frame, b: Frame) -> bool:
+    try:
+        return bool(np.array_equal(_unchecked(a)(), _unchecked(b)()))
+    except InputError:
+        return False
+
+
+def _code(frame: Frame, sample: np.ndarray) -> float | None:
+    """The code of nearly all pixels of the sample and of the whole frame."""
+    codes, counts = np.unique(sample, return_counts=True)
+    most = int(np.argmax(counts))
+    if counts[most] < ALONE * sample.size:
+        return None
+    share = np.mean(_unchecked(frame)() == codes[most])
+    return float(codes[most]) if share >= ALONE else None
+
+
+def _change(sample: np.ndarray, before: np.ndarray) -> tuple[float, float, float]:
+    """Change of the level, its standard error, and the mean |difference| about it.
+
+    The error is the largest of those from pixels, rows and columns: noise of lines is common to
+    many pixels.
+    """
+    d = sample.astype(np.float64) - before
+    middle = float(np.median(d))
+    d -= middle
+    reach = float(np.quantile(np.abs(d), 0.9))
+    if reach > 0:
+        np.clip(d, -CAP * reach, CAP * reach, out=d)
+    rows, columns = d.shape
+    variance = max(
+        float(np.var(d)) / d.size,
+        float(np.var(d.mean(axis=1))) / rows,
+        float(np.var(d.mean(axis=0))) / columns,
+    )
+    return middle + float(d.mean()), float(np.sqrt(variance)), float(np.abs(d).mean())
+
+
+def _chance_of_slope(levels: Sequence[float]) -> float:
+    """Probability of a slope over time as steep as theirs, if they scattered independently."""
+    if len(levels) < 3:
+        return 1.0
+    from scipy.special import stdtr
+
+    time = np.arange(len(levels)) - (len(levels) - 1) / 2
+    x = np.asarray(levels) - np.mean(levels)
+    r = float(time @ x / np.sqrt((time @ time) * (x @ x)))
+    degrees = len(levels) - 2
+    return float(2 * stdtr(degrees, -abs(r) * np.sqrt(degrees / max(1 - r * r, 1e-12))))
