@@ -19,6 +19,7 @@ from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -93,7 +94,7 @@ def refine(
     """
     held = held or bench(design(captures))
     known = catalogue() if known is None else known
-    begun = model or paper_start(held)
+    begun = located(held, model or paper_start(held))
     state = fitted(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
     walk = Walk(held, open_to, tuple(begun.names), most_effects, until_error, tell, trying, keep)
@@ -134,6 +135,7 @@ def add(
     known = catalogue() if known is None else known
     effect = find(name, known)
     held = held or bench(design(captures))
+    model = located(held, model)
     before = minimise(held, start(held, model, knobs_of(model)))
     seen = prospects(held, before, {name: effect})
     larger = seen[0].model if seen else before.model.with_effect(effect())

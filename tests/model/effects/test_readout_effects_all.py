@@ -107,6 +107,9 @@ def test_no_guess_where_nothing_is_unexplained(name):
         def defects(self, axis):
             return np.empty((0, 4))
 
+        def waves(self, part):
+            return []
+
         def curve(self, name, setting):
             raise KeyError(name)
 
