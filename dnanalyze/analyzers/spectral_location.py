@@ -22,8 +22,14 @@ from dnanalyze.analyzers.spectral_coherence import block_amplitudes
 
 BLOCKS = 8  # along each side: 1/64 of what the pixels tell of a frequency is lost
 UNIFORM = 1 / math.sqrt(12)  # modes: all that is known where the line does not tell more
-_REACH = 0.75  # modes from the peak that are searched; half of one, and what noise may move it
-_GRID, _STEPS = 9, 6  # tried along each axis, in a span a quarter of the last each time
+# Of the line's power over the noise in its mode, all images together. Below it noise makes the
+# larger maximum somewhere in the span once in a hundred, e^(-R/2) / 2 times its three independent
+# places (Rife and Boorstyn's threshold), and the peak's own mode is the better answer.
+_THRESHOLD = 10.0
+_GRID = 9  # frequencies tried along each axis
+# Modes to either side: half a mode and what noise moves a peak by; then what a sum of blocks, to
+# which a slow wave's mirror frequency is no wave, is off by.
+_COARSE, _FINE = (0.75, 0.2, 0.05), (0.12, 0.03)
 
 
 @dataclass(frozen=True)
@@ -56,17 +62,27 @@ def located(images: Sequence[np.ndarray], u: float, v: float, independent: float
     independent : float
         How many of the images are; a frame less the mean of K counts 1 - 1/K.
     """
-    amplitudes = np.array([block_amplitudes(i - i.mean(), u, v, BLOCKS) for i in images])
-    shape = images[0].shape
-    at, span = np.zeros(2), _REACH
-    for _ in range(_STEPS):
-        tried = [c + np.linspace(-span, span, _GRID) for c in at]
-        energy = _energy(amplitudes, shape, (v, u), tried)
-        a, b = np.unravel_index(int(np.argmax(energy)), energy.shape)
-        at = np.array([tried[0][a], tried[1][b]])
-        span /= 4.0
-    errors = [_error(amplitudes, at, axis, independent) for axis in (0, 1)]
-    rows, columns = shape
+    shape = rows, columns = images[0].shape
+    level = [np.asarray(i - i.mean(), float) for i in images]
+    amplitudes = np.array([block_amplitudes(i, u, v, BLOCKS) for i in level])
+    at = np.zeros(2)
+    for span in _COARSE:
+        tried = at[:, None] + np.linspace(-span, span, _GRID)
+        down, across = (_turns(n, m) for n, m in zip(shape, tried, strict=True))
+        at = _best(down @ amplitudes @ across.T, tried)
+    for span in _FINE:
+        tried = at[:, None] + np.linspace(-span, span, _GRID)
+        waves = [
+            np.exp(-2j * math.pi * np.outer(f + m / n, np.arange(n)))
+            for f, m, n in zip((v, u), tried, shape, strict=True)
+        ]
+        mirror = [np.square(w).mean(axis=1) for w in waves]
+        at = _best(np.array([waves[0] @ _times(i, waves[1]) for i in level]), tried, mirror)
+    ratios = [independent * _ratio(amplitudes, at, axis) for axis in (0, 1)]
+    told = [math.inf if r == math.inf else r * (1.0 - 1.0 / BLOCKS**2) for r in ratios]
+    if min(told) < _THRESHOLD:
+        return Location(*_wrapped(u, v), UNIFORM / columns, UNIFORM / rows)
+    errors = [math.sqrt(1.5 / (math.pi**2 * r)) for r in told]
     place = _wrapped(u + at[1] / columns, v + at[0] / rows)
     return Location(*place, errors[1] / columns, errors[0] / rows)
 
@@ -90,36 +106,45 @@ def _turns(size: int, modes: np.ndarray) -> np.ndarray:
     return np.exp(-2j * math.pi * np.outer(modes / size, centres))
 
 
-def _energy(
-    amplitudes: np.ndarray,
-    shape: tuple[int, int],
-    peak: tuple[float, float],
-    tried: Sequence[np.ndarray],
+def _times(image: np.ndarray, waves: np.ndarray) -> np.ndarray:
+    """image @ waves.T of a real image, by real products."""
+    return np.asarray(image @ waves.T.real + 1j * (image @ waves.T.imag))
+
+
+def _best(
+    sums: np.ndarray, tried: np.ndarray, mirror: Sequence[np.ndarray] | None = None
 ) -> np.ndarray:
-    """What a sine at each frequency takes of the images' sum of squares, up to a factor.
+    """Where a sine takes most of the images' sum of squares, by a parabola through the largest.
 
-    Slow waves are not orthogonal to their own mirror frequency: d is the mean of e^(-2i) of the
-    phase over the field.
+    Parameters
+    ----------
+    sums : ndarray
+        (images, rows, columns) of the images times e^(-2 pi i (u x + v y)).
+    tried : ndarray
+        Frequencies (2, n) along v and u, in any unit.
+    mirror : sequence of ndarray, optional
+        Mean along each axis of the square of these waves: a slow wave is not orthogonal to its own
+        mirror frequency.
     """
-    down, across = (_turns(n, m) for n, m in zip(shape, tried, strict=True))
-    sums = down @ amplitudes @ across.T
-    mirror = [
-        _mean_wave(2.0 * (f + m / n), n // BLOCKS * BLOCKS)
-        for f, m, n in zip(peak, tried, shape, strict=True)
-    ]
-    d = np.outer(*mirror)
+    d = np.zeros(sums.shape[1:]) if mirror is None else np.outer(*mirror)
     free = np.maximum(1.0 - np.abs(d) ** 2, 1e-6)
-    return np.asarray(np.sum(np.abs(sums) ** 2 - np.real(np.conj(d) * sums**2), axis=0) / free)
+    energy = np.sum(np.abs(sums) ** 2 - np.real(np.conj(d) * sums**2), axis=0) / free
+    a, b = np.unravel_index(int(np.argmax(energy)), energy.shape)
+    lines = (tried[0], energy[:, b], a), (tried[1], energy[a], b)
+    return np.array([_vertex(*line) for line in lines])
 
 
-def _mean_wave(frequency: np.ndarray, size: int) -> np.ndarray:
-    """Mean of e^(-2 pi i f x) over x = 0 to size - 1."""
-    x = np.arange(size)
-    return np.asarray(np.exp(-2j * math.pi * np.multiply.outer(frequency, x)).mean(axis=-1))
+def _vertex(x: np.ndarray, y: np.ndarray, largest: int) -> float:
+    """Of the parabola through the largest of evenly spaced values and its neighbours."""
+    if not 0 < largest < x.size - 1:
+        return float(x[largest])
+    below, here, above = y[largest - 1 : largest + 2]
+    bend = below - 2.0 * here + above
+    return float(x[largest] + (0.5 * (below - above) / bend if bend < 0 else 0.0) * (x[1] - x[0]))
 
 
-def _error(amplitudes: np.ndarray, at: np.ndarray, axis: int, independent: float) -> float:
-    """Standard error along an axis, modes.
+def _ratio(amplitudes: np.ndarray, at: np.ndarray, axis: int) -> float:
+    """Power of the line over that of the noise in its mode, as it disturbs the place on an axis.
 
     Noise is what is out of step, over the field or, where that is more, along the axis once the
     other one is summed in step: whole rows that move by themselves disturb v alone.
@@ -130,11 +155,5 @@ def _error(amplitudes: np.ndarray, at: np.ndarray, axis: int, independent: float
     coherent = float(np.sum(np.abs(line.sum(axis=1)) ** 2)) / BLOCKS**2
     field = (float(np.sum(np.abs(turned) ** 2)) - coherent) / (BLOCKS**2 - 1)
     along = (float(np.sum(np.abs(line) ** 2)) / BLOCKS - coherent) / (BLOCKS - 1)
-    noise = max(field, along)  # of all images together, in one mode
-    if not coherent > noise:
-        return UNIFORM
-    if not noise > 0:
-        return 0.0
-    ratio = independent * (coherent / noise - 1.0)
-    told = math.sqrt(1.5 / (math.pi**2 * ratio * (1.0 - 1.0 / BLOCKS**2)))
-    return min(told, UNIFORM)
+    noise = max(field, along)
+    return coherent / noise - 1.0 if noise > 0 else math.inf
