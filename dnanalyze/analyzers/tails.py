@@ -20,6 +20,7 @@ from dnanalyze.analyzers.uncertainty import (
 HOT = (5, 8, 16, 32, 64, 128)
 COLD = (5, 8)
 TRANSIENT = 8.0  # robust temporal sigmas
+_DEAD_CHANCE = 5.0  # Poisson deviations by which no code of the body holds more by chance
 DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
 LEAST = math.sqrt(2.0)  # error of pixels in clumps, which hold two at least, where there are none
 MOST_LISTED = 1 << 16  # hot pixels
@@ -298,3 +299,24 @@ def _dead(acc: Accumulated, out: FamilyResult) -> None:
         # one code in all of K frames: as rare as noise, and what moves them, to the power K - 1
         drifting = math.sqrt(count) * (acc.frames - 1) / 2 * acc.drift_error(acc.temporal_mean)
         out.values["dead_count"] = Value(count, math.hypot(1.0, drifting))
+        if acc.plan.errors:
+            out.curves["dead_codes"] = _dead_codes(acc, noise == 0)
+
+
+def _dead_codes(acc: Accumulated, dead: np.ndarray) -> np.ndarray:
+    """Codes at which more pixels never change than by chance, those of most of them first.
+
+    Chance is the share of such pixels within 2 sigma of the level.
+    """
+    first = acc.end_frames[0]
+    body = np.abs(first - np.float32(acc.plan.centre)) < 2.0 * acc.plan.sigma
+    chance = float(dead[body].mean()) if body.any() else 0.0
+    codes, counts = np.unique(first[dead], return_counts=True)
+    if not codes.size:
+        return codes
+    at = np.minimum(np.searchsorted(codes, first.ravel()), codes.size - 1)
+    alike = np.bincount(at[codes[at] == first.ravel()], minlength=codes.size)
+    expected = chance * alike
+    excess = counts - expected
+    told = np.flatnonzero(excess > _DEAD_CHANCE * np.sqrt(expected) + 0.5)
+    return np.asarray(codes[told[np.argsort(-excess[told], kind="stable")]])

@@ -76,7 +76,7 @@ def test_the_catalogue_entry_is_complete(name):
         if item.scale != "choice":
             assert item.unit
             assert item.lower < item.upper
-            assert item.scale in ("linear", "held") or item.lower > 0
+            assert item.scale in ("linear", "signed", "held") or item.lower > 0
 
 
 @pytest.mark.parametrize("effect", list(variants()), ids=repr)
