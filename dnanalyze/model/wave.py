@@ -45,6 +45,12 @@ class Wave:
         a, b = min(forms, key=lambda f: math.hypot(f[0] - u, f[1] - v))
         return replace(self, u=a, v=b)
 
+    @property
+    def folded(self) -> Wave:
+        """The form of this wave whose frequencies lie within 1/2."""
+        u, v = (f if abs(f) <= 0.5 else f - round(f) for f in (self.u, self.v))
+        return replace(self, u=u, v=v)
+
     def is_same(self, other: Wave) -> bool:
         """Whether two measurements are of one wave, as far as their errors tell."""
         near = other.turned(self.u, self.v)
@@ -61,7 +67,7 @@ def strongest_wave(waves: Sequence[Wave]) -> Wave | None:
     None of none.
     """
     best = max(waves, key=lambda w: w.ratio, default=None)
-    return None if best is None else together(best, waves)
+    return None if best is None else together(best, waves).folded
 
 
 def together(wave: Wave, waves: Sequence[Wave]) -> Wave:

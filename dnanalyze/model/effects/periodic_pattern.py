@@ -84,7 +84,7 @@ class PeriodicPattern(Effect):
             line = strongest_wave([w for w in clues.waves(part) if _seen(clues, part, w)])
             if line is not None and _beats(line.v, line.u, clues.field) >= _PERIODS:
                 amplitude = bounded(cls, "amplitude", line.amplitude)
-                found.append(cls(amplitude, *_inside(cls, line.u, line.v), phase))
+                found.append(cls(amplitude, line.u, line.v, phase))
         return found
 
     def told(self, measured: Located) -> dict[str, Told]:
@@ -101,12 +101,7 @@ class PeriodicPattern(Effect):
         line = strongest_wave(near or patterns)
         if line is None:
             return {}
-        u, v = _inside(type(self), line.u, line.v)
-        return {"u": Told(u, line.u_error), "v": Told(v, line.v_error)}
-
-
-def _inside(cls: type[Effect], u: float, v: float) -> tuple[float, float]:
-    return bounded(cls, "u", u), bounded(cls, "v", v)
+        return {"u": Told(line.u, line.u_error), "v": Told(line.v, line.v_error)}
 
 
 def _seen(clues: Clues, part: str, wave: Wave) -> bool:
