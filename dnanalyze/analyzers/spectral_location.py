@@ -129,9 +129,8 @@ def _best(
     d = np.zeros(sums.shape[1:]) if mirror is None else np.outer(*mirror)
     free = np.maximum(1.0 - np.abs(d) ** 2, 1e-6)
     energy = np.sum(np.abs(sums) ** 2 - np.real(np.conj(d) * sums**2), axis=0) / free
-    a, b = np.unravel_index(int(np.argmax(energy)), energy.shape)
-    lines = (tried[0], energy[:, b], a), (tried[1], energy[a], b)
-    return np.array([_vertex(*line) for line in lines])
+    a, b = divmod(int(np.argmax(energy)), energy.shape[1])
+    return np.array([_vertex(tried[0], energy[:, b], a), _vertex(tried[1], energy[a], b)])
 
 
 def _vertex(x: np.ndarray, y: np.ndarray, largest: int) -> float:

@@ -85,10 +85,19 @@ class Readings:
                 if u.se > CHANCE:
                     continue
                 scale = 1.0 if len(planes) == 1 else 1.0 / MOSAIC
-                place = [scale * x for x in (u.value, v.value, u.se, v.se)]
                 alone = abs(u.value) < abs(v.value)
                 shared = "" if line == f"{part}_line" else "rows" if alone else "columns"
-                found.append(Wave(*place, amplitude.value, ratio.value, shared))
+                found.append(
+                    Wave(
+                        scale * u.value,
+                        scale * v.value,
+                        scale * u.se,
+                        scale * v.se,
+                        amplitude.value,
+                        ratio.value,
+                        shared,
+                    )
+                )
         return found
 
     def defects(self, axis: str, setting: int) -> np.ndarray:
