@@ -63,7 +63,7 @@ def located(images: Sequence[np.ndarray], u: float, v: float, independent: float
         How many of the images are; a frame less the mean of K counts 1 - 1/K.
     """
     shape = rows, columns = images[0].shape
-    level = [np.asarray(i - i.mean(), float) for i in images]
+    level = [np.asarray(i - i.mean(dtype=float), np.float32) for i in images]
     amplitudes = np.array([block_amplitudes(i, u, v, BLOCKS) for i in level])
     at = np.zeros(2)
     for span in _COARSE:
@@ -83,7 +83,7 @@ def located(images: Sequence[np.ndarray], u: float, v: float, independent: float
     if min(told) < _THRESHOLD:
         return Location(*_wrapped(u, v), UNIFORM / columns, UNIFORM / rows)
     errors = [math.sqrt(1.5 / (math.pi**2 * r)) for r in told]
-    place = _wrapped(u + at[1] / columns, v + at[0] / rows)
+    place = _wrapped(float(u + at[1] / columns), float(v + at[0] / rows))
     return Location(*place, errors[1] / columns, errors[0] / rows)
 
 
@@ -107,8 +107,9 @@ def _turns(size: int, modes: np.ndarray) -> np.ndarray:
 
 
 def _times(image: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """image @ waves.T of a real image, by real products."""
-    return np.asarray(image @ waves.T.real + 1j * (image @ waves.T.imag))
+    """image @ waves.T of a real image, by real products in its own precision."""
+    even, odd = (np.ascontiguousarray(w.T, image.dtype) for w in (waves.real, waves.imag))
+    return np.asarray(image @ even + 1j * (image @ odd))
 
 
 def _best(
