@@ -66,8 +66,10 @@ def pulls(found: Fit, true: NoiseModel, frozen: Sequence[str] = ()) -> dict[str,
     """(fitted - true) / se of each parameter on its own scale."""
     knobs = knobs_of(true, frozen)
     there, here = positions(found.model, knobs), positions(true, knobs)
+    told = {p.name: p for p in found.parameters}
     out = {}
-    for knob, a, b, p in zip(knobs, there, here, found.parameters, strict=True):
+    for knob, a, b in zip(knobs, there, here, strict=True):
+        p = told[knob.name]
         se = p.se / p.value if knob.log else p.se
         out[knob.name] = float((a - b) / se)
     return out

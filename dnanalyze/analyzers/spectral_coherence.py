@@ -42,7 +42,7 @@ def in_step(
     value, error : float
         0 to 1; NaN where there is no power.
     """
-    amplitudes = np.array([_blocks(image, u, v) for image in images])
+    amplitudes = np.array([block_amplitudes(image, u, v, BLOCKS) for image in images])
     whole = float(np.sum(np.abs(amplitudes) ** 2)) * BLOCKS**2
     if not whole > 0:
         return math.nan, math.nan
@@ -55,8 +55,8 @@ def in_step(
     return share, math.hypot(chance, _LEAK)
 
 
-def _blocks(image: np.ndarray, u: float, v: float) -> np.ndarray:
-    """Complex amplitude of each block, (4, 4)."""
+def block_amplitudes(image: np.ndarray, u: float, v: float, blocks: int) -> np.ndarray:
+    """Sum over each of blocks x blocks parts of an image times e^(-2 pi i (u x + v y)), complex."""
     from dnanalyze.analyzers import spectral_kernels as kernels
 
     rows, columns = image.shape
@@ -65,12 +65,12 @@ def _blocks(image: np.ndarray, u: float, v: float) -> np.ndarray:
         np.asarray(image, np.float32),
         np.cos(turn).astype(np.float32),
         np.sin(turn).astype(np.float32),
-        BLOCKS,
+        blocks,
     )
-    height = rows // BLOCKS
-    line = across[: height * BLOCKS, :, 0] - 1j * across[: height * BLOCKS, :, 1]
-    down = np.exp(-2j * math.pi * v * np.arange(height * BLOCKS))
-    return np.asarray((line * down[:, None]).reshape(BLOCKS, height, BLOCKS).sum(axis=1))
+    height = rows // blocks
+    line = across[: height * blocks, :, 0] - 1j * across[: height * blocks, :, 1]
+    down = np.exp(-2j * math.pi * v * np.arange(height * blocks))
+    return np.asarray((line * down[:, None]).reshape(blocks, height, blocks).sum(axis=1))
 
 
 def _largest(amplitudes: np.ndarray) -> float:

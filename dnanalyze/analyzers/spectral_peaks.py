@@ -88,6 +88,45 @@ def largest_peak(
     return Peak(ratio, error, k / columns, v, amplitude, real)
 
 
+def largest_axis_peak(
+    power: np.ndarray, shape: tuple[int, int], repeats: float, temporal: bool = False
+) -> Peak | None:
+    """As `largest_peak` of the modes that whole rows (u = 0) or whole columns (v = 0) share.
+
+    The floor is the mean of the modes around along the axis. The Nyquist modes are left out.
+    """
+    rows, columns = shape
+    best: Peak | None = None
+    axes = power[1 : rows // 2, 0], power[0, 1 : columns // 2]
+    searched = sum(p.size for p in axes)
+    for axis, line in enumerate(axes):
+        reach = min(_REACH, line.size // 4)
+        if reach <= _GUARD + 1:
+            continue
+        floor = _floor_along(line, reach)
+        f = np.arange(1, line.size + 1) / shape[axis]
+        ratios = np.where((f >= LOWEST_LINE) & (floor > 0), line / np.maximum(floor, 1e-300), 0.0)
+        at = int(np.argmax(ratios))
+        ratio = float(ratios[at])
+        if not ratio > (best.ratio if best else 0.0):
+            continue
+        near = line[max(0, at - 1) : at + 2]
+        left = max(float(near.sum()) - near.size * floor[at], line[at] - floor[at])
+        amplitude = 2.0 * math.sqrt(max(left, 0.0) / (rows * columns))
+        error, real = _peak_error(ratio, searched, repeats, 2.0 * (reach - _GUARD), temporal)
+        place = (0.0, float(f[at])) if axis == 0 else (float(f[at]), 0.0)
+        best = Peak(ratio, error, *place, amplitude, real)
+    return best
+
+
+def _floor_along(line: np.ndarray, reach: int) -> np.ndarray:
+    """Mean of the modes around each on a line, without the nearest; fewer at the ends."""
+    kernel = np.ones(2 * reach + 1)
+    kernel[reach - _GUARD : reach + _GUARD + 1] = 0.0
+    count = np.convolve(np.ones(line.size), kernel, "same")
+    return np.convolve(line, kernel, "same") / np.maximum(count, 1.0)
+
+
 def _peak_error(
     ratio: float, searched: int, repeats: float, cells: float, temporal: bool
 ) -> tuple[float, bool]:

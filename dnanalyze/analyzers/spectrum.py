@@ -18,6 +18,7 @@ from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.line_means import block_means, line_means
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.spectral_coherence import in_step
+from dnanalyze.analyzers.spectral_location import UNIFORM, Location, located, seen_share
 from dnanalyze.analyzers.spectral_modes import (
     FIRST_MODES,
     HIGH_BAND,
@@ -32,7 +33,12 @@ from dnanalyze.analyzers.spectral_modes import (
     power_of,
     reduce_power,
 )
-from dnanalyze.analyzers.spectral_peaks import Peak, largest_peak, nyquist_ratios
+from dnanalyze.analyzers.spectral_peaks import (
+    Peak,
+    largest_axis_peak,
+    largest_peak,
+    nyquist_ratios,
+)
 from dnanalyze.analyzers.spectrum_infos import INFOS, band_names, profile_names
 from dnanalyze.analyzers.statistics import Value
 
@@ -320,7 +326,6 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
         for what in ("", "_in_step", "_u", "_v", "_amplitude"):
             result.missing[f"{name}{what}"] = why
     else:
-        rows, columns = shape
         error = math.hypot(peak.log_error, _residue(part, peak))
         result.values[name] = Value(peak.ratio, error)
         share = Value(*in_step(images, peak.u, peak.v, peak.real))
@@ -328,11 +333,17 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
             result.values[f"{name}_in_step"] = share
         else:
             result.missing[f"{name}_in_step"] = "the frames at the ends of the series are alike"
-        uniform = 1 / math.sqrt(12)  # chance puts its peak anywhere
-        step = (1 / columns, 1 / rows) if peak.real else (0.5, 1.0)
-        result.values[f"{name}_u"] = Value(peak.u, step[0] * uniform)
-        result.values[f"{name}_v"] = Value(peak.v, step[1] * uniform)
-        result.values[f"{name}_amplitude"] = Value(peak.amplitude, peak.amplitude * error / 2)
+        _place(part, peak, error, images, result)
+    if part.errors:
+        axis = largest_axis_peak(part.power, shape, part.repeats, part.name == "temporal")
+        if axis is not None and axis.real:
+            name = f"{part.name}_axis_line"
+            error = math.hypot(axis.log_error, _residue(part, axis))
+            result.values[name] = Value(axis.ratio, error)
+            _place(part, axis, error, images, result, name)
+        else:
+            for what in ("", "_u", "_v", "_amplitude"):
+                result.missing[f"{part.name}_axis_line{what}"] = "no line stands out of the axes"
     if part.name == "pattern":
         ratios = nyquist_ratios(part.power, shape)
         for label in ("10", "01", "11"):
@@ -341,6 +352,41 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
                 result.values[name] = Value(*ratios[label])
             else:
                 result.missing[name] = "there is no power at or next to this mode"
+
+
+def _place(
+    part: _Part,
+    peak: Peak,
+    error: float,
+    images: tuple[np.ndarray, ...],
+    result: FamilyResult,
+    name: str = "",
+) -> None:
+    """Frequency and amplitude of a line: between the modes, where it is one."""
+    rows, columns = part.reduced.modes.shape
+    name = name or f"{part.name}_line"
+    amplitude = peak.amplitude
+    # chance puts its peak anywhere
+    found = Location(peak.u, peak.v, 0.5 * UNIFORM, UNIFORM)
+    if peak.real and part.errors:
+        cropped = [image[:rows, :columns] for image in images]
+        share = part.repeats / (part.repeats + 1.0) if part.name == "temporal" else 1.0
+        found = located(cropped, peak.u, peak.v, share * len(images))
+        amplitude /= math.sqrt(_seen(peak, found, (rows, columns)))
+    elif peak.real:
+        found = Location(peak.u, peak.v, UNIFORM / columns, UNIFORM / rows)
+    result.values[f"{name}_u"] = Value(found.u, found.u_error)
+    result.values[f"{name}_v"] = Value(found.v, found.v_error)
+    result.values[f"{name}_amplitude"] = Value(amplitude, amplitude * error / 2)
+
+
+def _seen(peak: Peak, found: Location, shape: tuple[int, int]) -> float:
+    """Share of a line's power in the modes that its amplitude was taken from."""
+    share = 1.0
+    for at, place, size in zip((peak.v, peak.u), (found.v, found.u), shape, strict=True):
+        away = min(abs(sign * place - at - n) for sign in (1, -1) for n in (-1, 0, 1)) * size
+        share *= float(seen_share(away, 0 if at == 0.0 else 1))
+    return max(share, 0.1)
 
 
 def _residue(part: _Part, peak: Peak) -> float:

@@ -78,9 +78,16 @@ def _lines_of(part: str, of: str) -> Iterator[StatisticInfo]:
         low="the strongest spectral line is out of step over the field: no one plane wave as in "
         "the model, but rings, a chirp, a beat or a patch",
     )  # fmt: skip
+    yield from _placed(f"{part}_line", f"the strongest line {of}")
+    name, what = f"{part}_axis_line", f"the strongest line {of} that whole rows or columns share"
+    yield _told(name, "1", f"{what}, over its floor", Scale.LOG)
+    yield from _placed(name, what)
+
+
+def _placed(name: str, what: str) -> Iterator[StatisticInfo]:
     for axis, way in (("u", "horizontal"), ("v", "vertical")):
-        yield _told(f"{part}_line_{axis}", "c/px", f"{way} frequency of the strongest line {of}")
-    yield _told(f"{part}_line_amplitude", "DN", f"amplitude of the strongest line {of}")
+        yield _told(f"{name}_{axis}", "c/px", f"{way} frequency of {what}")
+    yield _told(f"{name}_amplitude", "DN", f"amplitude of {what}")
 
 
 def _told(name: str, unit: str, title: str, scale: Scale = Scale.LINEAR) -> StatisticInfo:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy import special
 
 from dnanalyze.analyzers.family import Accumulated, FamilyResult
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
@@ -20,6 +21,7 @@ from dnanalyze.analyzers.uncertainty import (
 HOT = (5, 8, 16, 32, 64, 128)
 COLD = (5, 8)
 TRANSIENT = 8.0  # robust temporal sigmas
+_DEAD_CHANCE = 1e-4  # that so many of the pixels at a code never change
 DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
 LEAST = math.sqrt(2.0)  # error of pixels in clumps, which hold two at least, where there are none
 MOST_LISTED = 1 << 16  # hot pixels
@@ -298,3 +300,23 @@ def _dead(acc: Accumulated, out: FamilyResult) -> None:
         # one code in all of K frames: as rare as noise, and what moves them, to the power K - 1
         drifting = math.sqrt(count) * (acc.frames - 1) / 2 * acc.drift_error(acc.temporal_mean)
         out.values["dead_count"] = Value(count, math.hypot(1.0, drifting))
+        if acc.plan.errors:
+            out.curves["dead_codes"] = _dead_codes(acc, noise == 0)
+
+
+def _dead_codes(acc: Accumulated, dead: np.ndarray) -> np.ndarray:
+    """Codes at which more pixels never change than by chance, those of most of them first.
+
+    Chance is the share of such pixels within 2 sigma of the level, of which none is told.
+    """
+    first = acc.end_frames[0]
+    body = np.abs(first - np.float32(acc.plan.centre)) < 2.0 * acc.plan.sigma
+    chance = float(dead[body].mean()) if body.any() else 0.0
+    codes, counts = np.unique(first[dead & ~body], return_counts=True)
+    if not codes.size:
+        return codes
+    at = np.minimum(np.searchsorted(codes, first.ravel()), codes.size - 1)
+    alike = np.bincount(at[codes[at] == first.ravel()], minlength=codes.size)
+    by_chance = special.bdtrc(counts - 1.0, alike.astype(np.int64), chance)
+    told = np.flatnonzero(by_chance < _DEAD_CHANCE)
+    return np.asarray(codes[told[np.argsort(-counts[told], kind="stable")]])

@@ -37,6 +37,7 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -117,7 +118,7 @@ def diagnose(
         Called with a line of progress.
     """
     held = held or bench(design(captures))
-    model = model or paper_start(held)
+    model = located(held, model or paper_start(held))
     known = catalogue() if known is None else known
     asked = fitted(held, model)
     stages: list[tuple[str, State]] = []

@@ -21,6 +21,7 @@ from dnanalyze.fitting.fit import Parameter, paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -116,7 +117,7 @@ def refine(
     """
     held = held or bench(design(captures))
     known = catalogue() if known is None else known
-    begun = model or paper_start(held)
+    begun = located(held, model or paper_start(held))
     state = fitted(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
 
@@ -176,6 +177,7 @@ def add(
     known = catalogue() if known is None else known
     effect = find(name, known)
     held = held or bench(design(captures))
+    model = located(held, model)
     before = minimise(held, start(held, model, knobs_of(model)))
     seen = prospects(held, before, {name: effect})
     larger = seen[0].model if seen else before.model.with_effect(effect())

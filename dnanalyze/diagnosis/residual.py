@@ -11,11 +11,13 @@ import numpy as np
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.diagnosis.defects_of_halves import defects_of, line_defects
 from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.located import Measured
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.hints import gains
 from dnanalyze.model.line_profile import line_profile
+from dnanalyze.model.wave import Wave
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,10 @@ class Residual:
     def field(self) -> tuple[int, int]:
         """Full frame."""
         return self.bench.plan.shape
+
+    def waves(self, part: str) -> Sequence[Wave]:
+        """Lines of a spectrum, of both halves and all settings."""
+        return Measured(self.bench, self.reference).waves(part)
 
     @cached_property
     def _readings(self) -> tuple[Readings, Readings]:

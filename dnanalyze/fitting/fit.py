@@ -20,6 +20,7 @@ from dnanalyze.fitting.least_squares import (
     unseen,
     weights,
 )
+from dnanalyze.fitting.located import located, told
 from dnanalyze.fitting.moments import (
     Moments,
     converter_bits,
@@ -46,7 +47,7 @@ VAGUE = 1.0  # standard error on a log scale from which a parameter is called un
 
 @dataclass(frozen=True)
 class Parameter:
-    """A fitted number with its standard error, in plain units."""
+    """A number with its standard error, in plain units: fitted, or as a statistic tells it."""
 
     name: str
     value: float
@@ -63,7 +64,7 @@ class Fit:
     model : NoiseModel
     parameters : list of Parameter
     correlations : ndarray
-        Between the parameters on their own scales.
+        Between the parameters on their own scales; 0 with those that a statistic tells.
     undetermined : list of str
         Sentences on parameters that these captures cannot tell, alone or from one another.
     bench : Bench
@@ -104,7 +105,7 @@ def fit(
         Called with every better state.
     """
     held = held or bench(design(captures))
-    model = model or paper_start(held)
+    model = located(held, model or paper_start(held), frozen)
     state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
     return with_uncertainties(held, state, replicates)
 
@@ -240,7 +241,23 @@ def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarr
         for k, p in zip(knobs, parameters, strict=True)
         if _of_dark_current(state.model, k) and unusual(p.value, p.se)
     ]
-    return Fit(state.model, parameters, correlations, doubts, held, state)
+    exact = _read_off(held, state.model)
+    whole = np.eye(len(knobs) + len(exact))  # their errors are none of the fit's
+    whole[: len(knobs), : len(knobs)] = correlations
+    return Fit(state.model, [*parameters, *exact], whole, doubts, held, state)
+
+
+def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:
+    """Numbers that no fit moves, with the errors of the statistics that tell them."""
+    found = []
+    for name, number in told(held, model).items():
+        effect, _, parameter = name.partition(".")
+        bearer = model.get(effect)
+        assert bearer is not None
+        value = bearer.value(parameter, model.reference)
+        if abs(value - number.value) <= number.se:  # else it was held at a number of the user's
+            found.append(Parameter(name, value, number.se, bearer.parameters()[parameter].unit))
+    return found
 
 
 def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:

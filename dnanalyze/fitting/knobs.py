@@ -95,9 +95,18 @@ def knobs_of(model: NoiseModel, frozen: Sequence[str] = ()) -> list[Knob]:
             if name in effect.idle():
                 continue
             law = getattr(effect, name)
-            log = info.scale == "log"
-            found += _of_law(effect.name, name, law, log, info.lower, info.upper, info.unit)
+            log, ends = info.scale == "log", (info.lower, info.upper)
+            knobs = _of_law(effect.name, name, law, log, *ends, info.unit)
+            found += [_one_sided(k, law) for k in knobs] if info.scale == "signed" else knobs
     return found
+
+
+def _one_sided(knob: Knob, law: Law) -> Knob:
+    """The knob kept on its side of 0, where it is on one."""
+    value = _read(law, knob.part)
+    if knob.part == "ea_ev" or value == 0.0:
+        return knob
+    return replace(knob, lower=0.0) if value > 0.0 else replace(knob, upper=0.0)
 
 
 def _of_law(

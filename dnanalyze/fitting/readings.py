@@ -9,8 +9,10 @@ import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.wave import Wave
 
 MOSAIC = 2  # rows and columns of a block of colours
+CHANCE = 0.1  # c/px; the frequency of a peak that chance made is told no better
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,38 @@ class Readings:
             return seen[0]
         grid = np.array(seen).reshape(MOSAIC, MOSAIC, -1)  # row and column in the block
         return np.asarray(grid.mean(axis=0 if axis == "columns" else 1).T.ravel())
+
+    def waves(self, part: str, setting: int) -> list[Wave]:
+        """Lines of the "temporal" or "pattern" spectrum that more than chance made, DN as recorded.
+
+        A colour of a mosaic sees every second pixel: of the frequencies in the frame that look
+        alike to it, the lowest.
+        """
+        found, planes = [], self.planes[setting]
+        for plane in planes:
+            for line in (f"{part}_line", f"{part}_axis_line"):
+                ratio, u, v, amplitude = (
+                    plane.values.get(f"{line}{what}") for what in ("", "_u", "_v", "_amplitude")
+                )
+                if ratio is None or u is None or v is None or amplitude is None:
+                    continue
+                if u.se > CHANCE:
+                    continue
+                scale = 1.0 if len(planes) == 1 else 1.0 / MOSAIC
+                alone = abs(u.value) < abs(v.value)
+                shared = "" if line == f"{part}_line" else "rows" if alone else "columns"
+                found.append(
+                    Wave(
+                        scale * u.value,
+                        scale * v.value,
+                        scale * u.se,
+                        scale * v.se,
+                        amplitude.value,
+                        ratio.value,
+                        shared,
+                    )
+                )
+        return found
 
     def defects(self, axis: str, setting: int) -> np.ndarray:
         """The "columns" or "rows" of one point that stand out, (n, 4), as `line_defects` has them.

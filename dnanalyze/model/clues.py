@@ -8,9 +8,21 @@ from typing import Protocol
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.wave import Wave
 
 
-class Clues(Protocol):
+class Located(Protocol):
+    """What statistics tell exactly, whatever the model."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns that the statistics cover: counts are over these, lines this long."""
+
+    def waves(self, part: str) -> Sequence[Wave]:
+        """Lines of the "temporal" or "pattern" spectrum, of all settings, at the reference gain."""
+
+
+class Clues(Located, Protocol):
     """Measured and simulated statistics side by side, setting by setting (colour planes pooled).
 
     Values are in plain units; a statistic that a setting lacks is NaN there.
@@ -23,10 +35,6 @@ class Clues(Protocol):
     @property
     def reference(self) -> OperatingPoint:
         """Where the model's numbers are stated."""
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns that the statistics cover: counts are over these, lines this long."""
 
     @property
     def field(self) -> tuple[int, int]:

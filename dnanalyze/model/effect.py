@@ -24,7 +24,7 @@ from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
 from dnanalyze.model.streams import Stream
 
 if TYPE_CHECKING:
-    from dnanalyze.model.clues import Clues
+    from dnanalyze.model.clues import Clues, Located
 
 
 MOST_WHOLE = 1_000_000  # pixels, periods: no sensor has as many columns
@@ -62,7 +62,9 @@ class ParameterInfo:
     ``scale`` is "log" for positive amplitudes, "linear" for signed ones, "choice" for what is not
     fitted: a word or a whole number from ``choices`` (empty: any whole number; by default an empty
     tuple: a row of numbers read off the measurement), "held" for a number that the first guess
-    finds exactly and on which frames do not depend smoothly.
+    finds exactly and that no fit moves: a statistic tells it better than the misfit, or frames do
+    not depend on it smoothly. "signed" is "linear" for a number whose sign the first guess finds
+    and the misfit hardly sees: a fit moves it on its side of 0.
     """
 
     unit: str
@@ -71,6 +73,14 @@ class ParameterInfo:
     doc: str
     scale: str
     choices: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class Told:
+    """A number that a statistic tells, with its standard error."""
+
+    value: float
+    se: float
 
 
 def parameter(
@@ -254,6 +264,13 @@ class Effect:
         Several where the effect has kinds (each is tried).
         """
         return [cls()]
+
+    def told(self, measured: Located) -> dict[str, Told]:
+        """Its "held" numbers as these captures tell them, where a statistic does, by name.
+
+        A fit begins with them, leaves them alone and reports them with these errors.
+        """
+        return {}
 
     def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Factor and shift by which a number comes right again when this effect is put in.

@@ -103,9 +103,22 @@ def test_dead_pixels_never_change():
     frames = gaussian(6, 8, noise=6.0)  # chance: 20480 (1 / 15)^7 / sqrt 8 < 1e-4
     for frame in frames:
         frame[3, :7] = 4000
-    assert values_of(tails, frames)["dead_count"].value == 7
+        frame[60, :3] = 0
+    found = tails.finish(accumulate(frames).finish())
+    assert found.values["dead_count"].value == 10
+    assert found.curves["dead_codes"].tolist() == [4000, 0]
     quiet = tails.finish(accumulate(gaussian(6, 5, noise=0.1)).finish())
     assert "dead_count" in quiet.missing
+
+
+def test_codes_of_dead_pixels_are_told_among_those_that_never_change_by_chance():
+    frames = gaussian(6, 4, noise=0.8)  # a pixel in ten gives one code four times
+    for frame in frames:
+        frame[3, :7] = 4000
+        frame[60, :5] = 131
+    found = tails.finish(accumulate(frames).finish())
+    assert found.values["dead_count"].value > 1000
+    assert found.curves["dead_codes"].tolist() == [4000, 131]
 
 
 def test_tail_index_of_a_pareto_tail():

@@ -1,6 +1,7 @@
 """The free numbers of a model as a vector."""
 
 import numpy as np
+import pytest
 
 from dnanalyze.fitting.knobs import knobs_of, positions, settings_of, turned
 from dnanalyze.loaders.captures import OperatingPoint
@@ -54,3 +55,34 @@ def test_rows_of_a_table_move_their_own_settings():
     assert settings_of(row, model(), settings).tolist() == [False, True]
     assert settings_of(knobs["pedestal"], model(), settings).tolist() == [True, True]
     assert row.group == knobs["convolved_lognormal.mu[0]"].group
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_sign_that_was_measured_is_kept(sign):
+    effect = built_in()["cfa_mismatch"](u=0.3 * sign, v=-0.2 * sign, uv=0.0)
+    made = NoiseModel((effect,), 64.0)
+    knobs = knobs_of(made, ("pedestal",))
+    for step in (-5.0, 5.0):
+        where = [k.inside(x + step) for k, x in zip(knobs, positions(made, knobs), strict=True)]
+        moved = turned(made, knobs, np.array(where)).get("cfa_mismatch")
+        assert moved.u * sign >= 0.0
+        assert moved.v * sign <= 0.0
+        assert moved.uv == step  # of no sign yet
+
+
+@pytest.mark.parametrize(
+    ("effect", "held"),
+    [
+        ("periodic_pattern", {"u", "v", "phase"}),
+        ("stuck_pixels", {"code", "codes"}),
+        ("digital_gain", {"gain", "offset", "top"}),
+        ("black_clipping", {"level"}),
+        ("column_taps", {"kind", "taps", "levels", "slip"}),
+        ("missing_codes", {"kind", "period", "widths"}),
+        ("defect_lines", {"axis", "lines", "offsets", "begins", "ends"}),
+    ],
+)
+def test_what_a_statistic_locates_is_no_free_number(effect, held):
+    made = NoiseModel((built_in()[effect](),), 64.0)
+    free = {k.parameter for k in knobs_of(made, ("pedestal",))}
+    assert set(built_in()[effect].parameters()) - free == held

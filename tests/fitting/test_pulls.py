@@ -97,15 +97,12 @@ def test_paper_and_ten_effects_over_five_temperatures():
         known["quantization"](bits=12),
     )
     true = NoiseModel(effects, 64.0, fit_pulls.POINTS[2], seed=1004)
-    # A pattern's frequency is read off its line; the statistics do not move smoothly with it.
-    frozen = ["periodic_pattern.u", "periodic_pattern.v"]
     found = fit(
         fit_pulls.captures(true, (160, 160), 4),
-        fit_pulls.begin(true, 1004, frozen),
-        frozen=frozen,
+        fit_pulls.begin(true, 1004),
         replicates=REPLICATES,
     )
-    pulls = fit_pulls.pulls(found, true, frozen)
+    pulls = fit_pulls.pulls(found, true)
     assert len(pulls) == 25
     # Student's t of 23 degrees of freedom: beyond 5 once in 20000.
     assert max(abs(p) for p in pulls.values()) < 5, pulls

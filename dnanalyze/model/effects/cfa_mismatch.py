@@ -47,9 +47,9 @@ class CfaMismatch(Effect):
         "row_fpn": "rows without a period of two",
     }
 
-    u: float = parameter(0.3, "DN", -1e3, 1e3, "half the step from odd to even columns", "linear")
-    v: float = parameter(0.3, "DN", -1e3, 1e3, "half the step from odd to even rows", "linear")
-    uv: float = parameter(0.3, "DN", -1e3, 1e3, "half the step between the diagonals", "linear")
+    u: float = parameter(0.3, "DN", -1e3, 1e3, "half the step from odd to even columns", "signed")
+    v: float = parameter(0.3, "DN", -1e3, 1e3, "half the step from odd to even rows", "signed")
+    uv: float = parameter(0.3, "DN", -1e3, 1e3, "half the step between the diagonals", "signed")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the block."""

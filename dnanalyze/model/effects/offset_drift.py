@@ -45,7 +45,7 @@ class OffsetDrift(Effect):
     }
 
     step: float = parameter(0.2, "DN/sqrt(frame)", 1e-5, 1e3, "spread of the change a frame")
-    transient: float = parameter(0.0, "DN", -1e4, 1e4, "excess of the first frame", "linear")
+    transient: float = parameter(0.0, "DN", -1e4, 1e4, "excess of the first frame", "signed")
     settling: float = parameter(1.5, "frame", 0.1, 100.0, "time constant of the start")
     form: str = choice("added", "a level, or a share of the dark signal", "added", "scaled")
 

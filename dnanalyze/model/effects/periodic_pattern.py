@@ -9,12 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.clues import Clues
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import LINE_BANDS, bounded, curve, named, shows, strongest
+from dnanalyze.model.clues import Clues, Located
+from dnanalyze.model.effect import Effect, Site, Stage, Told, choice, parameter
+from dnanalyze.model.evidence import LINE_BANDS, bounded, named, shows
+from dnanalyze.model.wave import Wave, strongest_wave
 
 _PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line
-_PEAK = 14.0  # times the floor: by chance in one of 1000 spectra of 1000 exponential modes
+_PARTS = {"temporal": "random", "pattern": "fixed"}  # of the spectrum, and the phase there
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,8 @@ class PeriodicPattern(Effect):
     }
 
     amplitude: float = parameter(0.5, "DN", 1e-4, 1e3, "amplitude A of the sine")
-    u: float = parameter(0.05, "cycles/pixel", -0.5, 0.5, "frequency along a row", "linear")
-    v: float = parameter(0.17, "cycles/pixel", -0.5, 0.5, "frequency along a column", "linear")
+    u: float = parameter(0.05, "cycles/pixel", -0.5, 0.5, "frequency along a row", "held")
+    v: float = parameter(0.17, "cycles/pixel", -0.5, 0.5, "frequency along a column", "held")
     phase: str = choice("random", "new in every frame, or the same", "random", "fixed")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
@@ -77,16 +78,37 @@ class PeriodicPattern(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The strongest line of the spectrum, off or on its axes, placed between its modes."""
+        """The line of the spectrum that stands highest over its floor, off or on its axes."""
         found: list[Effect] = []
-        for family, phase in (("temporal", "random"), ("pattern", "fixed")):
-            line = _off_axis(clues, family) or _on_axis(clues, family)
-            if line is None:
-                continue
-            amplitude, u, v = line
-            if _beats(v, u, clues.field) >= _PERIODS:
-                found.append(cls(bounded(cls, "amplitude", amplitude), u, v, phase))
+        for part, phase in _PARTS.items():
+            line = strongest_wave([w for w in clues.waves(part) if _seen(clues, part, w)])
+            if line is not None and _beats(line.v, line.u, clues.field) >= _PERIODS:
+                amplitude = bounded(cls, "amplitude", line.amplitude)
+                found.append(cls(amplitude, line.u, line.v, phase))
         return found
+
+    def told(self, measured: Located) -> dict[str, Told]:
+        """The frequency of the line within a mode of its own, or else of the strongest."""
+        if not (isinstance(self.u, (int, float)) and isinstance(self.v, (int, float))):
+            return {}
+        part = next(part for part, phase in _PARTS.items() if phase == self.phase)
+        rows, columns = measured.shape
+        seen = [w.turned(self.u, self.v) for w in measured.waves(part)]
+        near = [
+            w for w in seen if abs(w.u - self.u) < 1.0 / columns and abs(w.v - self.v) < 1.0 / rows
+        ]
+        patterns = [w for w in seen if _beats(w.v, w.u, measured.shape) >= _PERIODS]
+        line = strongest_wave(near or patterns)
+        if line is None:
+            return {}
+        return {"u": Told(line.u, line.u_error), "v": Told(line.v, line.v_error)}
+
+
+def _seen(clues: Clues, part: str, wave: Wave) -> bool:
+    """Whether the model lacks lines such as this one."""
+    if not wave.shared:
+        return shows(clues, [f"{part}_line"])
+    return shows(clues, named(f"{part}_{wave.shared}", LINE_BANDS))
 
 
 def _beats(v: float, u: float, field: tuple[int, int]) -> float:
@@ -95,77 +117,3 @@ def _beats(v: float, u: float, field: tuple[int, int]) -> float:
     Of a sine a fraction of a mode beside it any slope of such a pattern over the field is made.
     """
     return max(min(abs(f), 0.5 - abs(f)) * lines for f, lines in zip((v, u), field, strict=True))
-
-
-def _off_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:
-    """(A, u, v) of the strongest mode off the axes, where it stands out."""
-    if not shows(clues, [f"{family}_line"]):
-        return None
-    i = strongest(clues, [f"{family}_line"]) or 0
-    amplitude, u, v = (
-        float(np.asarray(clues.measured(f"{family}_line_{k}"), float)[i])
-        for k in ("amplitude", "u", "v")
-    )
-    if not math.isfinite(amplitude + u + v):
-        return None
-    noise = 3.0 / math.sqrt(min(clues.shape))  # of a profile, relative to its floor, three times
-    u, lost_u = _between(clues, f"{family}_horizontal_spectrum", "column_spectrum_f", i, u, noise)
-    v, lost_v = _between(clues, f"{family}_vertical_spectrum", "row_spectrum_f", i, v, noise)
-    return amplitude / (lost_u * lost_v), u, v
-
-
-def _between(
-    clues: Clues, spectrum: str, frequency: str, setting: int, at: float, noise: float
-) -> tuple[float, float]:
-    """The frequency between two modes from their amplitudes, and the share of it that is seen.
-
-    A sine d modes off a mode has the amplitude sinc(d) there and sinc(1 - d) in the next one. A
-    next mode within ``noise`` times the floor counts as none.
-    """
-    power, modes = curve(clues, spectrum, setting), curve(clues, frequency, setting)
-    if power is None or modes is None or power.shape != modes.shape:
-        return at, 1.0
-    k = int(np.argmin(np.abs(modes - abs(at))))
-    if not 0 < k < power.size - 1:
-        return at, 1.0
-    floor = float(np.median(power))
-    below, here, above = (float(p) - floor for p in power[k - 1 : k + 2])
-    beside = max(below, above)
-    if here <= 0 or beside < noise * floor:
-        return at, 1.0
-    ratio = math.sqrt(min(beside / here, 1.0))
-    off = ratio / (1.0 + ratio) * (1 if above > below else -1)
-    moved = abs(at) + off * float(modes[k + 1] - modes[k])
-    return math.copysign(moved, at), float(np.sinc(off))
-
-
-def _on_axis(clues: Clues, family: str) -> tuple[float, float, float] | None:
-    """(A, u, v) of the strongest line of the row or column spectrum, where it stands out."""
-    best: tuple[float, float, float] | None = None
-    for lines in ("rows", "columns"):
-        names = named(f"{family}_{lines}", LINE_BANDS)
-        if not shows(clues, names):
-            continue
-        setting = strongest(clues, names) or 0
-        spectrum = curve(clues, f"{family}_{lines[:-1]}_spectrum", setting)
-        frequencies = curve(clues, f"{lines[:-1]}_spectrum_f", setting)
-        if spectrum is None or frequencies is None or spectrum.shape != frequencies.shape:
-            continue
-        power = np.where(frequencies > 0, spectrum, 0.0)
-        peak = int(np.argmax(power))
-        if power[peak] < _PEAK * np.median(power) / math.log(2.0):
-            continue
-        amplitude = 2.0 * math.sqrt(float(power[peak]) / (clues.shape[0] * clues.shape[1]))
-        frequency, lost = _between(
-            clues,
-            f"{family}_{lines[:-1]}_spectrum",
-            f"{lines[:-1]}_spectrum_f",
-            setting,
-            float(frequencies[peak]),
-            _PEAK / 2.0,
-        )
-        amplitude /= lost
-        if best is None or amplitude > best[0]:
-            at = (0.0, frequency) if lines == "rows" else (frequency, 0.0)
-            best = (amplitude, *at)
-    return best

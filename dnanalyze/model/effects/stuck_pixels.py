@@ -42,7 +42,7 @@ class StuckPixels(Effect):
     }
 
     fraction: float = parameter(1e-4, "1", 1e-7, 0.1, "share of pixels")
-    code: float = parameter(0.0, "DN", -1e5, 1e6, "their code, or the highest of them", "linear")
+    code: float = parameter(0.0, "DN", -1e5, 1e6, "their code, or the highest of them", "held")
     codes: str = choice("one", "whether all are stuck at one code", "one", "any")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
@@ -64,7 +64,8 @@ class StuckPixels(Effect):
 
     @classmethod
     def guess(cls, clues: Clues) -> list[Effect]:
-        """The share from pixels without temporal variance; as code, both ends of what occurs.
+        """The share from pixels without temporal variance; the code at which most of them stand, or
+        where none stands out both ends of what occurs.
 
         Where the noise is below a code many pixels never change, and what piles up at the ends of
         the histogram and stands far off in the pattern tells.
@@ -77,7 +78,12 @@ class StuckPixels(Effect):
         else:
             return []
         fraction = bounded(cls, "fraction", count / (clues.shape[0] * clues.shape[1]))
-        codes = curve(clues, "histogram_codes", strongest(clues, ["dead_count"]) or 0)
+        setting = strongest(clues, ["dead_count"]) or 0
+        stuck = curve(clues, "dead_codes", setting)
+        if stuck is not None:
+            most, top = (bounded(cls, "code", float(c)) for c in (stuck[0], np.max(stuck)))
+            return [cls(fraction, top, "any"), cls(fraction, most)]
+        codes = curve(clues, "histogram_codes", setting)
         ends = (0.0, 4095.0) if codes is None else (float(np.min(codes)), float(np.max(codes)))
         low, high = (bounded(cls, "code", end) for end in ends)
         return [cls(fraction, high, "any"), cls(fraction, high), cls(fraction, low)]

@@ -68,6 +68,7 @@ class Given:
     profiles: dict = field(default_factory=dict)
     whole: tuple[int, int] | None = None
     standing_out: dict = field(default_factory=dict)
+    spectral: dict = field(default_factory=dict)
 
     @property
     def field(self):
@@ -77,6 +78,9 @@ class Given:
         means = self.profiles.get(axis, [np.empty(0)] * len(self.points))[setting]
         places = self.profiles.get("places", {})
         return (places[setting] if len(places) else np.arange(means.size)), means
+
+    def waves(self, part):
+        return self.spectral.get(part, [])
 
     def defects(self, axis):
         return np.array(self.standing_out.get(axis, []), float).reshape(-1, 4)

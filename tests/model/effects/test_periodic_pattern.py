@@ -2,8 +2,11 @@ import numpy as np
 import pytest
 from readout_bench import POINT, Given, added
 
+from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.wave import Wave
 
 WAVE = PeriodicPattern(1.5, 5 / 128, 22 / 128)
 
@@ -31,14 +34,43 @@ def test_follows_gain_but_not_temperature():
     )
 
 
+def line(u, v, amplitude=0.6, error=1e-3, ratio=40.0, shared=""):
+    return Wave(u, v, error, error, amplitude, ratio, shared)
+
+
 def test_guess_from_the_line_off_the_axes():
-    clues = Given(
-        seen={"temporal_line_u": 0.05, "temporal_line_v": -0.17, "temporal_line_amplitude": 0.6},
-        off={"temporal_line": 12.0},
-    )
+    clues = Given(spectral={"temporal": [line(0.05, -0.17)]}, off={"temporal_line": 12.0})
     (effect,) = PeriodicPattern.guess(clues)
     assert (effect.u, effect.v, effect.phase) == (0.05, -0.17, "random")
     assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
+
+
+def test_guess_takes_the_line_that_stands_highest_and_all_that_is_measured_of_it():
+    waves = [
+        line(0.3, 0.1, ratio=50.0),
+        line(0.101, -0.2, error=2e-3, ratio=90.0),
+        line(-0.1, 0.2, error=1e-3, ratio=20.0),  # the same wave
+        line(0.899, 0.2 - 1.0, error=2e-3, ratio=20.0),  # and again, by whole cycles
+    ]
+    clues = Given(spectral={"temporal": waves}, off={"temporal_line": 12.0})
+    (effect,) = PeriodicPattern.guess(clues)
+    u = (0.101 / 4 + 0.1 + 0.101 / 4) / 1.5
+    assert (effect.u, effect.v) == (pytest.approx(u), pytest.approx(-0.2))
+
+
+def test_a_pattern_is_told_where_its_own_line_lies_else_the_strongest():
+    waves = [line(0.3, 0.1, ratio=50.0), line(0.1005, -0.2, error=1e-4, ratio=20.0)]
+    clues = Given(spectral={"temporal": waves})
+    told = PeriodicPattern(u=-0.1, v=0.2).told(clues)
+    assert (told["u"].value, told["u"].se) == (pytest.approx(-0.1005), pytest.approx(1e-4))
+    told = PeriodicPattern(u=0.01, v=0.4).told(clues)
+    assert (told["u"].value, told["v"].value) == (pytest.approx(0.3), pytest.approx(0.1))
+    assert PeriodicPattern(phase="fixed").told(clues) == {}
+
+
+def test_frequency_is_left_alone_by_a_fit():
+    names = [k.name for k in knobs_of(NoiseModel((PeriodicPattern(),), 64.0))]
+    assert names == ["pedestal", "periodic_pattern.amplitude"]
 
 
 @pytest.mark.parametrize("beside", [(0.0, 0.0), (0.5, 0.0), (0.0, -0.5), (0.5, 0.5)])
@@ -47,42 +79,19 @@ def test_less_than_a_period_and_a_half_over_the_field_is_no_pattern(beside, peri
     """Nor is what beats so slowly with every other line, for a slope under a checkerboard does."""
     size = Given().field[0]
     u, v = beside
-    clues = Given(
-        seen={
-            "temporal_line_u": abs(u - periods / size),
-            "temporal_line_v": v + 1.0 / size if v < 0 else v - 1.0 / size,
-            "temporal_line_amplitude": 0.6,
-        },
-        off={"temporal_line": 12.0},
-    )
+    wave = line(abs(u - periods / size), v + (1.0 if v < 0 else -1.0) / size)
+    clues = Given(spectral={"temporal": [wave]}, off={"temporal_line": 12.0})
     assert bool(PeriodicPattern.guess(clues)) == pattern
 
 
 def test_guess_from_a_line_on_an_axis():
-    spectrum = np.random.default_rng(1).exponential(4.0, 129)
-    spectrum[32] = 0.36 / 4 * 256 * 256
-    curves = {"temporal_row_spectrum": [spectrum], "row_spectrum_f": [np.arange(129) / 256]}
-    clues = Given(off={"temporal_rows_0.1_0.3": 9.0}, curves=curves)
-    (effect,) = PeriodicPattern.guess(clues)
+    wave = line(0.0, 0.125, shared="rows")
+    given = {"spectral": {"temporal": [wave]}}
+    (effect,) = PeriodicPattern.guess(Given(**given, off={"temporal_rows_0.1_0.3": 9.0}))
     assert (effect.u, effect.v) == (0.0, 0.125)
-    assert effect.amplitude == pytest.approx(0.6, rel=1e-6)
-    spectrum[32] = 4.0
-    assert PeriodicPattern.guess(clues) == []
+    assert PeriodicPattern.guess(Given(**given, off={"temporal_columns_0.1_0.3": 9.0})) == []
 
 
-@pytest.mark.parametrize("off", [-0.4, -0.1, 0.3])
-def test_guess_places_a_line_between_two_modes(off):
-    n, v = 256, (40 + off) / 256
-    wave = 0.8 * np.sin(2 * np.pi * v * np.arange(n) + 1.0)
-    power = np.abs(np.fft.rfft(wave)) ** 2  # of rows of n pixels: n^2 / n^2 of the frame's modes
-    spectrum = power / n * n + np.random.default_rng(2).exponential(1.0, n // 2 + 1)
-    curves = {"temporal_row_spectrum": [spectrum], "row_spectrum_f": [np.arange(129) / 256]}
-    clues = Given(off={"temporal_rows_0.1_0.3": 9.0}, curves=curves)
-    (effect,) = PeriodicPattern.guess(clues)
-    assert effect.v == pytest.approx(v, abs=0.03 / 256)
-    assert effect.amplitude == pytest.approx(0.8, rel=0.05)
-
-
-def test_no_guess_where_curves_are_absent():
-    assert PeriodicPattern.guess(Given(off={"temporal_rows_0.1_0.3": 9.0})) == []
-    assert PeriodicPattern.guess(Given(off={"temporal_line": 9.0})) == []
+def test_no_guess_where_there_is_no_line():
+    off = {"temporal_line": 9.0, "temporal_rows_0.1_0.3": 9.0}
+    assert PeriodicPattern.guess(Given(off=off)) == []

@@ -76,7 +76,7 @@ def test_the_catalogue_entry_is_complete(name):
         if item.scale != "choice":
             assert item.unit
             assert item.lower < item.upper
-            assert item.scale in ("linear", "held") or item.lower > 0
+            assert item.scale in ("linear", "signed", "held") or item.lower > 0
 
 
 @pytest.mark.parametrize("effect", list(variants()), ids=repr)
@@ -106,6 +106,9 @@ def test_no_guess_where_nothing_is_unexplained(name):
 
         def defects(self, axis):
             return np.empty((0, 4))
+
+        def waves(self, part):
+            return []
 
         def curve(self, name, setting):
             raise KeyError(name)

@@ -56,6 +56,18 @@ def test_guess_from_pixels_without_noise():
     assert StuckPixels.guess(Given()) == []
 
 
+def test_guess_of_the_code_at_which_most_dead_pixels_stand():
+    clues = Given(
+        seen={"dead_count": 66.0}, model={"dead_count": 0.0}, off={"dead_count": 8.0},
+        curves={
+            "histogram_codes": [np.array([3, 64, 1023])], "dead_codes": [np.array([140, 900, 200])],
+        },
+    )  # fmt: skip
+    mixed, one = StuckPixels.guess(clues)
+    assert (mixed.code, mixed.codes) == (900.0, "any")
+    assert (one.code, one.codes) == (140.0, "one")
+
+
 def test_guess_where_the_noise_is_below_a_code_and_many_pixels_never_change():
     clues = Given(
         seen={"hot_count_64": 30.0, "cold_count_8": 15.0},
