@@ -156,6 +156,7 @@ def fit(console: Console, captures: Any, result: Any) -> None:
 def comparison(console: Console, captures: Any, result: Any) -> None:
     """The error, where the model fails, family by family, and the worst statistics."""
     headline = words.compare_headline(result.error, result.baselines)
+    headline = words.with_remarks(headline, result)
     _verdict(console, capture.one_line(captures), headline)
     _points(console, "Where it fails, worst first", result.failures[:MOST_FAILURES])
     _families(console, result.families)
@@ -198,7 +199,8 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
 
     Where nothing is missing, what chance put forward is no candidate.
     """
-    _verdict(console, capture.one_line(captures), words.diagnose_headline(result))
+    headline = words.with_remarks(words.diagnose_headline(result), result)
+    _verdict(console, capture.one_line(captures), headline)
     candidates = [] if result.verdict == "adequate" else result.candidates
     _table(
         console,
@@ -232,6 +234,7 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
 def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
     """The error step by step."""
     headline = words.refine_headline(list(result.steps), result.verdict)
+    headline = words.with_remarks(headline, result)
     _verdict(console, capture.one_line(captures), headline)
     top = max([s.error for s in result.steps if words.is_number(s.error)] + [1.0])
     _table(

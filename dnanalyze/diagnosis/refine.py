@@ -19,6 +19,7 @@ from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -54,6 +55,11 @@ class Refinement:
     diagnosis: Diagnosis
     bench: Bench
     state: State
+
+    @property
+    def level(self) -> Level | None:
+        """The mean dark level of the final model, which an adequate one keeps."""
+        return self.diagnosis.level
 
 
 def refine(

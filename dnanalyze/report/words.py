@@ -205,6 +205,25 @@ def diagnose_headline(found: Any) -> str:
     )
 
 
+def with_remarks(headline: str, result: Any) -> str:
+    """A headline, and what else it must say: a law that was put in, a level that is not kept."""
+    law, level = getattr(result, "law", ""), getattr(result, "level", None)
+    more = [sentence(law)] if law else []
+    if level is not None and not level.kept:
+        more.append(sentence(level_words(level)))
+    return " ".join([headline, *more])
+
+
+def level_words(level: Any) -> str:
+    """How far the mean dark level is off at its worst operating point."""
+    share = "" if level.relative is None else f"{percent(abs(level.relative))}, "
+    where = ", ".join(filter(None, (point_label(level.point), level.plane)))
+    return (
+        f"the mean dark level at {where} is off by {number(abs(level.difference_dn), 2)} DN "
+        f"({share}{number(level.standard_errors, 2)} standard errors)"
+    )
+
+
 def net_additions(added: Iterable[str | None]) -> list[str]:
     """What was added and stayed: an entry ``-name`` takes that name out again."""
     kept: list[str] = []

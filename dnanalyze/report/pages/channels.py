@@ -18,6 +18,7 @@ from dnanalyze.report.words import (
     refine_headline,
     sentence,
     step_name,
+    with_remarks,
 )
 
 
@@ -61,7 +62,7 @@ def _steps(channel: str, part: Any) -> Section:
     return Section(
         f"channel-{channel}",
         f"Channel {channel}",
-        text=[refine_headline(list(part.steps), part.verdict)],
+        text=[with_remarks(refine_headline(list(part.steps), part.verdict), part)],
         pictures=[waterfall(names, [s.error for s in part.steps])],
         tables=[table],
     )
@@ -69,7 +70,7 @@ def _steps(channel: str, part: Any) -> Section:
 
 def diagnosis_page(captures: Any, found: Mapping[str, Any], verdict: str) -> str:
     """HTML of the page: every channel's diagnosis, one after another."""
-    said = {name: diagnose_headline(d) for name, d in found.items()}
+    said = {name: with_remarks(diagnose_headline(d), d) for name, d in found.items()}
     page = Page(
         "Diagnosis over channels",
         capture.title(captures),

@@ -16,6 +16,7 @@ from dnanalyze.report.words import (
     plural,
     sentence,
     texts,
+    with_remarks,
 )
 
 TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
@@ -79,7 +80,7 @@ def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
     page = Page(
         "Diagnosis",
         capture.title(captures),
-        diagnose_headline(result),
+        with_remarks(diagnose_headline(result), result),
         [*sections(result), *(compare.sections(comparison) if comparison is not None else [])],
         tone=TONES.get(result.verdict, "fair"),
         points=[sentence(e) for e in (result.candidates[0].evidence if result.candidates else [])]

@@ -15,6 +15,7 @@ from dnanalyze.report.words import (
     refine_headline,
     sentence,
     step_name,
+    with_remarks,
 )
 
 
@@ -27,16 +28,15 @@ def refine_page(captures: Any, result: Any, comparison: Any = None) -> str:
         for name, s in zip(names, steps, strict=True)
     ]
     why = [
-        sentence(f"{s.added}: {e}")
-        for s in steps
-        if s.added
+        sentence(f"{name}: {e}")
+        for name, s in zip(names, steps, strict=True)
         for e in getattr(s, "evidence", None) or ()
     ]
     rest = getattr(result, "diagnosis", None)
     page = Page(
         "Refinement",
         capture.title(captures),
-        refine_headline(steps, result.verdict),
+        with_remarks(refine_headline(steps, result.verdict), result),
         [
             Section(
                 "steps",
