@@ -158,6 +158,7 @@ def fit(console: Console, captures: Any, result: Any) -> None:
 def comparison(console: Console, captures: Any, result: Any) -> None:
     """The error, where the model fails, family by family, and the worst statistics."""
     headline = words.compare_headline(result.error, result.baselines)
+    headline = words.with_remarks(headline, result)
     _verdict(console, capture.one_line(captures), headline)
     _points(console, "Where it fails, worst first", result.failures[:MOST_FAILURES])
     _families(console, result.families)

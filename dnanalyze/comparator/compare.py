@@ -15,6 +15,7 @@ from dnanalyze.comparator.words import failures
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit
 from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
@@ -44,6 +45,8 @@ class Comparison:
         Where the model fails, worst first.
     measured, simulated, gaussian : Statistics
         Of the judged half, with their curves.
+    level : Level, optional
+        The model's mean dark level against the measured one.
     """
 
     captures: str
@@ -56,6 +59,7 @@ class Comparison:
     measured: Statistics
     simulated: Statistics
     gaussian: Statistics
+    level: Level | None = None
 
 
 def compare(
@@ -99,6 +103,7 @@ def compare(
         held.measured[1],
         made[1],
         plain[1],
+        held.level(held.train.z(prediction(made, 0, held.train)), z),
     )
 
 

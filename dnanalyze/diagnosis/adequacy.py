@@ -11,6 +11,7 @@ from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.deviance import TOLERABLE, deviance
 from dnanalyze.diagnosis.trial import Trial, error_of, witnessed
 from dnanalyze.fitting.least_squares import State, given
+from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES, FEW = 12, 6
@@ -30,8 +31,10 @@ class Adequacy:
     Parameters
     ----------
     adequate : bool
+        Nothing is left, and the mean dark level is kept (see `Level`).
     left : list of str
-        Statistics that are off on both halves beyond chance, worst first.
+        Statistics that are off on both halves beyond chance, worst first; the mean level first
+        where it is not kept.
     """
 
     adequate: bool
@@ -43,6 +46,15 @@ def adequacy(bench: Bench, state: State, replicates: int = REPLICATES) -> Adequa
 
     They are drawn one by one, and only for as long as they may tell something.
     """
+    level = bench.level(state.train, state.test)
+    if level is not None and not level.kept:
+        rest = _adequacy(bench, state, replicates).left
+        return Adequacy(False, [MEAN, *(name for name in rest if name != MEAN)])
+    return _adequacy(bench, state, replicates)
+
+
+def _adequacy(bench: Bench, state: State, replicates: int) -> Adequacy:
+    """By the misfit alone."""
     error = error_of(bench, state)
     calm = error < TOLERABLE
     own = _misfits(bench, state.train, state.test)

@@ -32,11 +32,13 @@ from dnanalyze.diagnosis.confidence import (
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.leftover import leftover
+from dnanalyze.diagnosis.spread_law import spread_law, told
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, trials
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
@@ -76,6 +78,10 @@ class Diagnosis:
     trials : list of Trial
     ordinary : list of str
         What every sensor has and the model had not: put in before others were tried.
+    level : Level, optional
+        The mean dark level of the model, which an adequate one keeps.
+    law : str
+        How the spread of dark current changes with temperature, where that was put in; else empty.
     """
 
     captures: str
@@ -88,6 +94,8 @@ class Diagnosis:
     model: NoiseModel | None = None
     trials: list[Trial] = field(default_factory=list)
     ordinary: list[str] = field(default_factory=list)
+    level: Level | None = None
+    law: str = ""
 
 
 def diagnose(
@@ -128,7 +136,12 @@ def diagnose(
     state = stages[-1][1] if stages else asked
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
-    found = judge(captures.name, held, state, tried, missing(held, state, tried), open_to)
+    best, law, said = missing(held, state, tried), spread_law(held, state), ""
+    if law is not None and (best is None or law.evidence > best.evidence):
+        state, said = law.state, told(held, law.state.model)
+        tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
+        best = missing(held, state, tried)
+    found = replace(judge(captures.name, held, state, tried, best, open_to), law=said)
     return beside_everyday(held, asked, stages, found) if stages else found
 
 
@@ -361,6 +374,7 @@ def judge(
     made = Diagnosis(name, error, verdict, candidates, open_yet, {}, [], state.model, tried)
     return replace(
         made,
+        level=held.level(state.train, state.test),
         detection_limits=detection_limits(held, state, known) if in_full else {},
         next_capture=next_capture(held, verdict, candidates),
     )

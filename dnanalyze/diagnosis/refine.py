@@ -21,6 +21,7 @@ from dnanalyze.fitting.fit import Parameter, paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
@@ -77,6 +78,11 @@ class Refinement:
         if self.finished:
             return parameters_of(self.bench, self.state)
         return parameters_of(self.bench, self.state, 0)
+
+    @property
+    def level(self) -> Level | None:
+        """The mean dark level of the final model, which an adequate one keeps."""
+        return None if self.diagnosis is None else self.diagnosis.level
 
 
 def refine(

@@ -12,6 +12,7 @@ from dnanalyze.diagnosis.evidence import evidence_for
 from dnanalyze.diagnosis.exchange import exchange
 from dnanalyze.diagnosis.needless import needless
 from dnanalyze.diagnosis.path import Fork, Path, Step
+from dnanalyze.diagnosis.spread_law import spread_law, told
 from dnanalyze.diagnosis.trial import Trial, best_guess, candidates_of, error_of
 from dnanalyze.fitting.least_squares import State, derive, minimise
 from dnanalyze.fitting.predictor import Bench
@@ -75,6 +76,10 @@ class Walk:
             added = self.added(state)
             best, among, gone = missing(held, state, tried), tried, []
             path = replace(path, tried=tuple(tried), best=best)
+            law = spread_law(held, state)
+            if law is not None and (best is None or law.evidence > best.evidence):
+                path, fresh = self._with_law(path, law), False
+                continue
             if best is None and error > POOR and not fresh:
                 # derivatives that many steps kept up may hide from the refits what true ones show
                 state, fresh = minimise(held, derive(held, state, anew=True)), True
@@ -109,6 +114,13 @@ class Walk:
         path = self._without(path, *needless(self.held, path.state))
         self.keep(path)
         return path
+
+    def _with_law(self, path: Path, law: Trial) -> Path:
+        """The path with a spread of dark current that changes with temperature: no effect more."""
+        step = Step(None, law.error, None, [told(self.held, law.state.model)])
+        self.tell(step)
+        self.keep(law.state.model)
+        return replace(path, state=law.state, steps=(*path.steps, step))
 
     def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
         """The path at the state that does without some effects."""

@@ -16,6 +16,7 @@ from dnanalyze.fitting.least_squares import (
     derive,
     longest,
     loss,
+    merit,
     start,
     unseen,
     weights,
@@ -201,7 +202,7 @@ def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) ->
     They end where the loss, which the luck of one sensor's derivatives bends by about 1 a knob,
     rises by more.
     """
-    most = state.loss + len(state.knobs)
+    most = state.merit + len(state.knobs)
     for _ in range(STEPS):
         here = positions(state.model, state.knobs)
         step = np.clip(-gain @ state.train, *longest(state.knobs, here))
@@ -210,7 +211,7 @@ def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) ->
         there = [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
         model = turned(state.model, state.knobs, np.array(there))
         train = fair.fitted_z(model)
-        if loss(train) > most:
+        if merit(train, state.bounds) > most:
             break
         state = replace(state, model=model, train=train, unseen=unseen(fair, model))
     return state

@@ -119,7 +119,8 @@ def _of_law(
         return [Knob(effect, name, str(i), log, lower, upper, unit) for i in rows]
     knobs = [Knob(effect, name, "value", log, lower, upper, unit)]
     if isinstance(law, ArrheniusLaw):
-        knobs.append(Knob(effect, name, "ea_ev", False, 0.0, 2.0, "eV"))
+        # below 0 for what falls as it warms, such as the relative spread of dark current
+        knobs.append(Knob(effect, name, "ea_ev", False, -2.0, 2.0, "eV"))
     return knobs
 
 

@@ -2,7 +2,7 @@
 
 The derivative of a group of knobs costs one simulation; between iterations it is kept up to date by
 Broyden's rank-one formula instead of being taken anew. A pseudo-Huber loss keeps a few statistics
-that the model cannot reach from bending all others.
+that the model cannot reach from bending all others. The mean level alone is held within bounds.
 """
 
 from __future__ import annotations
@@ -32,6 +32,11 @@ GROWTH = 8.0  # of a step that shows too little, each time; twice at most
 # libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit,
 # the loss is higher by (2^-10 / 2)^2 = 2e-7 a knob.
 GRAIN = 2.0**-10
+# Weight of the square of what a level lies beyond its bound, in bounds. Others pull on it by 2
+# `HUBER` a floor each at most: 60 that a bound of 100 floors moves alike by 7e4 a bound, which puts
+# it 4 % beyond.
+STIFF = 1e6
+AIM = 0.8  # of its bound, to which a level beyond it is taken: derivatives are good to some percent
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,8 @@ class State:
     at_rest : bool
         Whether a fit has ended here because its derivatives, which its last step showed to be true,
         promise no more.
+    bounds : ndarray, optional
+        Of each train number, in floors: how far it may be off, inf where that is left to the loss.
     """
 
     model: NoiseModel
@@ -59,6 +66,7 @@ class State:
     unseen: Callable[[], np.ndarray]
     jacobian: np.ndarray
     at_rest: bool = False
+    bounds: np.ndarray | None = None
 
     @property
     def test(self) -> np.ndarray:
@@ -69,6 +77,11 @@ class State:
     def loss(self) -> float:
         """Pseudo-Huber loss over the train numbers (a sum of squares for small ones)."""
         return loss(self.train)
+
+    @property
+    def merit(self) -> float:
+        """The loss, with what the bounds add where they are not kept: what a fit lowers."""
+        return merit(self.train, self.bounds)
 
 
 def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
@@ -86,11 +99,25 @@ def loss(z: np.ndarray) -> float:
     return float(2 * HUBER**2 * np.sum(np.sqrt(1 + (z / HUBER) ** 2) - 1))
 
 
+def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
+    """Loss, and `STIFF` times the squares of what lies beyond its bound, in bounds."""
+    return loss(z) + _stiff(z, bounds)
+
+
+def _stiff(z: np.ndarray, bounds: np.ndarray | None) -> float:
+    return STIFF * float(np.sum(_beyond(z, bounds) ** 2))
+
+
+def _beyond(z: np.ndarray, bounds: np.ndarray | None) -> np.ndarray:
+    """How far numbers lie beyond their bounds, in bounds; 0 within them."""
+    return np.zeros(1) if bounds is None else np.maximum(np.abs(z) / bounds - 1.0, 0.0)
+
+
 def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
     """Simulate a model; take over derivatives from a like model where knobs agree."""
     train = bench.fitted_z(model)
     blank = np.full((len(train), len(knobs)), np.nan)
-    begun = State(model, knobs, train, unseen(bench, model), blank)
+    begun = State(model, knobs, train, unseen(bench, model), blank, False, bench.train.bounds)
     return begun if like is None else with_derivatives_of(begun, like)
 
 
@@ -248,10 +275,12 @@ def minimise(
         train = bench.fitted_z(model)
         jacobian = _broyden(state.jacobian, train - state.train, there - here)
         # of the loss itself: its squares, as weighted here, promise too little of what lies far off
-        promised = state.loss - loss(state.train + state.jacobian @ (there - here))
-        if loss(train) < state.loss:
-            gained = state.loss - loss(train)
-            state = State(model, state.knobs, train, unseen(bench, model), jacobian)
+        follows = state.train + state.jacobian @ (there - here)
+        promised = state.merit - merit(follows, state.bounds)
+        if merit(train, state.bounds) < state.merit:
+            gained = state.merit - merit(train, state.bounds)
+            judged = unseen(bench, model)
+            state = replace(state, model=model, train=train, unseen=judged, jacobian=jacobian)
             tell(state)
             damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
             stale, true = False, promised / KEPT < gained < KEPT * promised
@@ -284,11 +313,11 @@ def converge(
     """
     own = own or bool(np.isnan(state.jacobian).all())
     for n in range(2 * rounds):
-        before = state.loss
+        before = state.merit
         begun = derive(bench, state, anew=True) if n else state
         state = minimise(bench, begun, iterations, tell=tell)
         least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
-        ended = (state.at_rest and (n or own)) or (n and before - state.loss < least)
+        ended = (state.at_rest and (n or own)) or (n and before - state.merit < least)
         if ended or state.loss > hopeless * len(state.train):
             break
     return state
@@ -300,10 +329,46 @@ def weights(z: np.ndarray) -> np.ndarray:
 
 
 def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
-    """Damped step and the fall of the loss that it promises, within the bounds of the knobs."""
+    """Damped step and the fall of the merit that it promises, within the bounds of the knobs.
+
+    A level that lies beyond its bound, or that the step would take there, is taken to `AIM` of it.
+    """
     w = weights(state.train)
     a = state.jacobian * w[:, None]
     b = state.train * w
+    wanted: dict[int, float] = {}  # numbers that are pressed to their bounds, and to what of them
+    bounds, follows = state.bounds, state.train
+    step = np.zeros(len(state.knobs))
+    for n in range(3):
+        out = [int(i) for i in np.flatnonzero(_beyond(follows, state.bounds)) if i not in wanted]
+        if n and not out:
+            break
+        for i in out:
+            assert bounds is not None
+            wanted[i] = AIM * float(np.copysign(bounds[i], follows[i]))
+        step = _damped(state, a, b, damping, *_pressing(state, wanted))
+        follows = state.train + state.jacobian @ step
+    promised = float(b @ b - np.sum((b + a @ step) ** 2))
+    return step, promised + _stiff(state.train, state.bounds) - _stiff(follows, state.bounds)
+
+
+def _pressing(state: State, wanted: dict[int, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Weighted rows and numbers, rows step + numbers = 0, that take numbers to what is wanted."""
+    at = list(wanted)
+    weight = [math.sqrt(STIFF) * AIM / abs(x) for x in wanted.values()]
+    rows = np.reshape(weight, (-1, 1)) * state.jacobian[at]
+    return rows, (state.train[at] - list(wanted.values())) * weight
+
+
+def _damped(
+    state: State,
+    a: np.ndarray,
+    b: np.ndarray,
+    damping: float,
+    rows: np.ndarray,
+    rest: np.ndarray,
+) -> np.ndarray:
+    """Step that lowers a step + b and rows step + rest, damped in proportion to ``a`` alone."""
     size = np.sqrt(np.sum(a * a, axis=0))
     usable = size > 1e-6
     grid = GRAIN / np.exp2(np.ceil(np.log2(np.where(usable, size, 1.0))))
@@ -312,8 +377,12 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     for _ in range(3):  # a knob pushed against its bound is held there
         scaled = a[:, usable] / size[usable]
         normal = scaled.T @ scaled + damping * np.eye(int(usable.sum()))
+        slope = scaled.T @ b
+        if len(rest):
+            pressing = rows[:, usable] / size[usable]
+            normal, slope = normal + pressing.T @ pressing, slope + pressing.T @ rest
         step[:] = 0
-        step[usable] = np.linalg.solve(normal, -scaled.T @ b) / size[usable]
+        step[usable] = np.linalg.solve(normal, -slope) / size[usable]
         step = grid * np.rint(step / grid)
         step = np.clip(step, *longest(state.knobs, here))
         held = np.array(
@@ -325,8 +394,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
         if not (held & usable).any():
             break
         usable = usable & ~held
-    promised = float(b @ b - np.sum((b + a @ step) ** 2))
-    return step, promised
+    return step
 
 
 def longest(knobs: Sequence[Knob], here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

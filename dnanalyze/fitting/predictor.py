@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.fitting.design import Design
+from dnanalyze.fitting.level import Level, allowed, dark_signals, level
 from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, room
 from dnanalyze.fitting.vectors import Target, prediction, target
@@ -97,6 +98,12 @@ class Bench:
         """Differences in floors, of test alone."""
         return self.test.z(prediction(self.statistics(model, half=1), 1, self.test))
 
+    def level(self, train: np.ndarray, test: np.ndarray) -> Level | None:
+        """The mean dark level of a model by its differences in floors on train and test."""
+        points = [point for point, _ in self.plan.settings]
+        signals = dark_signals(self.measured[0], self.train)
+        return level(points, (self.train, self.test), (train, test), signals)
+
     def only(self, settings: list[int]) -> Bench:
         """The same bench with some of its settings."""
         chosen = tuple(self.plan.captures.settings[i] for i in settings)
@@ -126,7 +133,8 @@ def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
 
     def of(number: int, part: Bench | None = None) -> Bench:
         halves = measured[2 * number : 2 * number + 2]
-        sides = target(halves, 0), target(halves, 1)
-        return Bench(plans[number], halves, *sides, memo, helpers, part, even=number > 0)
+        train, test = target(halves, 0), target(halves, 1)
+        train = replace(train, allowed=allowed(train, dark_signals(halves[0], train)))
+        return Bench(plans[number], halves, train, test, memo, helpers, part, even=number > 0)
 
     return of(0, of(1) if plan.part else None)

@@ -42,6 +42,8 @@ class Target:
         What two independent captures would differ by, on that scale: sqrt(2) times the standard
         error.
     families : ndarray of str
+    allowed : ndarray, optional
+        How far a model may be off while it is fitted, on that scale; inf: left to the loss.
     """
 
     keys: tuple[Key, ...]
@@ -49,6 +51,7 @@ class Target:
     coordinates: np.ndarray
     floor: np.ndarray
     families: np.ndarray
+    allowed: np.ndarray | None = None
 
     @cached_property
     def places(self) -> dict[tuple[int, str], list[tuple[int, str, Scale]]]:
@@ -58,6 +61,11 @@ class Target:
         for i, k in enumerate(self.keys):
             found.setdefault((k.setting, k.plane), []).append((i, k.name, known[k.name].scale))
         return found
+
+    @property
+    def bounds(self) -> np.ndarray | None:
+        """``allowed`` in floors."""
+        return None if self.allowed is None else self.allowed / self.floor
 
     @cached_property
     def names(self) -> np.ndarray:
@@ -82,6 +90,7 @@ class Target:
             self.coordinates[here],
             self.floor[here],
             self.families[here],
+            None if self.allowed is None else self.allowed[here],
         )
 
     def z(self, predicted: np.ndarray) -> np.ndarray:

@@ -92,7 +92,17 @@ def comparison(where: str | None, result: Any, command: str = "compare") -> Docu
         failures=result.failures,
         statistics=result.statistics,
         model=result.model,
+        **_level(result),
     )
+
+
+def _level(result: Any) -> Document:
+    """The mean dark level where it is farthest off; null where none was measured."""
+    level = getattr(result, "level", None)
+    if level is None:
+        return {"level": None}
+    fields = _fields(level, "kept", "plane", "difference_dn", "relative", "standard_errors")
+    return {"level": _point(level.point) | fields}
 
 
 def diagnosis(where: str, result: Any) -> Document:
@@ -111,6 +121,8 @@ def diagnosis(where: str, result: Any) -> Document:
         unexplained=result.unexplained,
         detection_limits=result.detection_limits,
         next_capture=result.next_capture,
+        law=getattr(result, "law", "") or None,
+        **_level(result),
     )
 
 
@@ -133,6 +145,7 @@ def refinement(
         finished=getattr(result, "finished", True),
         model=output,
         fitted=result.model.to_plain(),
+        **_level(result),
     )
 
 

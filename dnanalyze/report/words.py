@@ -191,7 +191,11 @@ def error_way(before: Any, after: Any) -> str:
 
 
 def diagnose_headline(found: Any) -> str:
-    """The verdict of a diagnosis in one sentence."""
+    """The verdict of a diagnosis in one sentence, and what else it must say."""
+    return with_remarks(_diagnosed(found), found)
+
+
+def _diagnosed(found: Any) -> str:
     ordinary = found.ordinary
     every = f"what every sensor has ({listing(ordinary)})"
     put_in = [c.error_after for c in found.candidates if c.effect in ordinary]
@@ -239,6 +243,25 @@ def _missing(found: Any, best: Any, every: str) -> str:
     return sentence(text)
 
 
+def with_remarks(headline: str, result: Any) -> str:
+    """A headline, and what else it must say: a law that was put in, a level that is not kept."""
+    law, level = getattr(result, "law", ""), getattr(result, "level", None)
+    more = [sentence(law)] if law else []
+    if level is not None and not level.kept:
+        more.append(sentence(level_words(level)))
+    return " ".join([headline, *more])
+
+
+def level_words(level: Any) -> str:
+    """How far the mean dark level is off at its worst operating point."""
+    share = "" if level.relative is None else f"{percent(abs(level.relative))}, "
+    where = ", ".join(filter(None, (point_label(level.point), level.plane)))
+    return (
+        f"the mean dark level at {where} is off by {number(abs(level.difference_dn), 2)} DN "
+        f"({share}{number(level.standard_errors, 2)} standard errors)"
+    )
+
+
 def net_additions(added: Iterable[str | None]) -> list[str]:
     """What was added and stayed: an entry ``-name`` takes that name out again."""
     kept: list[str] = []
@@ -251,7 +274,11 @@ def net_additions(added: Iterable[str | None]) -> list[str]:
 
 
 def refine_headline(result: Any) -> str:
-    """The verdict of a refinement in one sentence."""
+    """The verdict of a refinement in one sentence, and what else it must say."""
+    return with_remarks(_refined(result), result)
+
+
+def _refined(result: Any) -> str:
     steps, verdict = list(result.steps), result.verdict
     first, last = steps[0].error, steps[-1].error
     by_name = {s.added: s for s in steps}  # the last time that it was added
@@ -300,7 +327,7 @@ def add_headline(result: Any) -> str:
         text += f". The model leaves unexplained: {left}; `dnanalyze diagnose` asks for the rest"
     elif result.verdict == "adequate":
         text += ". Nothing is left to find in these frames"
-    return sentence(text)
+    return with_remarks(sentence(text), result)
 
 
 def step_name(added: str | None, place: int) -> str:

@@ -155,7 +155,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
     def z(moved):
         return far - slope[:, 0] * (positions(moved, knobs) - here)
 
-    straight = SimpleNamespace(fitted_z=z, judged_z=z)
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=SimpleNamespace(bounds=None))
     begun = least_squares.State(model, knobs, z(model), given(z(model)), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
     assert ended.loss < 0.5 * begun.loss

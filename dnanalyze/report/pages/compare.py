@@ -13,7 +13,7 @@ from dnanalyze.report.page import Page, Section, render, tone_of
 from dnanalyze.report.pages.analyze import missing_section
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.panels import family_panels
-from dnanalyze.report.words import compare_headline, number, sentence
+from dnanalyze.report.words import compare_headline, number, sentence, with_remarks
 
 CLOSE = 1.3  # error from which a model is said to fail
 FIRST = 6  # failures that stand with the verdict; the rest follow
@@ -58,7 +58,7 @@ def compare_page(captures: Any, result: Any) -> str:
     page = Page(
         "Model against sensor",
         capture.title(captures),
-        compare_headline(result.error, baselines),
+        with_remarks(compare_headline(result.error, baselines), result),
         sections(result),
         tone=tone_of(result.error),
         points=[*(sentence(f) for f in result.failures[:FIRST]), *law_doubts(result.measured)],

@@ -57,9 +57,8 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
     steps = list(result.steps)
     names = [step_name(s.added, place) for place, s in enumerate(steps)]
     why = [
-        sentence(f"{naming(s.added, s.confidence)}: {e}")
-        for s in steps
-        if s.added
+        sentence(f"{naming(name, s.confidence)}: {e}")
+        for name, s in zip(names, steps, strict=True)
         for e in s.evidence
     ]
     rest = result.diagnosis

@@ -1,0 +1,111 @@
+"""Whether the relative spread of dark current changes with temperature.
+
+The dark current of a pixel is the sum of two: diffusion from the neutral bulk, nearly the same in
+all pixels, which grows as n_i^2 (about 1.1 eV), and generation in depleted silicon, which differs
+from pixel to pixel and grows as n_i (about .6 eV). As a sensor warms the even part takes over, and
+the spread falls. One spread for all temperatures then trades the level for the width.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from dnanalyze.diagnosis.confidence import significant
+from dnanalyze.diagnosis.deviance import DEFLATION
+from dnanalyze.diagnosis.trial import Trial, error_of, judged
+from dnanalyze.fitting.knobs import Knob, knobs_of
+from dnanalyze.fitting.least_squares import State, converge, derive, weights
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.laws import ArrheniusLaw
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE
+
+SPREAD = "delta"
+# Squared standard scores of the slope that one sensor of constant spread in a thousand exceeds
+# (chi^2 of one number); its statistics are correlated, and overstate it by `DEFLATION`.
+CLEAR = 10.83 * DEFLATION
+
+
+def spread_law(bench: Bench, state: State) -> Trial | None:
+    """The model with a spread that changes with temperature, refitted, where the data carry it.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+        Fitted model; of one whose spread has a law already, nothing is asked.
+
+    Returns
+    -------
+    Trial or None
+        None where the slope is not beyond what one sensor in a thousand shows by chance, on the
+        fitted half before a refit and on both after it.
+    """
+    temperatures = {p.temperature_c for p, _ in bench.plan.settings} - {None}
+    larger = with_law(state.model)
+    if larger is None or len(temperatures) < 2:
+        return None
+    begun = derive(bench, _begun(state, larger), only=_is_slope)
+    if promise(begun) < CLEAR:
+        return None
+    found = judged(bench, state, BASE, converge(bench, begun, rounds=1))
+    enough = found.evidence > CLEAR * found.spread
+    return found if enough and significant(found, error_of(bench, state)) else None
+
+
+def with_law(model: NoiseModel) -> NoiseModel | None:
+    """The same model, its spread free to change with temperature; None where it has no constant."""
+    light = model.get(BASE)
+    celsius = model.reference.temperature_c
+    spread = getattr(light, SPREAD, None)
+    if light is None or celsius is None or not isinstance(spread, float):
+        return None
+    law = ArrheniusLaw(spread, celsius, 0.0)
+    return model.with_effect(replace(light, **{SPREAD: law}))
+
+
+def promise(state: State) -> float:
+    """Squared standard score of the slope: what it takes off the squares, all others following."""
+    at = np.array([_is_slope(k) for k in state.knobs])
+    w = weights(state.train)
+    a, b = state.jacobian * w[:, None], state.train * w
+    a = np.nan_to_num(a)
+    others = a[:, ~at & (np.linalg.norm(a, axis=0) > 1e-6)]
+    free = np.linalg.qr(others)[0]
+    slope, rest = (x - free @ (free.T @ x) for x in (a[:, at].sum(axis=1), b))
+    size = float(slope @ slope)
+    return float(slope @ rest) ** 2 / size if size > 0 else 0.0
+
+
+def told(bench: Bench, model: NoiseModel) -> str:
+    """The law in a sentence."""
+    light = model.get(BASE)
+    assert light is not None
+    celsius = sorted(t for p, _ in bench.plan.settings if (t := p.temperature_c) is not None)
+    points = [
+        replace(bench.plan.settings[0][0], temperature_c=t) for t in (celsius[0], celsius[-1])
+    ]
+    cold, warm = (math.sqrt(math.expm1(light.value(SPREAD, p) ** 2)) for p in points)
+    verb = "falls" if warm < cold else "rises"
+    return (
+        f"the spread of dark current over the pixels {verb} from {cold:.3g} of its mean at "
+        f"{celsius[0]:.4g} C to {warm:.3g} at {celsius[-1]:.4g} C"
+    )
+
+
+def _begun(state: State, model: NoiseModel) -> State:
+    """The state of the same model with the law, which changes nothing yet."""
+    known = {k.name: i for i, k in enumerate(state.knobs)}
+    knobs = knobs_of(model)
+    jacobian = np.full((len(state.train), len(knobs)), np.nan)
+    for i, knob in enumerate(knobs):
+        if knob.name in known:
+            jacobian[:, i] = state.jacobian[:, known[knob.name]]
+    return replace(state, model=model, knobs=knobs, jacobian=jacobian)
+
+
+def _is_slope(knob: Knob) -> bool:
+    return (knob.effect, knob.parameter, knob.part) == (BASE, SPREAD, "ea_ev")
