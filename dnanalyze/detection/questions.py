@@ -8,7 +8,7 @@ sensors show (``Asked.limit``): at a million pixels everything is significant.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -17,14 +17,16 @@ from dnanalyze.detection.correlation import largest_crosstalk, shot_share
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
+from dnanalyze.detection.sharpness import tail
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
+LEAST_THRESHOLD = 2.5  # in units of the noise
+HOTTER = 8.0  # in units of the noise, from which rules of a slope are asked
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
-ABRUPT = 8.0  # a threshold empties the tail at once: this much from half the bound to the bound
 ASKED_SLOPES = (2.0, 4.0)
-GRADUAL = 4.0  # where the tail was thin at half the bound, no less than this part of it is expected
-WHOLE = 0.5  # of the tail is left at half the bound
-LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which it is not asked
+TRIED = 8  # independent bounds, about: the counts of bounds within a factor of 2 overlap
+SHARP = 0.5  # of the least that clusters leave is missing
+LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edge is placed there
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
 UNSHARED = 0.02  # correlation of neighbours' noise below which none is
@@ -160,8 +162,8 @@ def standing_out(e: ViewEvidence) -> list[Asked]:
     asked = []
     for out in (e.above8, e.above24):
         asked.append(_cap(e, out))
-        asked.append(_cliff(e, out, out.difference, "dynamic_threshold"))
-        asked.append(_cliff(e, out, out.ratio, "ratio_rule"))
+        asked.append(_end(e, out, out.difference, "dynamic_threshold", 1.0))
+        asked.append(_end(e, out, out.ratio, "ratio_rule", 1.0))
         asked.append(_slope(e, out))
     return [a for a in asked if a is not None]
 
@@ -173,7 +175,7 @@ def _cap(e: ViewEvidence, out: StandingOut) -> Asked | None:
     if control < 20:
         return None
     return Asked(
-        "cap_to_neighbours", "dpc", e, float(_fewer(np.array(own), np.array(control))),
+        "cap_to_neighbours", "dpc", e, float(stats.poisson.cdf(np.floor(own), CLUSTERED * control)),
         1 - own / control, 0.9,
         f"{own:.0f} pixels a frame stand above the largest of their {count} neighbours where "
         f"{control:.0f} stand above rings elsewhere: values are capped to the neighbours'",
@@ -181,75 +183,38 @@ def _cap(e: ViewEvidence, out: StandingOut) -> Asked | None:
     )  # fmt: skip
 
 
-def _cliff(e: ViewEvidence, out: StandingOut, top: Excess, test: str) -> Asked | None:
-    control, own = top.control / top.frames, top.own / top.frames
-    enough = control >= LEAST_SITES
-    if test == "dynamic_threshold":  # beyond, saturated charge spills over and hides the difference
-        enough &= top.bounds <= HIGHEST_THRESHOLD * e.noise
-    if not enough.any():
-        return None
-    at_half = _left(top)[_half(top)]
-    expected = np.minimum(CLUSTERED, at_half / GRADUAL) * control
-    p = np.where(enough & _abrupt(top), stats.poisson.cdf(np.floor(own), expected), 1.0)
+def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float) -> Asked:
+    """Does the tail end more sharply than clusters of hot pixels can end it?"""
+    seen = tail(top)
+    fit = seen.shown
+    if test != "ratio_rule":
+        # below, read noise makes the tail; beyond, saturated charge spills over and hides the rest
+        least = HOTTER if slope > 1 else LEAST_THRESHOLD
+        fit = fit & (top.bounds >= least * e.noise) & (top.bounds <= HIGHEST_THRESHOLD * e.noise)
+    p = np.where(fit, stats.poisson.cdf(np.floor(seen.left), seen.least), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
-    below = float(own[j] / control[j])
-    unit = "DN above" if test == "dynamic_threshold" else "times"
+    unit = "times" if test == "ratio_rule" else "DN above"
+    times = "" if slope == 1 else f"{slope:g} times "
     return Asked(
-        test, "dpc", e, min(1.0, float(p[j]) * 8), 1 - below, 0.97,
-        f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} {unit} the largest of "
-        f"their {out.neighbours} neighbours, {control[j]:.0f} were expected from rings elsewhere",
-        edge(top, j), out.neighbours,
+        test, "dpc", e, min(1.0, float(p[j]) * TRIED),
+        1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0, SHARP,
+        f"{seen.left[j]:.1f} pixels a frame stand {top.bounds[j]:.3g} {unit} {times}the largest of "
+        f"their {out.neighbours} neighbours, up to twice that; as the tail falls below, at least "
+        f"{seen.least[j]:.0f} would, had clusters of hot pixels thinned it",
+        edge(top, j), out.neighbours, slope,
     )  # fmt: skip
 
 
 def _slope(e: ViewEvidence, out: StandingOut) -> Asked | None:
     """Rules of a ratio and a threshold together: 2 times the largest of 24 plus 400, say.
 
-    A corrector replaces a pixel but not its fainter hot neighbour, which then stands alone; so
-    something is left beyond the bound, and the tail at half of it is what it is held against. Hits
-    span pixels and would thin the tail likewise: asked only where they are taken out.
+    Hits span pixels and would thin the tail likewise: asked only where they are taken out.
     """
-    best: Asked | None = None
-    for a in ASKED_SLOPES if e.frames >= 3 else ():
-        top = out.along(a)
-        control, own = top.control / top.frames, top.own / top.frames
-        left = own / np.maximum(control, 1e-9)
-        half = left[np.searchsorted(top.bounds, top.bounds / 2)]
-        fit = (control >= LEAST_SITES) & (half > WHOLE) & (top.bounds >= 8 * e.noise)
-        fit &= top.bounds <= HIGHEST_THRESHOLD * e.noise
-        whole = np.minimum(half, 1.0)
-        p = np.where(fit, stats.poisson.cdf(np.floor(own), 0.5 * whole * control), 1.0)
-        j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
-        found = Asked(
-            "ratio_and_threshold", "dpc", e, min(1.0, float(p[j]) * 8 * len(ASKED_SLOPES)),
-            1 - float(left[j] / whole[j]) if fit[j] else 0.0, 0.75,
-            f"{own[j]:.1f} pixels a frame stand more than {top.bounds[j]:.3g} DN above {a:g} times "
-            f"the largest of their {out.neighbours} neighbours, {control[j]:.0f} were expected "
-            "from rings elsewhere",
-            edge(top, j), out.neighbours, a,
-        )  # fmt: skip
-        if best is None or found.p < best.p:
-            best = found
-    return best
-
-
-def _abrupt(top: Excess) -> np.ndarray:
-    """Where the tail that is whole at half the bound (half the ratio above 1) is gone at the bound.
-
-    Clusters of hot pixels thin it out as well, but gradually.
-    """
-    left = _left(top)
-    return left[_half(top)] > ABRUPT * left
-
-
-def _left(top: Excess) -> np.ndarray:
-    return top.own / np.maximum(top.control, 1e-9)
-
-
-def _half(top: Excess) -> np.ndarray:
-    """Index of half of each bound, of half of each ratio above 1."""
-    zero = 1.0 if top.bounds[0] >= 1 else 0.0
-    return np.searchsorted(top.bounds, zero + (top.bounds - zero) / 2)
+    if e.frames < 3:
+        return None
+    asked = [_end(e, out, out.along(a), "ratio_and_threshold", a) for a in ASKED_SLOPES]
+    best = min(asked, key=lambda a: a.p)
+    return replace(best, p=min(1.0, best.p * len(ASKED_SLOPES)))
 
 
 def edge(top: Excess, j: int) -> float:
@@ -258,11 +223,6 @@ def edge(top: Excess, j: int) -> float:
     while j > 0 and empty[j - 1] and top.control[j - 1] > 0:
         j -= 1
     return float(top.bounds[j])
-
-
-def _fewer(own: np.ndarray, control: np.ndarray) -> np.ndarray:
-    """Poisson P(n <= own) where clusters leave only a part of the control standing out."""
-    return np.asarray(stats.poisson.cdf(np.floor(own), CLUSTERED * control))
 
 
 def sites(e: ViewEvidence) -> list[Asked]:

@@ -141,16 +141,22 @@ class VirtualSensor:
         )
         self._switch = rng.uniform(0.05, 0.5, self.shape).astype(np.float32)
 
+    def charge(self, temperature_c: float) -> np.ndarray:
+        """Mean dark charge of each pixel, electrons."""
+        t = self.traits
+        warm = _arrhenius(temperature_c, t.ea_ev)
+        hot = self._hot * _arrhenius(temperature_c, t.hot_ea_ev)
+        return self._dark * warm + hot + self._glow * warm
+
+    def held(self, arrived: np.ndarray) -> np.ndarray:
+        """Electrons that stay in the pixels; all, without a full well."""
+        return arrived
+
     def stack(self, temperature_c: float, frames: int) -> Stack:
         """``frames`` dark frames at a temperature, DN as recorded, uint16."""
         t = self.traits
         rng = np.random.default_rng([self.seed, 1, round(10 * temperature_c) + 5000])
-        warm = _arrhenius(temperature_c, t.ea_ev)
-        charge = (
-            self._dark * warm
-            + self._hot * _arrhenius(temperature_c, t.hot_ea_ev)
-            + self._glow * warm
-        )
+        charge = self.charge(temperature_c)
         state = rng.random(self.shape) < 0.5
         out = np.empty((frames, *self.shape), np.uint16)
         for n in range(frames):
@@ -170,6 +176,7 @@ class VirtualSensor:
             kernel = np.full((3, 3), t.crosstalk, np.float32)
             kernel[1, 1] = 1 - 8 * t.crosstalk
             arrived = ndimage.convolve(arrived, kernel, mode="nearest")
+        arrived = self.held(arrived)
         read = self._read * normal()
         if t.heavy:
             read = np.where(rng.random(self.shape) < t.heavy, 3 * read, read)
