@@ -24,9 +24,9 @@ def load_combination(path: Path) -> Combination:
     if not isinstance(raw, dict) or not isinstance(raw.get("channels"), list):
         raise InputError(f"{path}: not a combination file; it needs 'channels', a list")
     for place, valid in [(raw, KEYS), *((c, CHANNEL_KEYS) for c in raw["channels"])]:
-        extra = set(place) - set(valid) if isinstance(place, dict) else {place}
+        extra = [k for k in place if k not in valid] if isinstance(place, dict) else [place]
         if extra:
-            raise InputError(f"{path}: unknown key {extra.pop()!r}; valid: {', '.join(valid)}")
+            raise InputError(f"{path}: unknown key {extra[0]!r}; valid: {', '.join(valid)}")
     try:
         uses = tuple(ChannelUse(**c) for c in raw["channels"])
         knees = tuple((float(x), float(y)) for x, y in raw.get("companding", ()))
@@ -34,7 +34,7 @@ def load_combination(path: Path) -> Combination:
         return Combination(uses, knees, **rest)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         need = "channel, black, sensitivity, knee"
         raise InputError(
             f"{path}: each channel needs {need}; companding is [linear, code] pairs"

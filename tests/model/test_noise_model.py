@@ -72,7 +72,7 @@ def test_adding_replacing_and_removing_effects():
 
 
 def test_missing_file_is_one_line(tmp_path):
-    with pytest.raises(InputError, match="No such file"):
+    with pytest.raises(InputError, match="no such file"):
         load_model(tmp_path / "none.yaml")
 
 

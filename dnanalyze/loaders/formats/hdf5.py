@@ -58,6 +58,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
                 check_stored(where, data.id.get_storage_size(), count * pixels, count * size)
                 chunk = int(np.prod(data.chunks, dtype=np.int64)) * data.dtype.itemsize
                 check_memory(where, size + chunk)
+                _check_chunks(where, data, chunk, path.stat().st_size)
             attributes = root | _group_attributes(file, label) | dict(data.attrs)
             check_count(name, len(places) + count)
             places += [(label, k) for k in range(count)]
@@ -104,6 +105,26 @@ def _datasets(file: h5py.File, name: str) -> list[str]:
 
     file.visititems(visit)  # soft and external links are not followed
     return sorted(found, key=natural_key)
+
+
+def _check_chunks(where: str, data: h5py.Dataset, chunk: int, file_size: int) -> None:
+    """Refuse chunks whose place in the file cannot be; the library would return stray memory.
+
+    Raises
+    ------
+    InputError
+        A chunk beyond the end of the file, or stored as it is in too few bytes.
+    """
+    filters = (1 << data.id.get_create_plist().get_nfilters()) - 1
+
+    def check(info: Any) -> None:
+        plain = info.filter_mask & filters == filters
+        wrong = info.size != chunk if plain else info.size == 0
+        if wrong or info.byte_offset + info.size > file_size:
+            raise InputError(f"{where}: a chunk of it is cut off; copy the file again")
+
+    if hasattr(data.id, "chunk_iter"):  # HDF5 before 1.12.3 has none
+        data.id.chunk_iter(check)
 
 
 def _group_attributes(file: h5py.File, label: str) -> dict[str, Any]:
