@@ -243,15 +243,16 @@ def refinement(
     _verdict(console, capture.one_line(captures), headline)
     steps = list(result.steps)
     top = max([s.error for s in steps if words.is_number(s.error)] + [1.0])
+    sure = any(words.is_number(s.confidence) for s in steps)
     _table(
         console,
-        ("step", "", "error", "confidence"),
+        ("step", "", "error", *(("confidence",) if sure else ())),
         (
             (
                 words.naming(words.step_name(step.added, place), step.confidence),
                 _bar(step.error / top if words.is_number(step.error) else 0),
                 number(step.error),
-                words.percent(step.confidence),
+                *((words.percent(step.confidence),) if sure else ()),
             )
             for place, step in enumerate(steps)
         ),
