@@ -196,11 +196,10 @@ def _families(console: Console, families: Mapping[str, float]) -> None:
 def diagnosis(console: Console, captures: Any, result: Any) -> None:
     """The verdict, the candidates with their evidence, the limits, the next capture."""
     _verdict(console, capture.one_line(captures), words.diagnose_headline(result))
-    candidates = [c for c in result.candidates if c.effect not in result.ordinary]
-    every = [c for c in result.candidates if c.effect in result.ordinary]
+    candidates, every = words.candidates_of(result)
     _candidates(console, "candidate", candidates)
     _candidates(console, "what every sensor has", every)
-    for best in (candidates or every)[:1]:
+    if best := words.leading(result):
         title = f"Evidence for {words.naming(best.effect, best.confidence)}"
         _points(console, title, list(best.evidence))
     _points(
