@@ -199,11 +199,10 @@ def _families(console: Console, families: Mapping[str, float]) -> None:
 def diagnosis(console: Console, captures: Any, result: Any) -> None:
     """The verdict, the candidates with their evidence, the limits, the next capture."""
     _verdict(console, capture.one_line(captures), words.diagnose_headline(result))
-    candidates = [c for c in result.candidates if c.effect not in result.ordinary]
-    every = [c for c in result.candidates if c.effect in result.ordinary]
+    candidates, every = words.candidates_of(result)
     _candidates(console, "candidate", candidates)
     _candidates(console, "what every sensor has", every)
-    for best in (candidates or every)[:1]:
+    if best := words.leading(result):
         title = f"Evidence for {words.naming(best.effect, best.confidence)}"
         _points(console, title, list(best.evidence))
     _points(
@@ -246,15 +245,16 @@ def refinement(
     _verdict(console, capture.one_line(captures), headline)
     steps = list(result.steps)
     top = max([s.error for s in steps if words.is_number(s.error)] + [1.0])
+    sure = any(words.is_number(s.confidence) for s in steps)
     _table(
         console,
-        ("step", "", "error", "confidence"),
+        ("step", "", "error", *(("confidence",) if sure else ())),
         (
             (
                 words.naming(words.step_name(step.added, place), step.confidence),
                 _bar(step.error / top if words.is_number(step.error) else 0),
                 number(step.error),
-                words.percent(step.confidence),
+                *((words.percent(step.confidence),) if sure else ()),
             )
             for place, step in enumerate(steps)
         ),

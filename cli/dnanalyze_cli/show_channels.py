@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dnanalyze.report import capture, channels
-from dnanalyze.report.words import naming, number, percent, sentence
+from dnanalyze.report.words import leading, naming, number, percent, sentence
 
 
 def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
@@ -33,7 +33,7 @@ def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict
     _head(console, captures, f"{len(found)} channels, each by itself: {verdict}")
     rows = []
     for name, d in found.items():
-        best = d.candidates[0] if d.candidates else None
+        best = leading(d)
         rows.append(
             (
                 name,
@@ -47,8 +47,8 @@ def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict
     titles = ("channel", "verdict", "candidate", "error", "error after", "confidence")
     _table(console, titles, rows, words=3)
     for name, d in found.items():
-        if d.verdict == "missing" and d.candidates:
-            for text in d.candidates[0].evidence[:2]:
+        if d.verdict == "missing" and (best := leading(d)):
+            for text in best.evidence[:2]:
                 console.print(Padding(Text(f"{name}: {sentence(text)}"), (0, 0, 0, 2)))
 
 

@@ -16,6 +16,7 @@ from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of, judged
 from dnanalyze.diagnosis.walk import Walk
+from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import Parameter, paper_start
 from dnanalyze.fitting.from_part import fitted
@@ -179,9 +180,16 @@ def add(
 
     Whether these captures support it is decided as in `diagnose`, of this effect alone: its
     confidence is that against nothing missing, and no rival was asked.
+
+    Raises
+    ------
+    InputError
+        The model holds the effect already, or there is none of that name.
     """
     known = catalogue() if known is None else known
     effect = find(name, known)
+    if model.get(name) is not None:
+        raise InputError(f"{name}: the model holds it already; `dnanalyze fit --model` refits it")
     held = held or bench(design(captures))
     model = located(held, model)
     before = minimise(held, start(held, model, knobs_of(model)))

@@ -190,6 +190,18 @@ def error_way(before: Any, after: Any) -> str:
     return f"the error {gone} from {number(before)} to {number(after)}"
 
 
+def candidates_of(found: Any) -> tuple[list[Any], list[Any]]:
+    """The candidates of a diagnosis, and apart from them what every sensor has."""
+    every = [c for c in found.candidates if c.effect in found.ordinary]
+    return [c for c in found.candidates if c.effect not in found.ordinary], every
+
+
+def leading(found: Any) -> Any:
+    """The candidate that a diagnosis names first, or None."""
+    others, every = candidates_of(found)
+    return next(iter(others or every), None)
+
+
 def diagnose_headline(found: Any) -> str:
     """The verdict of a diagnosis in one sentence, and what else it must say."""
     return with_remarks(_diagnosed(found), found)
@@ -198,8 +210,8 @@ def diagnose_headline(found: Any) -> str:
 def _diagnosed(found: Any) -> str:
     ordinary = found.ordinary
     every = f"what every sensor has ({listing(ordinary)})"
-    put_in = [c.error_after for c in found.candidates if c.effect in ordinary]
-    others = [c for c in found.candidates if c.effect not in ordinary]
+    others, named = candidates_of(found)
+    put_in = [c.error_after for c in named]
     if found.verdict == "adequate":
         return (
             "Adequate: nothing is missing that these frames could show "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from dnanalyze.report import capture
@@ -10,6 +11,7 @@ from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare
 from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
+    candidates_of,
     diagnose_headline,
     naming,
     number,
@@ -25,17 +27,7 @@ TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
 def sections(result: Any) -> list[Section]:
     """Candidates with their evidence, what is unexplained, the limits, the next capture."""
     found = list(result.candidates)
-    rows = [
-        (
-            naming(c.effect, c.confidence),
-            ", ".join(c.confused_with) or "–",
-            number(c.error_after),
-            percent(c.explained),
-            percent(c.confidence),
-        )
-        for c in found
-    ]
-    columns = ("effect", "confused with", "error after", "explains", "confidence")
+    others, every = candidates_of(result)
     evidence = [
         Section(
             f"evidence-{c.effect}",
@@ -49,7 +41,10 @@ def sections(result: Any) -> list[Section]:
             "candidates",
             "Candidates",
             pictures=[candidates(found, result.error, result.ordinary)],
-            tables=[Table(columns, rows, words=2)] if rows else [],
+            tables=[
+                *_candidates("candidate", others),
+                *_candidates("what every sensor has, put in step by step", every),
+            ],
         ),
         *evidence,
         Section(
@@ -67,6 +62,22 @@ def sections(result: Any) -> list[Section]:
             tables=_limits(result.detection_limits),
         ),
     ]
+
+
+def _candidates(title: str, found: Sequence[Any]) -> list[Table]:
+    """A row a candidate, best first; no table without any."""
+    columns = (title, "confused with", "error after", "explains", "confidence")
+    rows = [
+        (
+            naming(c.effect, c.confidence),
+            ", ".join(c.confused_with) or "–",
+            number(c.error_after),
+            percent(c.explained),
+            percent(c.confidence),
+        )
+        for c in found
+    ]
+    return [Table(columns, rows, words=2)] if rows else []
 
 
 def _limits(limits: Any) -> list[Table]:
