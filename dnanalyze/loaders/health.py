@@ -16,6 +16,7 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Frame, Setting, Window
+from dnanalyze.loaders.checks import is_constant
 from dnanalyze.loaders.recording import FrameReader
 
 SAMPLE = 1 << 16  # pixels: a mean level to .006 of the noise, a difference of frames to .3 %
@@ -34,8 +35,9 @@ OF_TWO = 2 / np.sqrt(np.pi)  # mean |difference| of two frames over their noise,
 def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[str, ...]]:
     """The settings without the second of identical frames, and what their frames make suspect.
 
-    Frames that cannot be read are left to whoever reads them. Of frames that only decode whole as
-    many are looked at as ``DECODED`` allows, the first of each setting.
+    Frames that cannot be read, or are constant, are left to whoever reads and refuses them. Of
+    frames that only decode whole as many are looked at as ``DECODED`` allows, the first of each
+    setting.
 
     Returns
     -------
@@ -44,20 +46,25 @@ def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[st
         A sentence each.
     """
     most = _most_frames(settings)
-    known: dict[bytes, tuple[Frame, int]] = {}
+    known: dict[bytes, Frame] = {}
     seen, kept = [], []
     found = _Found()
-    for number, setting in enumerate(settings):
-        view, copies = _View(setting), set()
+    for setting in settings:
+        view, own, copies = _View(setting), dict[bytes, Frame](), set[int]()
         for frame, sample in _samples(setting.frames[:most]):
+            if _constant(frame, sample):
+                continue
             digest = hashlib.blake2b(sample.tobytes(), digest_size=16).digest()
-            first, home = known.setdefault(digest, (frame, number))
+            first = own.setdefault(digest, frame)
             if first is not frame and _identical(first, frame):
-                (found.copies if home == number else found.elsewhere).append((frame, first))
-                if home == number:
-                    copies.add(id(frame))
-                    continue
+                found.copies.append((frame, first))
+                copies.add(id(frame))
+                continue
             view.add(frame, sample)
+            other = known.setdefault(digest, frame)
+            # where nearly all pixels have one code, two frames may well be equal
+            if other is not frame and view.code is None and _identical(other, frame):
+                found.elsewhere.append((frame, other))
         frames = tuple(f for f in setting.frames if id(f) not in copies)
         kept.append(replace(setting, frames=frames))
         seen.append(view)
@@ -209,9 +216,13 @@ def _sample(frame: Frame) -> np.ndarray | None:
 
 
 def _unchecked(frame: Frame) -> FrameReader:
-    """Constant frames and those with NaN are refused by whoever analyses them."""
+    """Its reader, without the checks that refuse a frame as a whole."""
     assert isinstance(frame.load, FrameReader)
     return replace(frame.load, checked=False)
+
+
+def _constant(frame: Frame, sample: np.ndarray) -> bool:
+    return is_constant(sample) and is_constant(_unchecked(frame)())
 
 
 def _identical(a: Frame, b: Frame) -> bool:

@@ -30,12 +30,13 @@ def _refuse(*_):
 def test_a_second_detection_reads_no_frame(folder, tmp_path, monkeypatch):
     kept = str(tmp_path / "store")
     first = detect(load(folder).cached(kept))
+    captures = load(folder)
     monkeypatch.setattr(FrameReader, "__call__", _refuse)
-    again = detect(load(folder).cached(kept))
+    again = detect(captures.cached(kept))
     assert json.dumps(again.to_plain()) == json.dumps(first.to_plain())
     assert len(again.answers) == len(first.answers)
     with pytest.raises(AssertionError, match="was read"):
-        detect(load(folder))
+        detect(captures)
 
 
 def test_other_frames_have_an_entry_of_their_own(folder, tmp_path, monkeypatch):
@@ -43,6 +44,7 @@ def test_other_frames_have_an_entry_of_their_own(folder, tmp_path, monkeypatch):
     detect(load(folder).cached(kept))
     one = next((folder / "25C").iterdir())
     np.save(one, np.load(one)[::-1])
+    captures = load(folder)
     monkeypatch.setattr(FrameReader, "__call__", _refuse)
     with pytest.raises(AssertionError, match="was read"):
-        detect(load(folder).cached(kept))
+        detect(captures.cached(kept))

@@ -62,6 +62,24 @@ def test_a_copy_at_another_operating_point_is_told_and_kept(tmp_path):
     assert "T25C_exp_2s_02.npy (25 C, 2 s) has the same pixels as T25C_exp_1s_00.npy" in note
 
 
+def test_copies_of_one_frame_everywhere_leave_one_at_each_operating_point(tmp_path):
+    (frame,) = frames(1)
+    folder(tmp_path, [frame] * 3)
+    captures = folder(tmp_path, [frame] * 2, name="T45C_exp_1s")
+    assert [len(s.frames) for s in captures.settings] == [1, 1]
+    copies, elsewhere = captures.notes
+    assert "and so 2 more: identical frames count once" in copies
+    assert elsewhere.startswith("T45C_exp_1s_00.npy (45 C, 1 s) has the same pixels as")
+
+
+def test_frames_nearly_all_at_one_code_may_be_equal_at_two_operating_points(tmp_path):
+    still = np.zeros(SHAPE, np.uint16)
+    still[::7, ::50] = 3
+    folder(tmp_path, [still])
+    (note,) = folder(tmp_path, [still], name="T45C_exp_1s").notes
+    assert "In 2 of 2 operating points" in note
+
+
 def test_frames_that_differ_where_no_strip_lies_are_two(tmp_path):
     shape = (512, 512)
     first = np.random.default_rng(0).integers(90, 110, shape).astype(np.uint16)

@@ -214,3 +214,14 @@ def test_correlations_leave_out_what_is_not_determined():
     assert "mu" in text
     assert "phi" not in text
     assert correlations.correlations(["mu"], [[1.0]]) is None
+
+
+def test_lines_that_are_all_alike_have_no_spectrum():
+    measured = fakes.statistics()
+    settings = tuple(
+        replace(s, curves={k: np.zeros_like(v) if "_spectrum" in k and not k.endswith("_f") else v
+                           for k, v in s.curves.items()})
+        for s in measured.settings
+    )  # fmt: skip
+    drawn = layers(replace(measured, settings=settings))
+    assert lines.profiles(drawn) is not None  # a warning is an error

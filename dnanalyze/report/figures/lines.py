@@ -82,7 +82,7 @@ def _profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str) -> None:
 def _spectra(ax: Any, drawn: Sequence[Layer], setting: Any, side: str, part: str) -> None:
     for layer in drawn:
         found = curve(layer.like(setting), f"{side}_spectrum_f", f"{part}_{side}_spectrum")
-        if found is None:
+        if found is None or not np.any(found[1] > 0):  # lines that are all alike
             continue
         f, s = _pooled(found[0], found[1])
         ax.plot(f, s, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
