@@ -37,7 +37,7 @@ from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, jud
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
-from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.least_squares import State, converge, derive, minimise, start
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
@@ -138,7 +138,8 @@ def diagnose(
     tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
     best, law, said = missing(held, state, tried), spread_law(held, state), ""
     if law is not None and (best is None or law.evidence > best.evidence):
-        state, said = law.state, told(held, law.state.model)
+        state = converge(held, law.state)
+        said = told(held, state.model)
         tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
         best = missing(held, state, tried)
     found = replace(judge(captures.name, held, state, tried, best, open_to), law=said)

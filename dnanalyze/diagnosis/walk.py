@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.needless import needless
 from dnanalyze.diagnosis.path import Fork, Path, Step
 from dnanalyze.diagnosis.spread_law import spread_law, told
 from dnanalyze.diagnosis.trial import Trial, best_guess, candidates_of, error_of
-from dnanalyze.fitting.least_squares import State, derive, minimise
+from dnanalyze.fitting.least_squares import State, converge, derive, minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, EVERYDAY
@@ -117,10 +117,11 @@ class Walk:
 
     def _with_law(self, path: Path, law: Trial) -> Path:
         """The path with a spread of dark current that changes with temperature: no effect more."""
-        step = Step(None, law.error, None, [told(self.held, law.state.model)])
+        state = converge(self.held, law.state)
+        step = Step(None, error_of(self.held, state), None, [told(self.held, state.model)])
         self.tell(step)
-        self.keep(law.state.model)
-        return replace(path, state=law.state, steps=(*path.steps, step))
+        self.keep(state.model)
+        return replace(path, state=state, steps=(*path.steps, step))
 
     def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
         """The path at the state that does without some effects."""

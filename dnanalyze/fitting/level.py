@@ -111,8 +111,8 @@ def level(
         off = float(np.mean([z[n] * half.floor[n] for half, z, n in pairs]))
         # what moves whole frames moves both halves: together they tell no more than either
         error = float(np.mean([half.floor[n] for half, _, n in pairs]))
-        away = abs(off) / max(ERRORS * error, SHARE * signals[i])
-        relative = off / signals[i] if signals[i] > 0 else None
+        away = abs(off) / max(ERRORS * error, SHARE * float(signals[i]))
+        relative = off / float(signals[i]) if signals[i] > 0 else None
         point = points[key.setting]
         seen = Level(away <= 1.0, point, key.plane, off, relative, abs(off) / error)
         if worst is None or away > worst[0]:

@@ -266,7 +266,7 @@ def with_remarks(headline: str, result: Any) -> str:
 
 def level_words(level: Any) -> str:
     """How far the mean dark level is off at its worst operating point."""
-    share = "" if level.relative is None else f"{percent(abs(level.relative))}, "
+    share = "" if level.relative is None else f"{number(100 * abs(level.relative), 2)} %, "
     where = ", ".join(filter(None, (point_label(level.point), level.plane)))
     return (
         f"the mean dark level at {where} is off by {number(abs(level.difference_dn), 2)} DN "

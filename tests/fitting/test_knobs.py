@@ -48,6 +48,18 @@ def test_turning_moves_what_it_names_and_stays_within_bounds():
     assert turned(model(), knobs, where).get("read_noise").sigma.value == 1e4
 
 
+def test_an_energy_may_be_negative():
+    """Of what falls as it warms, such as the relative spread of dark current."""
+    spread = ArrheniusLaw(0.4, 25.0, -0.3)
+    light = built_in()["convolved_lognormal"](delta=spread)
+    knobs = knobs_of(NoiseModel((light,), 64.0))
+    at = [k.name for k in knobs].index("convolved_lognormal.delta.ea_ev")
+    falling = NoiseModel((light,), 64.0)
+    where = positions(falling, knobs)
+    assert where[at] == -0.3
+    assert turned(falling, knobs, where).get("convolved_lognormal").delta.ea_ev == -0.3
+
+
 def test_rows_of_a_table_move_their_own_settings():
     knobs = {k.name: k for k in knobs_of(model())}
     settings = [(COLD, 4), (HOT, 4)]

@@ -22,6 +22,18 @@ def test_arrhenius_of_unknown_temperature_is_one():
     assert arrhenius(None, 25.0, 0.6) == 1.0
 
 
+def test_a_law_without_slope_is_its_number_to_the_last_bit():
+    flat = ArrheniusLaw(0.3712345, 7.0, 0.0)
+    assert {value_at(flat, OperatingPoint(t)) for t in (-40.0, 7.0, 105.0)} == {0.3712345}
+
+
+def test_a_negative_energy_falls_as_it_warms():
+    law = ArrheniusLaw(0.145, -10.2, -0.265)
+    # .145 exp(.265 / 8.617333e-5 (1/272.95 - 1/262.95)) at -.2 C
+    assert law.at(OperatingPoint(-0.2)) == pytest.approx(0.09447, rel=1e-4)
+    assert law.at(OperatingPoint(-10.2)) == 0.145
+
+
 def test_table_gives_its_rows_and_is_linear_in_inverse_temperature_between():
     law = TableLaw((OperatingPoint(0.0), OperatingPoint(100.0)), (1.0, 3.0))
     assert law.at(OperatingPoint(0.0)) == 1.0
@@ -47,7 +59,7 @@ def test_table_prefers_the_matching_channel_then_exposure():
 @given(
     st.one_of(
         st.floats(-1e6, 1e6),
-        st.builds(ArrheniusLaw, st.floats(1e-3, 1e3), st.floats(-100, 150), st.floats(0, 2)),
+        st.builds(ArrheniusLaw, st.floats(1e-3, 1e3), st.floats(-100, 150), st.floats(-2, 2)),
         st.lists(st.tuples(st.floats(-100, 150), st.floats(-9, 9)), min_size=1, max_size=5).map(
             lambda rows: TableLaw(
                 tuple(OperatingPoint(t) for t, _ in rows), tuple(v for _, v in rows)

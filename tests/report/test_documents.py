@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 import report_fakes as fakes
 
+from dnanalyze.fitting.level import Level
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.registry import built_in
 from dnanalyze.report import documents, tables
 from dnanalyze.report.plain import to_json
@@ -40,6 +42,20 @@ def test_every_document_has_its_head_and_only_finite_numbers(command):
     assert isinstance(made["captures"], str)
     assert isinstance(made["version"], str)
     assert all(math.isfinite(n) for n in numbers(made))
+
+
+@pytest.mark.parametrize("command", ["compare", "diagnose", "refine", "add"])
+def test_the_mean_level_stands_in_each_document_that_judges_a_model(command, monkeypatch):
+    assert MADE[command]()["level"] is None
+    level = Level(False, OperatingPoint(-5.0, 300.0), "", -12.3, -0.031, 41.2)
+    for made in ("comparison", "diagnosis", "refinement"):
+        found = getattr(fakes, made)()
+        found.level = level
+        monkeypatch.setattr(fakes, made, lambda found=found: found)
+    assert MADE[command]()["level"] == {
+        "temperature_c": -5.0, "exposure_s": 300.0, "gain": None, "channel": None, "plane": "",
+        "kept": False, "difference_dn": -12.3, "relative": -0.031, "standard_errors": 41.2,
+    }  # fmt: skip
 
 
 def test_the_keys_are_those_of_the_contract():

@@ -1,6 +1,7 @@
 import io
 import math
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -9,6 +10,8 @@ from hypothesis import strategies as st
 from report_fakes import POINTS, diagnosis, refinement
 from rich.console import Console
 
+from dnanalyze.fitting.level import Level
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report import words
 
 
@@ -33,6 +36,21 @@ def test_errors_have_two_digits_and_the_value_the_same_place():
     assert words.with_error(145.6, 3.0) == "145.6 ± 3.0"
     assert words.with_error(2.0, math.nan, "s") == "2 s"
     assert words.with_error(2.0, 0.0) == "2"
+
+
+def test_a_level_that_is_not_kept_is_in_the_headline():
+    at = OperatingPoint(-5.0, 300.0)
+    off = Level(False, at, "", -12.3, -0.031, 41.2)
+    text = words.with_remarks("Adequate.", SimpleNamespace(level=off))
+    assert text == (
+        "Adequate. The mean dark level at -5 °C, 300 s is off by 12 DN (3.1 %, 41 standard errors)."
+    )
+    bare = SimpleNamespace(level=replace(off, relative=None, plane="Gr"))
+    assert "at -5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(
+        "", bare
+    )
+    for kept in (None, replace(off, kept=True)):
+        assert words.with_remarks("Adequate.", SimpleNamespace(level=kept)) == "Adequate."
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,11 @@ class ConvolvedLognormal(Effect):
         "the signal. With the seed fixed in the silicon the pattern repeats from frame to frame "
         "as it does in real sensors; redrawn, as the paper's formula may be read, hot pixels "
         "move. mu follows temperature through the dark current's activation energy (about .6 to "
-        "1.2 eV: a doubling every 5 to 9 degrees). The spectrum falls from a plateau at low "
+        "1.2 eV: a doubling every 5 to 9 degrees). delta may follow temperature too, with a negative "
+        "energy (delta: {value, at_c, ea_ev}): diffusion current is alike in all pixels and grows "
+        "as n_i^2, generation in depleted silicon differs from pixel to pixel and grows as n_i, so "
+        "that the relative spread falls as the sensor warms, by 0 to -.6 eV; the Meyer-Neldel rule "
+        "does the same. refine frees that energy only where the frames carry it. The spectrum falls from a plateau at low "
         "frequency: this model alone cannot make 1/f noise. Cool, or shorten the exposure, to "
         "reduce it."
     )
@@ -48,6 +52,8 @@ class ConvolvedLognormal(Effect):
     references: ClassVar[tuple[str, ...]] = (
         "Wang, Funatsu and Fowler (the paper)",
         "Baer, SPIE 6068 (2006)",
+        "Widenhorn, Blouke, Weber, Rest and Bodegom, SPIE 4669 (2002): temperature of CCD dark "
+        "current",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "mean",
@@ -76,7 +82,9 @@ class ConvolvedLognormal(Effect):
         "mean of the log of the seed; a table may state it per gain",
         "linear",
     )
-    delta: float = parameter(0.5, "ln DN", 1e-4, 4.0, "spread of the log of the seed")
+    delta: float = parameter(
+        0.5, "ln DN", 1e-4, 4.0, "spread of the log of the seed; may have an energy"
+    )
     phi: float = parameter(
         1e-3, "1", 0.0, 0.125, "kernel weight of each of the 8 neighbours", "linear"
     )

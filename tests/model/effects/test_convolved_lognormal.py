@@ -1,12 +1,14 @@
 """The paper's model against its exact moments and spectrum, and against nine normals a pixel."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from charge_bench import HERE, LONG, MadeUpClues, frames
 
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
+from dnanalyze.model.laws import ArrheniusLaw
 
 SETS = [(2.0, 0.4, 0.05, 0.02), (1.0, 0.7, 0.01, 0.1), (3.0, 0.25, 0.1, 0.3), (0.0, 0.5, 0.0, 0.05)]
 LAGS = ((0, 1), (1, 0), (1, 1), (0, 2), (2, 0), (1, 2), (2, 1), (2, 2), (0, 3))
@@ -50,6 +52,21 @@ def moments(y):
     for dy, dx in LAGS:
         out.append(np.mean(d[: rows - dy, : columns - dx] * d[dy:, dx:]))
     return np.array(out)
+
+
+@pytest.mark.parametrize("at_c", [5.0, 45.0])
+def test_a_spread_with_a_law_makes_the_moments_of_the_spread_it_has_there(at_c):
+    law = ArrheniusLaw(0.2, 25.0, -0.35)
+    spread = 0.2 * math.exp(0.35 / 8.617333e-5 * (1 / (at_c + 273.15) - 1 / 298.15))
+    exact = closed_form(2.0, spread, 0.0, 1e-6)
+    point = replace(HERE, temperature_c=at_c)
+    light = ConvolvedLognormal(2.0, law, 0.0, 1e-6)
+    assert light.variance(point) == pytest.approx(exact["variance"], rel=1e-9)
+    (y,) = frames(light, point=point)
+    count = y.size
+    assert y.mean() == pytest.approx(exact["mean"], abs=4 * math.sqrt(exact["variance"] / count))
+    fourth = exact["fourth"] / exact["variance"] ** 2 + 2
+    assert y.var() == pytest.approx(exact["variance"], rel=4 * math.sqrt(fourth / count))
 
 
 def nine_normals(mu, delta, phi, sigma, shape, rng):

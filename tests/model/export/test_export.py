@@ -28,7 +28,8 @@ POINTS = (P(25.0, channel="hcg"), P(65.0, channel="hcg"), P(25.0, channel="lcg")
 MODEL = NoiseModel(
     (
         EFFECTS["convolved_lognormal"](
-            mu=TableLaw((P(25.0), P(45.0), P(65.0)), (1.0, 2.5, 4.2)), delta=0.4
+            mu=TableLaw((P(25.0), P(45.0), P(65.0)), (1.0, 2.5, 4.2)),
+            delta=ArrheniusLaw(0.4, 45.0, -0.3),
         ),
         EFFECTS["dark_shot_noise"](dn_per_e=TableLaw(POINTS, (0.8, 0.8, 0.2))),
         EFFECTS["read_noise"](sigma=1.4),

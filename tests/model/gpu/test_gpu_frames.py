@@ -22,6 +22,11 @@ PAPER = {"convolved_lognormal": {"mu": 3.0, "sigma": 0.1}}
 MODELS = {
     "paper": PAPER,
     "benchmark": {name: {} for name in TEN},
+    "spread that falls as it warms": {
+        "convolved_lognormal": {
+            "mu": 3.0, "delta": {"value": 0.5, "at_c": 25.0, "ea_ev": -0.3}, "seed": "redrawn"
+        }
+    },
     "redrawn": {"convolved_lognormal": {"mu": 3.0, "phi": 0.05, "sigma": 0.1, "seed": "redrawn"}},
     "everything with a kernel": {
         name: {} for name in built_in() if name not in ON_HOST

@@ -1,0 +1,110 @@
+"""The mean dark level: what a model may be off in it, and that a fit does not give it up."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import small_series as small
+
+from dnanalyze.diagnosis.adequacy import adequacy
+from dnanalyze.fitting.knobs import knobs_of, positions
+from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.level import level
+from dnanalyze.fitting.vectors import Key, Target
+from dnanalyze.loaders.captures import OperatingPoint
+
+POINTS = [OperatingPoint(-10.0, 300.0), OperatingPoint(-5.0, 300.0)]
+
+
+def half(floors):
+    """A level and a median at either point."""
+    names = ("mean", "median")
+    keys = tuple(Key(s, "", n) for s in range(2) for n in names)
+    ones = np.ones(4)
+    return Target(keys, 100 * ones, 100 * ones, np.repeat(floors, 2), np.full(4, "level"))
+
+
+@pytest.mark.parametrize(
+    ("off", "signal", "kept", "errors", "share"),
+    [
+        (2.9, 0.0, True, 2.9, None),  # within 3 standard errors
+        (3.1, 0.0, False, 3.1, None),
+        (3.1, 400.0, True, 3.1, 3.1 / 400),  # within 1 % of the dark signal
+        (4.1, 400.0, False, 4.1, 4.1 / 400),
+    ],
+)
+def test_a_level_may_be_off_by_3_standard_errors_or_1_percent(off, signal, kept, errors, share):
+    halves = half(np.array([50.0, 1.0])), half(np.array([50.0, 1.0]))
+    z = np.array([0.0, 99.0, -off, 99.0])  # of a median nothing is asked
+    signals = np.array([0.0, np.nan, signal, np.nan])
+    found = level(POINTS, halves, (z, z), signals)
+    assert found.kept == kept
+    assert found.point == POINTS[1]
+    assert found.difference_dn == pytest.approx(-off)
+    assert found.standard_errors == pytest.approx(errors)
+    assert found.relative is None if share is None else found.relative == pytest.approx(-share)
+
+
+def test_the_level_is_that_of_both_halves_together():
+    """What one half has more and the other less is shading, not level."""
+    halves = half(np.ones(2)), half(np.ones(2))
+    z = np.array([0.0, 0.0, 5.0, 0.0])
+    signals = np.array([0.0, np.nan, 0.0, np.nan])
+    assert level(POINTS, halves, (z, -z), signals).kept
+    assert not level(POINTS, halves, (z, z), signals).kept
+
+
+def test_a_model_of_another_level_is_not_adequate_whatever_its_error(monkeypatch):
+    held = small.bench_of()
+    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.error_of", lambda *_: 0.5)
+    monkeypatch.setattr("dnanalyze.diagnosis.adequacy._left", lambda *_: [])
+    right = small.model()
+    assert adequacy(held, start(held, right, [])).adequate
+    found = adequacy(held, start(held, replace(right, pedestal=64.5), []))
+    assert not found.adequate
+    assert found.left == ["mean"]
+
+
+def test_the_signal_is_above_the_measured_black_level():
+    """1 % of it is allowed at the bright end, 3 floors where there is hardly any."""
+    held = small.bench_of()
+    at = held.train.names == "mean"
+    assert np.isinf(held.train.allowed[~at]).all()
+    values, floors = held.train.values[at], held.train.floor[at]
+    np.testing.assert_allclose(
+        held.train.allowed[at], np.maximum(3 * floors, 0.005 * (values - 64.0)), rtol=0.05
+    )
+
+
+@pytest.mark.parametrize("bound", [np.inf, 4.0])
+def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
+    """All others want the knob elsewhere; the loss of one number that is far off is small."""
+    model = small.model()
+    knobs = knobs_of(model)[:1]
+    here = positions(model, knobs)[0]
+    bounds = np.full(201, np.inf)
+    bounds[0] = bound
+
+    def z(moved):
+        x = positions(moved, knobs)[0] - here
+        return np.concatenate([[30.0 * x], np.full(200, 300.0 * (x - 1.0))])
+
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=SimpleNamespace(bounds=bounds))
+    slope = np.concatenate([[30.0], np.full(200, 300.0)])[:, None]
+    ended = minimise(straight, replace(start(straight, model, knobs), jacobian=slope), 12)
+    if np.isinf(bound):
+        assert ended.train[0] == pytest.approx(30.0, rel=0.05)
+    else:
+        assert 2.0 < ended.train[0] <= 1.05 * bound
+
+
+def test_bounds_that_are_kept_change_no_step():
+    model = small.model()
+    held = small.bench_of()
+    free = replace(held, train=replace(held.train, allowed=None))
+    knobs = knobs_of(model)[:2]
+    wide = replace(held, train=replace(held.train, allowed=1e9 * held.train.floor))
+    ended = [minimise(b, start(b, model, knobs), 1) for b in (wide, free)]
+    assert ended[0].model == ended[1].model
+    assert ended[0].merit == ended[1].loss
