@@ -11,6 +11,7 @@ import numpy as np
 from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
+from dnanalyze.detection.reasons import reason
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
@@ -55,13 +56,14 @@ def detect(
     kind, flags = decide(answers)
     found = estimate(kind, flags, evidence) if flags else None
     series = _series(evidence)
+    also = _also(kind, answers)
     return Detection(
         filtered=kind != "none",
         kind=kind,
         confidence=_confidence(flags, evidence),
         estimate=found,
-        also=_also(kind, answers),
-        findings=tuple(_finding(a, a in flags) for a in answers),
+        also=also,
+        findings=tuple(_finding(a, kind, a in flags, also, alpha) for a in answers),
         evidence=_words(flags),
         ambiguous=_ambiguous(kind, answers, evidence, alpha),
         tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
@@ -117,7 +119,9 @@ def _with_lists(evidence: list[ViewEvidence], series: Group | None) -> list[View
     return [replace(e, listed=sites.pop(e.view, None)) for e in evidence]
 
 
-def _finding(answer: Answer, speaks: bool) -> Finding:
+def _finding(
+    answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha: float
+) -> Finding:
     a = answer.asked
     return Finding(
         a.test,
@@ -129,6 +133,7 @@ def _finding(answer: Answer, speaks: bool) -> Finding:
         a.evidence.view,
         a.words,
         a.limit if answer.judge else np.inf,
+        reason(answer, kind, speaks, also, alpha),
     )
 
 
