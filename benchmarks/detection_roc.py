@@ -1,10 +1,10 @@
 """ROC of `detect` over random virtual sensors: by filter, strength, frames and temperatures.
 
-    python benchmarks/detection_roc.py --sensors 10 --size 320 [--mosaic] [--false-alarms 200]
+    python benchmarks/detection_roc.py --sensors 10 --size 320 [--mosaic]
+    python benchmarks/detection_roc.py --sensors 0 --false-alarms 600 --size 512
 
 Score of a capture set: the largest effect size over its limit, among findings that are significant
-at
-1e-6. AUC: chance that a filtered set of a sensor scores above an unfiltered set of another.
+at 1e-6. AUC: chance that a filtered set of a sensor scores above an unfiltered set of another.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "detection"))
 
 import hidden_filters as hidden
+from unfiltered import KINDS, series
 from virtual_sensor import BAYER, Traits, VirtualSensor, captures, random_traits
 
 from dnanalyze.detection import Detection, detect
@@ -110,20 +111,35 @@ def power(sensors: int, size: int, mosaic: bool) -> None:
         print(f"| {name} | {strength} | " + " | ".join(cells) + " |", flush=True)
 
 
-def false_alarms(sensors: int, size: int) -> None:
+def false_alarms(count: int, largest: int, first: int) -> None:
+    """Print the flagged among ``count`` unfiltered series, a third of each kind."""
     started = time.perf_counter()
     wrong: Counter[str] = Counter()
-    for seed in range(10_000, 10_000 + sensors):
-        rng = np.random.default_rng(seed)
-        sensor = VirtualSensor(random_traits(rng), (size, size), seed)
-        seen = detect(captures(sensor, (25.0, 65.0, 105.0), 8))
-        if seen.filtered:
-            wrong[seen.kind] += 1
-            print(f"  sensor {seed}: {seen.kind}: {seen.evidence[0]}")
-    print(
-        f"false alarms: {sum(wrong.values())} of {sensors} unfiltered series {dict(wrong)}, "
-        f"{(time.perf_counter() - started) / max(1, sensors):.1f} s each"
-    )
+    silent: Counter[str] = Counter()
+    each = count // len(KINDS)
+    for seed in range(first, first + each):
+        for kind in KINDS:
+            made, said = series(kind, seed, largest)
+            seen = detect(made)
+            silent[kind] += not seen.filtered and seen.confidence == 0
+            if seen.filtered:
+                wrong[kind] += 1
+                tests = Counter(f.test for f in seen.findings if f.flagged)
+                print(f"  {kind} {seed}: {said}: {seen.kind} {dict(tests)}", flush=True)
+        print(f"{seed - first + 1} of {each}", file=sys.stderr, flush=True)
+    print(f"unfiltered series up to {largest}x{largest}, from seed {first}: false alarms (95 %)")
+    for kind in KINDS:
+        print(f"  {kind}: {_share(wrong[kind], each)}; cannot tell: {silent[kind]}")
+    seconds = (time.perf_counter() - started) / max(1, each * len(KINDS))
+    print(f"  all: {_share(sum(wrong.values()), each * len(KINDS))}; {seconds:.1f} s each")
+
+
+def _share(found: int, tried: int) -> str:
+    """With Wilson's interval."""
+    z = 1.96
+    middle = (found + z**2 / 2) / (tried + z**2)
+    half = z / (tried + z**2) * np.sqrt(found * (tried - found) / tried + z**2 / 4)
+    return f"{found} of {tried} ({max(0.0, middle - half):.2%} to {middle + half:.2%})"
 
 
 if __name__ == "__main__":
@@ -131,9 +147,10 @@ if __name__ == "__main__":
     parser.add_argument("--sensors", type=int, default=10)
     parser.add_argument("--size", type=int, default=320)
     parser.add_argument("--mosaic", action="store_true")
-    parser.add_argument("--false-alarms", type=int, default=0)
+    parser.add_argument("--false-alarms", type=int, default=0, help="series, a third of each kind")
+    parser.add_argument("--first", type=int, default=10_000, help="seed of the first of a kind")
     options = parser.parse_args()
     if options.sensors:
         power(options.sensors, options.size, options.mosaic)
     if options.false_alarms:
-        false_alarms(options.false_alarms, options.size)
+        false_alarms(options.false_alarms, options.size, options.first)

@@ -288,6 +288,7 @@ def detection(console: Console, captures: Any, result: Any) -> None:
 
     _verdict(console, capture.one_line(captures), headline(result))
     _points(console, "Evidence", words.texts(list(result.evidence)))
+    _points(console, "What cannot be told apart here", words.texts(list(result.ambiguous)))
     flagged = sorted(
         result.findings, key=lambda f: (not f.flagged, f.p_value if f.p_value is not None else 2)
     )
@@ -301,7 +302,7 @@ def detection(console: Console, captures: Any, result: Any) -> None:
                 f"{f.temperature_c:g} °C" if words.is_number(f.temperature_c) else "all",
                 words.probability(f.p_value),
                 number(f.effect_size, 2),
-                "yes" if f.flagged else "no",
+                "yes" if f.flagged else f"no: {f.reason}",
             )
             for f in flagged[: 2 * MOST_ROWS]
         ),

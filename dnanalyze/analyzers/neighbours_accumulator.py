@@ -152,6 +152,8 @@ def top_level(frame: np.ndarray) -> tuple[float, float]:
     sample = frame[::step, ::step].ravel()
     at = min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))
     level = np.partition(sample, at)[at]
+    if level == sample.min():  # nearly all lie at one code: those there are no peaks, nor tied
+        return float(level), 0.0
     above, alike = np.count_nonzero(sample > level), np.count_nonzero(sample == level)
     return float(level), min(1.0, max(0.0, (_TOP_SHARE * sample.size - above) / alike))
 

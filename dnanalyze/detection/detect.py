@@ -10,7 +10,8 @@ import numpy as np
 
 from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
-from dnanalyze.detection.evidence import VIEWS, ViewEvidence, gather, listed
+from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
+from dnanalyze.detection.reasons import reason
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
@@ -48,20 +49,21 @@ def detect(
     entry = kept.held(captures)
     evidence = kept.get(entry) if entry else None
     if evidence is None:
-        evidence = _with_lists(_gather(groups(captures), progress), across(captures))
+        evidence = _with_lists(_same_well(_gather(groups(captures), progress)), across(captures))
         if entry:
             kept.put(entry, evidence)
     answers = ask(evidence, alpha)
     kind, flags = decide(answers)
     found = estimate(kind, flags, evidence) if flags else None
     series = _series(evidence)
+    also = _also(kind, answers)
     return Detection(
         filtered=kind != "none",
         kind=kind,
         confidence=_confidence(flags, evidence),
         estimate=found,
-        also=_also(kind, answers),
-        findings=tuple(_finding(a, a in flags) for a in answers),
+        also=also,
+        findings=tuple(_finding(a, kind, a in flags, also, alpha) for a in answers),
         evidence=_words(flags),
         ambiguous=_ambiguous(kind, answers, evidence, alpha),
         tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
@@ -89,16 +91,37 @@ def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> 
     return evidence
 
 
+def _same_well(evidence: list[ViewEvidence]) -> list[ViewEvidence]:
+    """A full well is the sensor's: where it shows at one setting of a gain it holds at the others,
+    whose frames may be too few to show it.
+    """
+
+    def readout(e: ViewEvidence) -> tuple[float | None, str | None]:
+        return e.point.gain, e.point.channel
+
+    wells: dict[tuple[float | None, str | None], float] = {}
+    for e in evidence:
+        if e.saturation.plateau:
+            wells[readout(e)] = min(e.saturation.high, wells.get(readout(e), np.inf))
+    return [e.beyond(wells.get(readout(e), np.inf)) for e in evidence]
+
+
 def _with_lists(evidence: list[ViewEvidence], series: Group | None) -> list[ViewEvidence]:
     """The first of each view with the sites that are replaced at all settings."""
     if series is None or not evidence:
         return evidence
-    stack = read(series)
+    full = {e.point for e in evidence if e.clipped > SATURATED}
+    frames = tuple(f for f in series.frames if f.point not in full)
+    if len(frames) < 3:
+        return evidence
+    stack = read(replace(series, frames=frames))
     sites = {view: listed(stack, view) for view in VIEWS}
     return [replace(e, listed=sites.pop(e.view, None)) for e in evidence]
 
 
-def _finding(answer: Answer, speaks: bool) -> Finding:
+def _finding(
+    answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha: float
+) -> Finding:
     a = answer.asked
     return Finding(
         a.test,
@@ -110,6 +133,7 @@ def _finding(answer: Answer, speaks: bool) -> Finding:
         a.evidence.view,
         a.words,
         a.limit if answer.judge else np.inf,
+        reason(answer, kind, speaks, also, alpha),
     )
 
 
@@ -117,7 +141,7 @@ def _confidence(flags: list[Answer], evidence: list[ViewEvidence]) -> float:
     """One minus the corrected p-value; for "none", the share of settings fit for the tests."""
     if flags:
         return float(np.clip(1 - min(a.holm for a in flags), 0.0, 0.9999))
-    fit = [e.usable and e.temporal and e.noise >= e.step for e in evidence]
+    fit = [e.usable and e.temporal and not e.full and e.noise >= e.step for e in evidence]
     return float(np.mean(fit)) if fit else 0.0
 
 
@@ -168,12 +192,13 @@ def _ambiguous(
         said.append(f"Frames of fewer than {SMALLEST} rows or columns are too small for the tests.")
     elif not any(e.usable for e in evidence):
         said.append(
-            "Frames that do not differ, or with more than 10 % of the pixels at an end of the "
-            "scale: the tests of noise do not apply."
+            "Frames that do not differ, or with more than 10 % of the pixels clipped or saturated: "
+            "the tests of noise do not apply."
         )
     elif not any(e.temporal for e in evidence):
         lists = "" if any(e.listed for e in evidence) else ", static replacement none either"
         said.append(f"Single frames: temporal filters leave no trace{lists}.")
+    said += _saturated(evidence)
     coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
     if coarse:
         said.append(
@@ -181,6 +206,18 @@ def _ambiguous(
             "rounded away."
         )
     return tuple(said)
+
+
+def _saturated(evidence: list[ViewEvidence]) -> list[str]:
+    """Where pixels are clipped or saturated, and what that leaves out."""
+    said = []
+    for e in evidence:
+        if e.view != "frame" or e.clipped < SATURATED:
+            continue
+        left = "no test applies" if e.full else "the tests of noise do not apply"
+        words = e.saturation.words() or f"{e.clipped:.2g} of the pixels at an end of the scale"
+        said.append(f"{e.point.label()}: {words}; {left}.")
+    return said
 
 
 def _series(evidence: list[ViewEvidence]) -> SuppressionSeries | None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dnanalyze.analyzers.saturation import Saturation, saturation
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
 from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
 from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading
@@ -19,7 +20,9 @@ from dnanalyze.detection.texture import Texture, equal_neighbours, texture
 from dnanalyze.loaders.captures import OperatingPoint
 
 VIEWS: dict[str, tuple[int, int] | None] = {"frame": None, "planes": (2, 2)}
-SATURATED = 0.1  # share of pixels at the highest or lowest code above which noise tells nothing
+SATURATED = 0.1  # share of clipped and saturated pixels above which noise tells nothing
+MOST = 0.5  # of the pixels: neither the median nor the noise of the frame is a sensor's
+LEVELS = np.linspace(0, 1, 101)
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,11 @@ class ViewEvidence:
     temporal : bool
         Noise statistics are of differences of frames; False: of one flattened frame.
     clipped : float
-        Share of pixels at the highest or lowest code.
+        Share of pixels at the highest or lowest code, or on a plateau.
+    saturation : Saturation
+        From where pixels are clipped or saturated.
+    levels : ndarray
+        (101,), percentiles of the frames, DN.
     usable : bool
         Noise statistics mean something: few pixels are clipped.
     rank : dict
@@ -69,6 +76,8 @@ class ViewEvidence:
     step: float
     temporal: bool
     clipped: float
+    saturation: Saturation
+    levels: np.ndarray
     usable: bool
     rank: dict[int, Exceedance]
     recorded: Exceedance
@@ -83,6 +92,19 @@ class ViewEvidence:
     equal: tuple[float, float, int]
     rows: RowPhase | None
 
+    @property
+    def full(self) -> bool:
+        """Most pixels are clipped or saturated: no test applies."""
+        return self.clipped > MOST
+
+    def beyond(self, well: float) -> ViewEvidence:
+        """With a full well that shows at other settings of the gain, DN."""
+        share = float(np.mean(self.levels >= well))
+        if not share > self.clipped:
+            return self
+        seen = replace(self.saturation, high=well, high_share=share, plateau=True)
+        return replace(self, saturation=seen, clipped=share, usable=share < SATURATED and self.usable)
+
 
 def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     """Evidence of one view; None where the planes are too small."""
@@ -93,10 +115,11 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     noise_images = [_noise_images(p, temporal) for p in parts]
     noise = _noise(noise_images, parts[0].step)
     images = np.concatenate(noise_images)
-    ceiling = _ceiling(stack)
-    clipped = _clipped_share(stack)
+    ends = saturation(stack)
+    clipped = max(_clipped_share(stack), ends.share)
+    ceiling = ends.high if ends.plateau else _ceiling(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
-    found = _replaced(parts, noise) if stack.shape[0] >= 3 else []
+    found = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
 
     return ViewEvidence(
         view,
@@ -106,6 +129,8 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
         parts[0].step,
         temporal,
         clipped,
+        ends,
+        np.quantile(stack[:, ::3, ::3], LEVELS),
         clipped < SATURATED and noise > 0.3 * parts[0].step,
         {8: exceedance(images, 8), 12: exceedance(images[:1], 12), 24: exceedance(images[:1], 24)},
         _recorded(parts),
@@ -129,7 +154,7 @@ def listed(stack: np.ndarray, view: str) -> Replaced | None:
     if len(stack) < 3 or not parts:
         return None
     noise = _noise([without_shading(p.dithered()[0])[None] for p in parts], parts[0].step)
-    found = _replaced(parts, noise)
+    found = _replaced(parts, noise, saturation(stack[:1]))
     return sum(found[1:], found[0])
 
 
@@ -179,8 +204,8 @@ def _clipped_share(stack: np.ndarray) -> float:
     return float(ends.mean()) if np.ptp(sample) > 8 else 0.0
 
 
-def _replaced(parts: list[Plane], noise: float) -> list[Replaced]:
-    return [replaced(p.raw, p.step, noise) for p in parts]
+def _replaced(parts: list[Plane], noise: float, ends: Saturation) -> list[Replaced]:
+    return [replaced(p.raw, p.step, noise, ends.low, ends.high) for p in parts]
 
 
 def _memory(parts: list[Plane]) -> Autocorrelation | None:

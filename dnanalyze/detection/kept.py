@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers import cache
+from dnanalyze.analyzers.saturation import Saturation
 from dnanalyze.detection.correlation import LagCorrelation
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
@@ -25,7 +26,7 @@ TYPES: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
         Autocorrelation, Exceedance, Excess, LagCorrelation, OctaveSpectrum, OperatingPoint,
-        Replaced, RowPhase, StandingOut, Texture, ViewEvidence,
+        Replaced, RowPhase, Saturation, StandingOut, Texture, ViewEvidence,
     )
 }  # fmt: skip
 

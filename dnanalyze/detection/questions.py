@@ -198,9 +198,9 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     return Asked(
         test, "dpc", e, min(1.0, float(p[j]) * TRIED),
         1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0, SHARP,
-        f"{seen.left[j]:.1f} pixels a frame stand {top.bounds[j]:.3g} {unit} {times}the largest of "
-        f"their {out.neighbours} neighbours, up to twice that; as the tail falls below, at least "
-        f"{seen.least[j]:.0f} would, had clusters of hot pixels thinned it",
+        f"{seen.left[j]:.1f} pixels a frame stand {top.bounds[j]:.3g} to {2 * top.bounds[j]:.3g} "
+        f"{unit} {times}the largest of their {out.neighbours} neighbours; from the tail below, at "
+        f"least {seen.least[j]:.0f} are expected even where hot pixels come in clusters",
         edge(top, j), out.neighbours, slope,
     )  # fmt: skip
 

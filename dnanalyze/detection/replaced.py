@@ -5,8 +5,9 @@ copies), a site matches where the residual stays within one step in all frames t
 itself varies. The control counts matches with the same interpolation of a ring a few pixels away,
 which has the same noise, rounding, clipping and line structure, so that no model of the noise is
 needed. Noise that neighbours share (hum, 1/f) lets more of them match their own ring by chance;
-but then more match in all frames but one as well, which replaced sites do not. A pixel that is at
-the top of the scale in any frame is left out: in a bright spot its neighbours are there as well.
+but then more match in all frames but one as well, which replaced sites do not. A pixel that is
+clipped or saturated in any frame is left out: in a bright spot, or a dark one, its neighbours are
+so as well.
 """
 
 from __future__ import annotations
@@ -110,7 +111,7 @@ def _references(
 @njit(cache=True, nogil=True)
 def _match(
     stack: np.ndarray, squares: np.ndarray, shifts: np.ndarray,
-    step: float, slack: float, least: float, top: float, limit: int,
+    step: float, slack: float, least: float, bottom: float, top: float, limit: int,
 ):  # fmt: skip
     """Matches of each rule, in all frames and in all but one; own ring first, then displaced ones.
 
@@ -131,8 +132,8 @@ def _match(
     tried = 0
     for y in range(margin, h - margin):
         for x in range(margin, w - margin):
-            largest = stack[:, y, x].max()
-            if largest >= top or largest - stack[:, y, x].min() < least:
+            largest, smallest = stack[:, y, x].max(), stack[:, y, x].min()
+            if smallest <= bottom or largest >= top or largest - smallest < least:
                 continue
             tried += 1
             for s in range(shifts.shape[0]):
@@ -202,7 +203,9 @@ def _sums(stack: np.ndarray) -> np.ndarray:
     return total
 
 
-def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
+def replaced(
+    stack: np.ndarray, step: float, noise: float, bottom: float = -np.inf, top: float = np.inf
+) -> Replaced:
     """Look for replaced sites in the raw frames of one plane.
 
     Parameters
@@ -213,12 +216,15 @@ def replaced(stack: np.ndarray, step: float, noise: float) -> Replaced:
         Spacing of the recorded values, DN; 0 for frames that are not quantised.
     noise : float
         Temporal standard deviation of a typical pixel, DN.
+    bottom, top : float
+        Values at or below ``bottom`` are clipped, at or above ``top`` saturated, DN; the highest
+        of all are left out in any case.
     """
     slack = 1e-3 * (step or noise)
     shifts = np.concatenate([[(0, 0)], CONTROLS])
     least = max(2 * step, 0.1 * noise)
     counts, sites, tried = _match(
-        stack, _sums(stack), shifts, step, slack, least, stack.max(), 1 << 16
+        stack, _sums(stack), shifts, step, slack, least, bottom, min(top, stack.max()), 1 << 16
     )
     whole, but_one = counts
     return Replaced(

@@ -37,6 +37,8 @@ class Finding:
         The evidence, in a sentence.
     limit : float
         Effect size that unfiltered sensors reach; infinite where the test does not speak alone.
+    reason : str
+        Why it is not flagged, in words; empty where it is.
     """
 
     test: str
@@ -48,6 +50,7 @@ class Finding:
     view: str = "frame"
     words: str = ""
     limit: float = math.inf
+    reason: str = ""
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report."""
@@ -60,6 +63,8 @@ class Finding:
             "flagged": bool(self.flagged),
             "view": self.view,
             "words": self.words,
+            "limit": _finite(self.limit),
+            "reason": self.reason,
         }
 
 

@@ -47,7 +47,11 @@ class Answer:
 
 
 def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
-    """Put every question to every view, and correct for their number."""
+    """Put every question to every view, and correct for their number.
+
+    None to settings most of whose pixels are clipped or saturated.
+    """
+    evidence = [e for e in evidence if not e.full]
     coloured = _coloured(evidence)
     unfit = {id(e) for e in evidence if e.point in coloured and not _round(e)}
     judges = _quietest(evidence) - unfit

@@ -108,7 +108,7 @@ def steps(result: Any) -> pd.DataFrame:
 
 def findings(result: Any) -> pd.DataFrame:
     """The tests behind a detection."""
-    keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged")
+    keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged", "reason")
     return _frame([{k: getattr(f, k) for k in keys} for f in result.findings])
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.detection.memory import expected_excess
-from dnanalyze.detection.questions import CLUSTERED
 from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.spectrum import CENTRES
 from dnanalyze.report.figures.style import (
@@ -55,8 +54,7 @@ SMOOTHING = (
 CORRECTIONS = (
     "Defect-pixel correction. Pixels a frame that stand out of their own neighbours (solid) and of "
     "rings elsewhere (dashed) by more than a bound, at the setting that says most. Clusters of hot "
-    "pixels leave at least the dotted part; a correction leaves nothing beyond its threshold "
-    "(vertical). Sites: pixels that are in every frame what a rule makes of their neighbours "
+    "pixels thin the tail smoothly; a correction ends it at its threshold (vertical). Sites: pixels that are in every frame what a rule makes of their neighbours "
     "(dot), or of a ring elsewhere (bar). Cap: elsewhere the larger of two rings is taken, so "
     "unfiltered sensors lie below 0. Row phase: the one of many that departs most, so above 0 by "
     f"chance. {ALL}"
@@ -235,7 +233,6 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     colour = FLAGGED if telling.flagged else VIEWS[e.view][0]
     own, control = top.own / top.frames, top.control / top.frames
     ax.plot(top.bounds, control, color=INK, linewidth=1.0, linestyle=(0, (4, 2)))
-    ax.plot(top.bounds, CLUSTERED * control, color=QUIET, linewidth=0.9, linestyle=":")
     ax.plot(top.bounds, np.maximum(own, 0.5 / top.frames), color=colour, linewidth=1.6)
     if telling.flagged:
         ax.axvline(asked.at, color=colour, linewidth=0.8)

@@ -1,0 +1,142 @@
+"""Saturation, found from the frames of a setting: crowded end codes, and a full-well plateau.
+
+Codes. Of noise without an end fewer pixels lie at the outermost code than at the next one; more lie
+there where values beyond it were clipped.
+
+Plateau. Where the signal grows, so does its shot noise, until the pixels are full: then the
+temporal variance collapses (the maximum of the photon transfer curve is where EMVA 1288 puts
+saturation). It happens below the converter's full scale, at a level that differs between pixels,
+and blooming spreads it. So pixels are sorted by level, and the plateau begins
+where the variance, having risen with the level, falls and stays low up to the highest.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+CROWDED = 20  # pixels of all frames at an outermost code below which they are strays
+BIN = 64  # pixels; the median of their variances is good to 30 % for two frames
+FEWEST = 8  # bins of a plateau: chance does not keep that many low
+FALL = 9.0  # of the variance to the plateau; noise of amplifiers of a sensor differs by less than 3
+MOST = 0.9  # of the pixels from its begin on are on the plateau
+LEVELS = 2048  # bins at most
+
+
+@dataclass(frozen=True)
+class Saturation:
+    """From where pixels are clipped or saturated.
+
+    Parameters
+    ----------
+    low, high : float
+        Values at or below ``low`` are clipped, at or above ``high`` saturated, DN; infinite where
+        there are none.
+    low_share, high_share : float
+        Shares of the pixels there, over all frames.
+    plateau : bool
+        ``high`` is where the temporal noise collapses, not the highest code.
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    low_share: float = 0.0
+    high_share: float = 0.0
+    plateau: bool = False
+
+    @property
+    def share(self) -> float:
+        """Share of the pixels at either end."""
+        return self.low_share + self.high_share
+
+    def words(self) -> str:
+        """Where and how many, for a note; empty for none."""
+        said = []
+        if self.low_share:
+            said.append(f"{self.low_share:.2g} of the pixels at the lowest code, {self.low:g} DN")
+        if self.high_share and self.plateau:
+            said.append(
+                f"{self.high_share:.2g} of the pixels on a plateau from {self.high:.4g} DN, where "
+                "the temporal noise collapses"
+            )
+        elif self.high_share:
+            said.append(f"{self.high_share:.2g} of the pixels at the highest code, {self.high:g} DN")
+        return " and ".join(said)
+
+
+def saturation(stack: np.ndarray) -> Saturation:
+    """Of the frames of one setting, (frames, rows, columns), DN as recorded."""
+    low, high = outermost(stack)
+    low_share = float(np.mean(stack <= low)) if math.isfinite(low) else 0.0
+    begins = math.inf
+    if len(stack) > 1:
+        least = stack.min(axis=0)  # a hit raises the mean of a pixel with its variance
+        free = least < high
+        variance = stack.var(axis=0, ddof=1, dtype=np.float64)
+        begins = plateau(least[free], variance[free], len(stack))
+    if begins < high:
+        share = float(np.mean(stack >= begins))
+        return Saturation(low, begins, low_share, share, plateau=True)
+    high_share = float(np.mean(stack >= high)) if math.isfinite(high) else 0.0
+    return Saturation(low, high, low_share, high_share)
+
+
+def outermost(stack: np.ndarray) -> tuple[float, float]:
+    """The lowest and the highest code where values pile up there; infinite where they do not."""
+    found = []
+    for sign in (1, -1):
+        end = stack.min() if sign > 0 else stack.max()
+        inside = stack[stack > end] if sign > 0 else stack[stack < end]
+        at_end = stack.size - inside.size
+        if not inside.size:
+            found.append(-sign * math.inf)
+            continue
+        following = inside.min() if sign > 0 else inside.max()
+        crowded = at_end > max(CROWDED, np.count_nonzero(inside == following))
+        found.append(float(end) if crowded else -sign * math.inf)
+    return found[0], found[1]
+
+
+def plateau(level: np.ndarray, variance: np.ndarray, frames: int) -> float:
+    """Level from which pixels are on a plateau, DN; infinite for none.
+
+    Parameters
+    ----------
+    level, variance : ndarray
+        (pixels,), DN and variance over the frames, DN^2.
+    frames : int
+        At least 2.
+    """
+    size = max(BIN, level.size // LEVELS)
+    bins = level.size // size
+    if bins < 2 * FEWEST:
+        return math.inf
+    order = np.argsort(level, kind="stable")[level.size - bins * size :].reshape(bins, size)
+    usual = stats.chi2.median(frames - 1) / (frames - 1)
+    noise = np.median(variance[order], axis=1) / usual
+    smooth = np.median(np.stack([noise[:-2], noise[1:-1], noise[2:]]), axis=0)
+    begins = _collapse(smooth)
+    if begins is None or bins - begins < FEWEST:
+        return math.inf
+    return float(level[order[begins, 0]])
+
+
+def _collapse(noise: np.ndarray) -> int | None:
+    """Bin at which the variance, sorted by level, collapses; None: nowhere.
+
+    Most bins from there on lie ``FALL`` times below the middle one before, where the lowest quarter
+    is not the noisiest: shot noise rises. Not all need lie low: on a plateau too some pixels drift,
+    and the readout's own charge lies above it.
+    """
+    for begins in range(FEWEST, noise.size - FEWEST + 1):
+        before = noise[:begins]
+        limit = np.median(before) / FALL
+        if noise[begins] > limit or np.mean(noise[begins:] <= limit) < MOST:
+            continue
+        quarters = [np.median(part) for part in np.array_split(before, 4)]
+        # of the last median's three bins the last
+        return begins + 2 if max(quarters[1:]) >= quarters[0] else None
+    return None
