@@ -120,8 +120,9 @@ class Walk:
         state = converge(self.held, law.state)
         step = Step(None, error_of(self.held, state), None, [told(self.held, state.model)])
         self.tell(step)
-        self.keep(state.model)
-        return replace(path, state=state, steps=(*path.steps, step))
+        path = replace(path, state=state, steps=(*path.steps, step))
+        self.keep(path)
+        return path
 
     def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
         """The path at the state that does without some effects."""
