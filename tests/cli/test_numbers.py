@@ -45,3 +45,21 @@ def test_impossible_numbers_are_refused_in_one_line(words, tmp_path, capsys, mon
     (line,) = capsys.readouterr().err.splitlines()
     assert "valid: " in line
     assert sorted(p.name for p in tmp_path.iterdir()) == ["M.yaml"]
+
+
+def test_hdr_with_a_model_of_one_channel(tmp_path, capsys):
+    import numpy as np
+
+    from dnanalyze.model.noise_model import NoiseModel, dump_model
+    from dnanalyze.model.registry import built_in
+
+    np.save(tmp_path / "a.npy", np.random.default_rng(0).integers(60, 70, (16, 20)).astype("u2"))
+    (tmp_path / "m.yaml").write_text(dump_model(NoiseModel((built_in()["read_noise"](),), 64.0)))
+    (tmp_path / "h.yaml").write_text(
+        "channels:\n- {channel: hcg, black: 64, sensitivity: 1.0, knee: 3000}\n"
+        "- {channel: lcg, black: 64, sensitivity: 0.1, knee: 3000}\n"
+    )
+    words = ["hdr", str(tmp_path), "--model", str(tmp_path / "m.yaml")]
+    assert main([*words, "--combine", str(tmp_path / "h.yaml")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "m.yaml: tells no channels apart" in line

@@ -35,9 +35,11 @@ def at_once():
 
 
 def refused(path, pattern, **options):
+    def attempt():
+        return [frame.read() for frame in load(path, **options).frames()]
+
     with pytest.raises(InputError, match=pattern) as caught:
-        for frame in load(path, **options).frames():
-            frame.read()
+        attempt()
     assert "\n" not in str(caught.value)
 
 
