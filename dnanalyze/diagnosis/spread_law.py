@@ -23,8 +23,8 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE
 
 SPREAD = "delta"
-# Squared standard score of the slope that one sensor of constant spread in a thousand exceeds: chi^2
-# of one number. Measured on virtual sensors with nothing but what every sensor has, see the docs.
+# Squared standard score of the slope that one sensor of constant spread in a thousand exceeds
+# (chi^2 of one number); of 35 virtual sensors of constant spread the highest had 5.
 CLEAR = 10.83
 
 

@@ -67,13 +67,13 @@ def test_a_model_of_another_level_is_not_adequate_whatever_its_error(monkeypatch
 
 
 def test_the_signal_is_above_the_measured_black_level():
-    """1 % of it is allowed at the bright end, 3 floors where there is hardly any."""
+    """Half of 1 % of it is allowed to a fit at the bright end, 2 floors where there is hardly any."""
     held = small.bench_of()
     at = held.train.names == "mean"
     assert np.isinf(held.train.allowed[~at]).all()
     values, floors = held.train.values[at], held.train.floor[at]
     np.testing.assert_allclose(
-        held.train.allowed[at], np.maximum(3 * floors, 0.005 * (values - 64.0)), rtol=0.05
+        held.train.allowed[at], np.maximum(2 * floors, 0.005 * (values - 64.0)), rtol=0.05
     )
 
 
