@@ -63,7 +63,8 @@ class Saturation:
                 "the temporal noise collapses"
             )
         elif self.high_share:
-            said.append(f"{self.high_share:.2g} of the pixels at the highest code, {self.high:g} DN")
+            share = f"{self.high_share:.2g} of the pixels"
+            said.append(f"{share} at the highest code, {self.high:g} DN")
         return " and ".join(said)
 
 

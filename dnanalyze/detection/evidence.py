@@ -103,7 +103,8 @@ class ViewEvidence:
         if not share > self.clipped:
             return self
         seen = replace(self.saturation, high=well, high_share=share, plateau=True)
-        return replace(self, saturation=seen, clipped=share, usable=share < SATURATED and self.usable)
+        usable = self.usable and share < SATURATED
+        return replace(self, saturation=seen, clipped=share, usable=usable)
 
 
 def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
