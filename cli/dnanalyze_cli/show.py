@@ -205,14 +205,20 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
     if best := words.leading(result):
         title = f"Evidence for {words.naming(best.effect, best.confidence)}"
         _points(console, title, list(best.evidence))
-    _points(
-        console, "What stays unexplained", [named(n) for n in result.unexplained[:MOST_FAILURES]]
-    )
+    _unexplained(console, result.unexplained)
     _points(
         console, "What would not have been seen", words.texts(result.detection_limits)[:MOST_ROWS]
     )
     if result.next_capture:
         _points(console, "The next capture", words.texts(result.next_capture))
+
+
+def _unexplained(console: Console, names: Sequence[str]) -> None:
+    """Statistics that stay unexplained, worst first, and how many are not shown."""
+    shown = [named(n) for n in names[:MOST_FAILURES]]
+    more = len(names) - len(shown)
+    title = "What stays unexplained" + (f", {more} more in --json" if more > 0 else "")
+    _points(console, title, shown)
 
 
 def _candidates(console: Console, title: str, found: Sequence[Any]) -> None:
@@ -268,9 +274,7 @@ def refinement(
         ("the final model", "value", "unit"),
         ((p.name, with_error(p.value, p.se), p.unit) for p in result.parameters),
     )
-    _points(
-        console, "What stays unexplained", [named(n) for n in result.unexplained[:MOST_FAILURES]]
-    )
+    _unexplained(console, result.unexplained)
     console.print(f"The model holds {words.listing(result.effects)}.")
     if output is None:
         console.print("It was not kept; name a file with -o to keep it.", style="dim")

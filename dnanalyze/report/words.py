@@ -125,12 +125,12 @@ def sentence(text: str) -> str:
     return first + text[1:] + ("" if text[-1] in ".!?" else ".")
 
 
-def listing(names: Iterable[str]) -> str:
-    """``a, b and c``."""
+def listing(names: Iterable[str], between: str = ", ") -> str:
+    """``a, b and c``; ``a; b and c`` where they have commas of their own."""
     items = list(names)
     if len(items) < 2:
         return "".join(items)
-    return f"{', '.join(items[:-1])} and {items[-1]}"
+    return f"{between.join(items[:-1])} and {items[-1]}"
 
 
 def plural(count: int, noun: str) -> str:
@@ -169,8 +169,8 @@ def statistics_named(names: Sequence[str], most: int = NAMED) -> str:
     known = catalogue()
     titles = [known[n].title if n in known else n for n in names[:most]]
     if len(names) > most:
-        return f"{', '.join(titles)} and {len(names) - most} more"
-    return listing(titles)
+        titles.append(f"{len(names) - most} more")
+    return listing(titles, "; " if any("," in t for t in titles) else ", ")
 
 
 def error_way(before: Any, after: Any) -> str:
