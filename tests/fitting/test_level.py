@@ -67,7 +67,7 @@ def test_a_model_of_another_level_is_not_adequate_whatever_its_error(monkeypatch
 
 
 def test_the_signal_is_above_the_measured_black_level():
-    """A fit is allowed half of 1 % of it at the bright end, 2 floors where there is hardly any."""
+    """Of it a fit is allowed half of 1 % at the bright end, 2 floors where there is hardly any."""
     held = small.bench_of()
     at = held.train.names == "mean"
     assert np.isinf(held.train.allowed[~at]).all()
