@@ -1,6 +1,18 @@
 """The one kind of error that a user causes and can mend."""
 
+import unicodedata
+
 MOST = 800  # characters of a message; the longest list of valid names takes 600
+# Characters that move a terminal's cursor, turn the direction of text, or are none (what is left
+# of a file name that is no UTF-8).
+_HIDDEN = {"Cc", "Cs", "Cf"}
+
+
+def printable(text: str) -> str:
+    """The text with "?" for what a terminal does not show as a character."""
+    if text.isprintable():
+        return text
+    return "".join("?" if unicodedata.category(c) in _HIDDEN else c for c in text)
 
 
 class InputError(ValueError):
@@ -11,7 +23,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, message: object = "") -> None:
-        text = "".join(c if c.isprintable() else "?" for c in " ".join(str(message).split()))
+        text = printable(" ".join(str(message).split()))
         if len(text) > MOST:
             text = f"{text[: MOST // 2]} ... {text[-MOST // 3 :]}"
         super().__init__(text)

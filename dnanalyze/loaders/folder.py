@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from dnanalyze.errors import InputError
+from dnanalyze.errors import InputError, printable
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
 from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
@@ -119,7 +119,7 @@ def _recordings(
     left_out: Counter[str] = Counter()
     previous = None
     for file in files:
-        recording = previous = read_header(file, place.relative(file), config, previous)
+        recording = previous = read_header(file, printable(place.relative(file)), config, previous)
         if recording.left_out:
             left_out[recording.left_out] += 1
         else:
@@ -149,7 +149,7 @@ def _one_camera(
         others = [f for f, r in found if (r.format, r.shape) != (kind, shape)]
         notes.append(
             f"The folder holds raw files of {len(counts)} cameras; taken: {count} {kind} of "
-            f"{shape[0]} x {shape[1]}; left out: {place.relative(others[0])}"
+            f"{shape[0]} x {shape[1]}; left out: {printable(place.relative(others[0]))}"
             + (f" and {len(others) - 1} more" if len(others) > 1 else "")
             + ", to be loaded by itself."
         )
@@ -191,7 +191,7 @@ def _capture_set(
     named = _named(place, [f for f, _ in recordings], config)
     odd: dict[str, list[str]] = {}
     for (file, recording), said in zip(recordings, named, strict=True):
-        name = place.relative(file)
+        name = printable(place.relative(file))
         active, masked = _areas(recording, config, name)
         window = _region(part, active, masked, Window.whole(recording.shape), name)
         check_shape(name, window.shape, mosaic=cfa is not None)
@@ -234,7 +234,7 @@ def _capture_set(
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part)
-    return CaptureSet(place.name, sensor, settings, tuple(notes), source)
+    return CaptureSet(printable(place.name), sensor, settings, tuple(notes), source)
 
 
 def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:

@@ -26,7 +26,9 @@ def atomic_write(path: Path, content: str | bytes) -> None:
 
     try:
         with atomic(path) as stream:
-            stream.write(content.encode("utf-8") if isinstance(content, str) else content)
+            stream.write(
+                content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
+            )
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
 

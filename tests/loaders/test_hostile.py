@@ -273,3 +273,10 @@ def test_a_message_is_one_bounded_printable_line(tmp_path):
     message = str(InputError("a\nb" + "x" * 5000))
     assert message.startswith("a bxx")
     assert len(message) < 700
+
+
+def test_names_that_are_no_text_or_move_the_cursor_are_shown_harmless(tmp_path):
+    for name in (b"\xff.npy", b"\x1b[2J.npy", "n\u00fcll.npy".encode()):
+        with open(os.fsencode(tmp_path) + b"/" + name, "wb") as file:
+            np.save(file, noise())
+    assert sorted(f.name for f in load(tmp_path).frames()) == ["?.npy", "?[2J.npy", "n\u00fcll.npy"]
