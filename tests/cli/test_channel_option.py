@@ -48,7 +48,7 @@ def model(tmp_path):
 def finished(found, own):
     """A refinement over channels, with one effect of hcg's own."""
     parts = {c: SimpleNamespace(**vars(fakes.refinement())) for c in found.channels}
-    steps = [ChannelStep(None, 6.5), ChannelStep("column_fpn", 2.0, 0.9, [], "hcg")]
+    steps = [ChannelStep(None, 6.5), ChannelStep("column_fpn", 2.0, 0.9, [], channel="hcg")]
     steps.append(ChannelStep(None, 1.2))
     own = {"hcg": ["column_fpn"], "lcg": []}
     said = ["column_fpn: in hcg only, so of that readout"]
@@ -144,7 +144,7 @@ def test_diagnose_over_channels_names_the_channel_of_each_candidate(
     written = json.loads(out.read_text())
     assert written["verdict"] == "missing"
     assert written["channels"]["lcg"]["verdict"] == "adequate"
-    assert {c["channel"] for c in written["candidates"]} == {"hcg", "lcg"}
+    assert {c["channel"] for c in written["candidates"]} == {"hcg"}  # adequate: none
     assert "channel" in table.read_text().splitlines()[0]
     assert "2 channels, each by itself: missing" in capsys.readouterr().out
     assert "hcg: Candidates" in page.read_text()
