@@ -24,6 +24,7 @@ FEWEST = 8  # bins of a plateau: chance does not keep that many low
 FALL = 9.0  # of the variance to the plateau; noise of amplifiers of a sensor differs by less than 3
 MOST = 0.9  # of the pixels from its begin on are on the plateau
 LEVELS = 2048  # bins at most
+SAMPLE = 1 << 18  # pixels of a frame that are sorted: BIN for each of the levels, and more
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,11 @@ def saturation(stack: np.ndarray) -> Saturation:
     low_share = float(np.mean(stack <= low)) if math.isfinite(low) else 0.0
     begins = math.inf
     if len(stack) > 1:
-        least = stack.min(axis=0)  # a hit raises the mean of a pixel with its variance
+        step = max(1, math.isqrt(stack[0].size // SAMPLE))
+        some = stack[:, ::step, ::step]
+        least = some.min(axis=0)  # a hit raises the mean of a pixel with its variance
         free = least < high
-        variance = stack.var(axis=0, ddof=1, dtype=np.float64)
+        variance = some.var(axis=0, ddof=1, dtype=np.float64)
         begins = plateau(least[free], variance[free], len(stack))
     if begins < high:
         share = float(np.mean(stack >= begins))
@@ -87,18 +90,18 @@ def saturation(stack: np.ndarray) -> Saturation:
 
 def outermost(stack: np.ndarray) -> tuple[float, float]:
     """The lowest and the highest code where values pile up there; infinite where they do not."""
-    found = []
-    for sign in (1, -1):
-        end = stack.min() if sign > 0 else stack.max()
-        inside = stack[stack > end] if sign > 0 else stack[stack < end]
-        at_end = stack.size - inside.size
-        if not inside.size:
-            found.append(-sign * math.inf)
-            continue
-        following = inside.min() if sign > 0 else inside.max()
-        crowded = at_end > max(CROWDED, np.count_nonzero(inside == following))
-        found.append(float(end) if crowded else -sign * math.inf)
-    return found[0], found[1]
+    lowest, highest = stack.min(), stack.max()
+    if lowest == highest:
+        return -math.inf, math.inf
+    second = np.min(stack, where=stack > lowest, initial=highest)
+    last_but_one = np.max(stack, where=stack < highest, initial=lowest)
+    low = float(lowest) if _crowded(stack, lowest, second) else -math.inf
+    high = float(highest) if _crowded(stack, highest, last_but_one) else math.inf
+    return low, high
+
+
+def _crowded(stack: np.ndarray, end: float, following: float) -> bool:
+    return np.count_nonzero(stack == end) > max(CROWDED, np.count_nonzero(stack == following))
 
 
 def plateau(level: np.ndarray, variance: np.ndarray, frames: int) -> float:
@@ -111,7 +114,7 @@ def plateau(level: np.ndarray, variance: np.ndarray, frames: int) -> float:
     frames : int
         At least 2.
     """
-    size = max(BIN, level.size // LEVELS)
+    size = max(BIN, -(-level.size // LEVELS))
     bins = level.size // size
     if bins < 2 * FEWEST:
         return math.inf

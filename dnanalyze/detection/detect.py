@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.analyzers.saturation import saturation
 from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
@@ -78,7 +79,8 @@ def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> 
 
     def one(group: Group) -> list[ViewEvidence]:
         stack = read(group)
-        seen = [gather(group, stack, view) for view in VIEWS]
+        ends = saturation(stack)
+        seen = [gather(group, stack, view, ends) for view in VIEWS]
         return [s for s in seen if s is not None]
 
     evidence: list[ViewEvidence] = []

@@ -107,8 +107,13 @@ class ViewEvidence:
         return replace(self, saturation=seen, clipped=share, usable=usable)
 
 
-def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
-    """Evidence of one view; None where the planes are too small."""
+def gather(
+    group: Group, stack: np.ndarray, view: str, ends: Saturation | None = None
+) -> ViewEvidence | None:
+    """Evidence of one view; None where the planes are too small.
+
+    ``ends`` spares finding them anew for each view.
+    """
     parts = _parts(stack, view)
     if not parts:
         return None
@@ -116,7 +121,7 @@ def gather(group: Group, stack: np.ndarray, view: str) -> ViewEvidence | None:
     noise_images = [_noise_images(p, temporal) for p in parts]
     noise = _noise(noise_images, parts[0].step)
     images = np.concatenate(noise_images)
-    ends = saturation(stack)
+    ends = ends or saturation(stack)
     clipped = max(_clipped_share(stack), ends.share)
     ceiling = ends.high if ends.plateau else _ceiling(stack)
     clean = [without_transients(p.raw, noise) for p in parts]

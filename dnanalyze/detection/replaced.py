@@ -4,10 +4,10 @@ For each way in which correctors interpolate (means and medians of 2, 4, 8 or 24
 copies), a site matches where the residual stays within one step in all frames though the pixel
 itself varies. The control counts matches with the same interpolation of a ring a few pixels away,
 which has the same noise, rounding, clipping and line structure, so that no model of the noise is
-needed. Noise that neighbours share (hum, 1/f) lets more of them match their own ring by chance;
-but then more match in all frames but one as well, which replaced sites do not. A pixel that is
-clipped or saturated in any frame is left out: in a bright spot, or a dark one, its neighbours are
-so as well.
+needed; a gradient, such as glow, is taken off with the ring on the opposite side. Noise that
+neighbours share (hum, 1/f) lets more of them match their own ring by chance; but then more match in
+all frames but one as well, which replaced sites do not. A pixel that is clipped or saturated in any
+frame is left out: in a bright spot, or a dark one, its neighbours are so as well.
 """
 
 from __future__ import annotations
@@ -110,12 +110,12 @@ def _references(
 
 @njit(cache=True, nogil=True)
 def _match(
-    stack: np.ndarray, squares: np.ndarray, shifts: np.ndarray,
+    stack: np.ndarray, squares: np.ndarray, level: np.ndarray, shifts: np.ndarray,
     step: float, slack: float, least: float, bottom: float, top: float, limit: int,
 ):  # fmt: skip
     """Matches of each rule, in all frames and in all but one; own ring first, then displaced ones.
 
-    ``squares``: sums over 5x5 pixels.
+    ``squares``: sums over 5x5 pixels; ``level``: their mean over pixels and frames.
     """
     frames, h, w = stack.shape
     rules = 10
@@ -138,12 +138,15 @@ def _match(
             tried += 1
             for s in range(shifts.shape[0]):
                 oy, ox = y + shifts[s, 0], x + shifts[s, 1]
+                # a gradient: half of what lies between the ring and that on the opposite side
+                off = (level[y - shifts[s, 0], x - shifts[s, 1]] - level[oy, ox]) / 2
+                off = round(off / step) * step if step > 0 else off
                 misses[:] = 0
                 copies[:] = 0
                 low[:] = np.inf
                 high[:] = -np.inf
                 for k in range(frames):
-                    v = stack[k, y, x]
+                    v = stack[k, y, x] - off
                     f = stack[k]
                     _references(f, oy, ox, v, step + slack, ref, ring)
                     ref[9] = (squares[k, oy, ox] - f[oy, ox]) / 24
@@ -223,8 +226,10 @@ def replaced(
     slack = 1e-3 * (step or noise)
     shifts = np.concatenate([[(0, 0)], CONTROLS])
     least = max(2 * step, 0.1 * noise)
+    squares = _sums(stack)
+    level = squares.mean(axis=0) / 25
     counts, sites, tried = _match(
-        stack, _sums(stack), shifts, step, slack, least, bottom, min(top, stack.max()), 1 << 16
+        stack, squares, level, shifts, step, slack, least, bottom, min(top, stack.max()), 1 << 16
     )
     whole, but_one = counts
     return Replaced(
