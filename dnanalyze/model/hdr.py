@@ -27,6 +27,7 @@ _USE = {
     "black": _DN, "sensitivity": (1e-6, 1e6), "knee": (0.0, _DN[1]), "blend": (0.0, _DN[1]),
     "exposure": (1e-9, 1e9),
 }  # fmt: skip
+_MOST_LINEAR = 1e12  # DN of the first channel: 2^24 codes of one 2^16 times less sensitive
 _OUTPUT = {"black": _DN, "bits": (1, 24)}
 
 
@@ -105,7 +106,9 @@ class Combination:
                 "combination: give the most sensitive channel first, sensitivity falling"
             )
         knees = np.array(self.companding, float).reshape(-1, 2)
-        if len(knees) and (len(knees) < 2 or not np.all(np.diff(knees, axis=0) > 0)):
+        if not np.all(np.abs(knees) < _MOST_LINEAR):  # NaN neither
+            raise InputError(f"combination: companding knees must be below {_MOST_LINEAR:g} DN")
+        if len(knees) and (len(knees) < 2 or np.any(np.diff(knees, axis=0) <= 0)):
             raise InputError("combination: companding needs two knees or more, rising in both")
 
     @property

@@ -175,7 +175,7 @@ def test_bad_targets_are_refused_in_one_line(item, words):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"\x00\x01\xff", "not YAML"),
+        (b"\x00\x01\xff", "is not UTF-8 text"),
         (b"targets: [1", "not YAML"),
         (b"", "needs 'targets', a list"),
         (b"- 1", "needs 'targets', a list"),

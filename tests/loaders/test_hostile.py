@@ -17,7 +17,6 @@ from frame_files import noise, tif
 from dnanalyze.errors import InputError
 from dnanalyze.loaders import load
 from dnanalyze.loaders.checks import MAX_CODE
-from dnanalyze.loaders.text import read_yaml
 
 
 @pytest.fixture(autouse=True)
@@ -71,11 +70,6 @@ def test_hdf5_of_many_frames(tmp_path, chunks):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file.create_dataset("x", (10**9, 16, 16), "u2", chunks=chunks)
     refused(tmp_path, r"^a\.h5: x: declares 1000000000 frames")
-
-
-def test_tiff_that_says_it_heads_a_stack(tmp_path):
-    path = tif(tmp_path / "a.tif", description="ImageJ=1.11a\nimages=1000000000\n")
-    assert load(path).frame_count == 1  # one page is there, and its pixels
 
 
 @pytest.mark.parametrize("where", ["primary", "extension"])
@@ -198,11 +192,6 @@ def test_an_expression_that_finds_what_cannot_be(tmp_path):
     tif(tmp_path / "5000C.tif")
     (tmp_path / "dnanalyze.yaml").write_text("name_regex: '(?P<temperature_c>[0-9]+)C'\n")
     refused(tmp_path, r"^5000C\.tif: name_regex: temperature_c 5000 is out of range")
-
-
-def test_yaml_of_no_trouble_is_read(tmp_path):
-    (tmp_path / "a.yaml").write_text("a: [1, {b: 2.5}]\nc: text\n")
-    assert read_yaml(tmp_path / "a.yaml") == {"a": [1, {"b": 2.5}], "c": "text"}
 
 
 # --- headers ---------------------------------------------------------------------------------

@@ -73,7 +73,8 @@ def test_targets_at_what_cannot_be(tmp_path):
         ("sensitivity: 1.0", "sensitivity: 0", "sensitivity '0'; valid"),
         ("channel: hcg", "channel: 1", "channel '1' is no text"),
         ("bits: 12", "bits: 400", "bits '400'; valid: a number of 1 to 24"),
-        ("[0, 64]", "[.nan, 64]", "companding needs two knees or more, rising"),
+        ("[0, 64]", "[.nan, 64]", "companding knees must be below 1e[+]12 DN"),
+        ("4095]", ".inf]", "companding knees must be below 1e[+]12 DN"),
         ("[0, 64]", "[1" + "0" * 400 + ", 64]", "companding is"),
     ],
 )
