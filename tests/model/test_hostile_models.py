@@ -60,6 +60,13 @@ def test_models_that_cannot_be(tmp_path, text, pattern):
         load_model(tmp_path / "m.yaml")
 
 
+@pytest.mark.parametrize("text", ["effect,parameter\rx,y\n", "effect\n\r\n" + "x" * 200_000])
+def test_tables_that_are_no_csv(tmp_path, text):
+    (tmp_path / "a.csv").write_text(text, newline="")
+    with pytest.raises(InputError, match=r"a\.csv: (is no CSV table|not a table of parameters)"):
+        read_table(tmp_path / "a.csv")
+
+
 def test_targets_at_what_cannot_be(tmp_path):
     (tmp_path / "t.yaml").write_text("targets: [{statistic: mean, max: 1, at: {gain: 0}}]\n")
     with pytest.raises(InputError, match=r"t\.yaml: target 1 \(mean\): at: gain 0 is out of range"):

@@ -132,7 +132,10 @@ def read_table(path: Path, known: dict[str, type[Effect]] | None = None) -> Nois
     text = read_text(path)
     if path.suffix.lower() == ".json":
         return _from_json(text, str(path), known)
-    return _from_csv(text, str(path), known)
+    try:
+        return _from_csv(text, str(path), known)
+    except csv.Error as error:
+        raise InputError(f"{path}: is no CSV table: {error}") from None
 
 
 def _from_json(text: str, where: str, known: dict[str, type[Effect]] | None) -> NoiseModel:
@@ -164,8 +167,6 @@ def _from_csv(text: str, where: str, known: dict[str, type[Effect]] | None) -> N
                 head[row["parameter"]] = law
     except (ValueError, TypeError, RecursionError):
         raise InputError(f"{where}, line {reader.line_num}: the law is not JSON") from None
-    except csv.Error as error:
-        raise InputError(f"{where}: is no CSV table: {error}") from None
     if head.pop("schema", None) != SCHEMA or "order" not in head:
         raise InputError(f"{where}: the rows schema and order are missing; was the table cut?")
     order = head.pop("order")
