@@ -36,6 +36,7 @@ GRAIN = 2.0**-10
 # statistics gained 2,200 by four bounds of the level: they put it some percent beyond. Where bounds
 # cannot all be kept, half a bound beyond costs 2,500: no more than much else that is wrong there.
 STIFF = 1e4
+FIRM = 50.0  # damping beyond which steps are too short to be worth a simulation
 
 
 @dataclass(frozen=True)
@@ -264,6 +265,9 @@ def minimise(
     damping, stale, true = 1e-2, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)
+        while expected < 0 and damping < FIRM:  # cut short, it would take a level beyond its bound
+            damping *= 8.0
+            step, expected = _step(state, damping)
         if expected < tolerance * state.loss + 0.5:
             return replace(state, at_rest=true)
         if state.loss - HOPE * expected > below:
@@ -287,7 +291,7 @@ def minimise(
             damping *= 8.0
             true = False
             state = replace(state, jacobian=jacobian)
-            if stale and damping > 50:
+            if stale and damping > FIRM:
                 break
             stale = True
     return state

@@ -48,10 +48,10 @@ def test_every_document_has_its_head_and_only_finite_numbers(command):
 def test_the_mean_level_stands_in_each_document_that_judges_a_model(command, monkeypatch):
     assert MADE[command]()["level"] is None
     level = Level(False, OperatingPoint(-5.0, 300.0), "", -12.3, -0.031, 41.2)
-    for made in ("comparison", "diagnosis", "refinement"):
-        found = getattr(fakes, made)()
-        found.level = level
-        monkeypatch.setattr(fakes, made, lambda found=found: found)
+    found = {made: getattr(fakes, made)() for made in ("comparison", "diagnosis", "refinement")}
+    for made, result in found.items():
+        result.level = level
+        monkeypatch.setattr(fakes, made, lambda result=result: result)
     assert MADE[command]()["level"] == {
         "temperature_c": -5.0, "exposure_s": 300.0, "gain": None, "channel": None, "plane": "",
         "kept": False, "difference_dn": -12.3, "relative": -0.031, "standard_errors": 41.2,
