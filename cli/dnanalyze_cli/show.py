@@ -306,12 +306,21 @@ def detection(console: Console, captures: Any, result: Any) -> None:
                 f"{f.temperature_c:g} °C" if words.is_number(f.temperature_c) else "all",
                 words.probability(f.p_value),
                 number(f.effect_size, 2),
-                "yes" if f.flagged else f"no: {f.reason}",
+                _flag(f),
             )
             for f in flagged[: 2 * MOST_ROWS]
         ),
         left=2,
     )
+
+
+def _flag(finding: Any) -> str:
+    """Yes, or no; with the reason where the p-value alone would say yes."""
+    from dnanalyze.detection.reasons import NOT_SIGNIFICANT
+
+    if finding.flagged:
+        return "yes"
+    return "no" if finding.reason == NOT_SIGNIFICANT else f"no: {finding.reason}"
 
 
 def catalogue(console: Console, known: Mapping[str, Any]) -> None:

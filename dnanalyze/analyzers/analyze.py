@@ -13,7 +13,8 @@ import numpy as np
 from dnanalyze.analyzers import cache, spectrum
 from dnanalyze.analyzers.catalogue import FAMILIES
 from dnanalyze.analyzers.family import Accumulated
-from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.analyzers.saturation import of_maps
+from dnanalyze.analyzers.statistics import SATURATION, SettingStatistics, Statistics
 from dnanalyze.analyzers.streaming import Accumulation, make_plan, read_ahead
 from dnanalyze.analyzers.trends import trends
 from dnanalyze.analyzers.wave import widened
@@ -331,4 +332,21 @@ def finish(
         out.values.update(result.values)
         out.curves.update(result.curves)
         out.missing.update(result.missing)
+    out.missing.update(_saturated(acc))
     return replace(out, values=widened(out.values, acc.frames)) if acc.plan.errors else out
+
+
+def _saturated(acc: Accumulated) -> dict[str, str]:
+    """The reason why level and noise are not the sensor's, where most pixels are saturated.
+
+    Not looked for in simulated frames (no errors wanted), parts of the statistics, or values that
+    are no codes.
+    """
+    if not (acc.plan.errors and acc.plan.integer) or acc.plan.families:
+        return {}
+    seen = of_maps(
+        acc.maps.low, acc.temporal_variance, acc.frames, acc.values.centres, acc.values.counts
+    )
+    if not seen.most:
+        return {}
+    return {SATURATION: f"clipped or saturated: {seen.words()}; the trends leave this setting out"}

@@ -13,6 +13,7 @@ where the variance, having risen with the level, falls and stays low up to the h
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ FEWEST = 8  # bins of a plateau: chance does not keep that many low
 FALL = 9.0  # of the variance to the plateau; noise of amplifiers of a sensor differs by less than 3
 MOST = 0.9  # of the pixels from its begin on are on the plateau
 LEVELS = 2048  # bins at most
+MAJORITY = 0.5  # of the pixels clipped or saturated: the median and the noise are not a sensor's
 SAMPLE = 1 << 18  # pixels of a frame that are sorted: BIN for each of the levels, and more
 
 
@@ -53,38 +55,88 @@ class Saturation:
         """Share of the pixels at either end."""
         return self.low_share + self.high_share
 
+    @property
+    def most(self) -> bool:
+        """Most pixels are clipped or saturated: neither level nor noise are the sensor's."""
+        return self.share > MAJORITY
+
     def words(self) -> str:
         """Where and how many, for a note; empty for none."""
         said = []
         if self.low_share:
-            said.append(f"{self.low_share:.2g} of the pixels at the lowest code, {self.low:g} DN")
+            said.append(
+                f"{_percent(self.low_share)} of the pixels at the lowest code, {self.low:g} DN"
+            )
         if self.high_share and self.plateau:
             said.append(
-                f"{self.high_share:.2g} of the pixels on a plateau from {self.high:.4g} DN, where "
-                "the temporal noise collapses"
+                f"{_percent(self.high_share)} of the pixels on a plateau from {self.high:.0f} DN, "
+                "where the temporal noise collapses"
             )
         elif self.high_share:
-            share = f"{self.high_share:.2g} of the pixels"
-            said.append(f"{share} at the highest code, {self.high:g} DN")
+            said.append(
+                f"{_percent(self.high_share)} of the pixels at the highest code, {self.high:g} DN"
+            )
         return " and ".join(said)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.4g} %"
 
 
 def saturation(stack: np.ndarray) -> Saturation:
     """Of the frames of one setting, (frames, rows, columns), DN as recorded."""
-    low, high = outermost(stack)
-    low_share = float(np.mean(stack <= low)) if math.isfinite(low) else 0.0
+    codes = outermost(stack)
     begins = math.inf
     if len(stack) > 1:
         step = max(1, math.isqrt(stack[0].size // SAMPLE))
         some = stack[:, ::step, ::step]
-        least = some.min(axis=0)  # a hit raises the mean of a pixel with its variance
-        free = least < high
         variance = some.var(axis=0, ddof=1, dtype=np.float64)
-        begins = plateau(least[free], variance[free], len(stack))
+        begins = _begins(some.min(axis=0), variance, len(stack), codes[1])
+    return _of(codes, begins, lambda limit: float(np.mean(stack <= limit)))
+
+
+def of_maps(
+    least: np.ndarray, variance: np.ndarray | None, frames: int, values: np.ndarray,
+    counts: np.ndarray,
+) -> Saturation:  # fmt: skip
+    """From what one pass over the frames keeps.
+
+    Parameters
+    ----------
+    least, variance : ndarray
+        Of each pixel over the frames, DN, DN^2; no variance for one frame.
+    frames : int
+    values, counts : ndarray
+        Histogram of the recorded values over all frames.
+    """
+    seen = np.flatnonzero(counts)
+    codes, often = values[seen], counts[seen]
+    if seen.size < 2:
+        return Saturation()
+    low = float(codes[0]) if often[0] > max(CROWDED, often[1]) else -math.inf
+    high = float(codes[-1]) if often[-1] > max(CROWDED, often[-2]) else math.inf
+    begins = math.inf
+    if variance is not None:
+        step = max(1, math.isqrt(least.size // SAMPLE))
+        some = (slice(None, None, step),) * 2
+        begins = _begins(least[some], variance[some], frames, high)
+    total = often.sum()
+    return _of((low, high), begins, lambda limit: float(often[codes <= limit].sum() / total))
+
+
+def _begins(least: np.ndarray, variance: np.ndarray, frames: int, high: float) -> float:
+    """A hit raises the mean of a pixel with its variance: the least of the frames is its level."""
+    free = least < high
+    return plateau(least[free], variance[free], frames)
+
+
+def _of(codes: tuple[float, float], begins: float, up_to: Callable[[float], float]) -> Saturation:
+    """``up_to``: share of the values at or below a limit."""
+    low, high = codes
+    low_share = up_to(low) if math.isfinite(low) else 0.0
     if begins < high:
-        share = float(np.mean(stack >= begins))
-        return Saturation(low, begins, low_share, share, plateau=True)
-    high_share = float(np.mean(stack >= high)) if math.isfinite(high) else 0.0
+        return Saturation(low, begins, low_share, 1 - up_to(np.nextafter(begins, low)), True)
+    high_share = 1 - up_to(np.nextafter(high, low)) if math.isfinite(high) else 0.0
     return Saturation(low, high, low_share, high_share)
 
 
@@ -101,7 +153,8 @@ def outermost(stack: np.ndarray) -> tuple[float, float]:
 
 
 def _crowded(stack: np.ndarray, end: float, following: float) -> bool:
-    return np.count_nonzero(stack == end) > max(CROWDED, np.count_nonzero(stack == following))
+    beside = int(np.count_nonzero(stack == following))
+    return bool(np.count_nonzero(stack == end) > max(CROWDED, beside))
 
 
 def plateau(level: np.ndarray, variance: np.ndarray, frames: int) -> float:

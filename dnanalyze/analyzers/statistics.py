@@ -10,6 +10,8 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 
+SATURATION = "saturation"  # what is missing of a setting most of whose pixels are saturated
+
 
 class Scale(StrEnum):
     """On which scale a statistic's sampling error is nearly normal, its spread nearly constant."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, doubts, misfit
 from dnanalyze.analyzers.statistics import (
+    SATURATION,
     SettingStatistics,
     StatisticInfo,
     Statistics,
@@ -49,7 +50,7 @@ def trends(
     """Laws over temperature and exposure of the median dark signal, which hot pixels do not move.
 
     Settings of one gain and channel go together; the laws are those of the largest such group.
-    Colour planes are averaged.
+    Colour planes are averaged. Settings most of whose pixels are saturated are left out.
 
     Returns
     -------
@@ -61,7 +62,8 @@ def trends(
     out: dict[str, Value] = {}
     rates: dict[OperatingPoint, Value] = {}
     groups: dict[object, list[OperatingPoint]] = {}
-    for point in dict.fromkeys(s.point for s in settings):
+    saturated = {s.point for s in settings if SATURATION in s.missing}
+    for point in dict.fromkeys(s.point for s in settings if s.point not in saturated):
         groups.setdefault((point.channel, point.gain), []).append(point)
     for points in sorted(groups.values(), key=len, reverse=True):
         series = _series(points, settings)
@@ -69,7 +71,7 @@ def trends(
         rates |= dict(zip(points, dark, strict=True)) if dark else {}
         for name, value in found.items():
             out.setdefault(name, value)
-    repeat = hot_repeat(settings)
+    repeat = hot_repeat([s for s in settings if s.point not in saturated])
     if repeat is not None:
         out["hot_repeat_settings"] = repeat
     return out, [

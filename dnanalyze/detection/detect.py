@@ -217,7 +217,7 @@ def _saturated(evidence: list[ViewEvidence]) -> list[str]:
         if e.view != "frame" or e.clipped < SATURATED:
             continue
         left = "no test applies" if e.full else "the tests of noise do not apply"
-        words = e.saturation.words() or f"{e.clipped:.2g} of the pixels at an end of the scale"
+        words = e.saturation.words() or f"{e.clipped:.0%} of the pixels at an end of the scale"
         said.append(f"{e.point.label()}: {words}; {left}.")
     return said
 

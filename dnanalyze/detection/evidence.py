@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import Saturation, saturation
+from dnanalyze.analyzers.saturation import MAJORITY, Saturation, saturation
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
 from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
 from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading
@@ -21,7 +21,6 @@ from dnanalyze.loaders.captures import OperatingPoint
 
 VIEWS: dict[str, tuple[int, int] | None] = {"frame": None, "planes": (2, 2)}
 SATURATED = 0.1  # share of clipped and saturated pixels above which noise tells nothing
-MOST = 0.5  # of the pixels: neither the median nor the noise of the frame is a sensor's
 LEVELS = np.linspace(0, 1, 101)
 
 
@@ -95,7 +94,7 @@ class ViewEvidence:
     @property
     def full(self) -> bool:
         """Most pixels are clipped or saturated: no test applies."""
-        return self.clipped > MOST
+        return self.clipped > MAJORITY
 
     def beyond(self, well: float) -> ViewEvidence:
         """With a full well that shows at other settings of the gain, DN."""

@@ -109,6 +109,8 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     means = _parts(r1, keep)
     if frames >= LEAST_FRAMES:
         shared, freedom = _shared(scaled @ scaled.T / r1.size), (frames - 1) * (frames - 2) / 2
+    elif means.size < 2:
+        return None  # too few pairs, and too few pixels
     else:
         shared, freedom = float(means.std(ddof=1) / np.sqrt(means.size)), means.size - 1.0
     return Autocorrelation(

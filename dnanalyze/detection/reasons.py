@@ -6,6 +6,7 @@ import math
 
 from dnanalyze.detection.verdict import Answer
 
+NOT_SIGNIFICANT = "not significant among all questions"
 KINDS = {
     "dpc": "defect-pixel correction",
     "denoise": "spatial denoise",
@@ -32,24 +33,15 @@ def reason(answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha
     if speaks:
         return ""
     if not answer.holm < alpha:
-        return f"not significant among all questions (corrected p = {answer.holm:.2g})"
+        return NOT_SIGNIFICANT
     if not answer.judge:
-        return (
-            "the test counts only at the quietest settings: here shot noise under crosstalk, "
-            "rounding or interference of the readout can do this"
-        )
+        return "counts at the quietest settings only: crosstalk or rounding can do it here"
     if not math.isfinite(asked.limit):
-        return (
-            "the test never speaks alone, since hum, hits or clusters move it, and no test that "
-            "does is flagged with it"
-        )
+        return "never speaks alone: hum, hits or clusters can do it"
     if not asked.effect > asked.limit:
-        return (
-            f"the effect, {asked.effect:.2g}, is not above its limit, {asked.limit:.2g}, which "
-            "unfiltered sensors reach"
-        )
+        return f"effect within the limit of {asked.limit:.2g}, which unfiltered sensors reach"
     if kind in (asked.kind, "none"):
-        return "too few of the settings agree"
+        return "too few settings agree"
     if asked.kind in also:
-        return f"it is a sign of {KINDS[asked.kind]}, beside the verdict"
-    return f"the verdict, {KINDS.get(kind, kind)}, explains it"
+        return f"a sign of {KINDS[asked.kind]}, beside the verdict"
+    return f"explained by the {KINDS[kind]}"

@@ -17,6 +17,7 @@ def inspect(
     quiet: Quiet = False,
 ) -> None:
     """What is in the folder, and what is missing for a full analysis."""
+    from dnanalyze.analyzers.saturated_settings import notes, saturated_settings
     from dnanalyze.loaders import inspect as look
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
@@ -24,6 +25,7 @@ def inspect(
     session = Session("inspect", captures, json, report, csv, quiet=quiet)
     found = session.load(config, tolerance_c, channel)
     seen = look(found)
+    seen["missing"] += notes(found, saturated_settings(found))
     show.inspection(session.console, found, seen)
 
     def page() -> str:

@@ -52,13 +52,13 @@ SMOOTHING = (
     "noise, and tests that never speak alone."
 )
 CORRECTIONS = (
-    "Defect-pixel correction. Pixels a frame that stand out of their own neighbours (solid) and of "
-    "rings elsewhere (dashed) by more than a bound, at the setting that says most. Clusters of hot "
-    "pixels thin the tail smoothly; a correction ends it at its threshold (vertical). Sites: "
-    "pixels that are in every frame what a rule makes of their neighbours "
-    "(dot), or of a ring elsewhere (bar). Cap: elsewhere the larger of two rings is taken, so "
-    "unfiltered sensors lie below 0. Row phase: the one of many that departs most, so above 0 by "
-    f"chance. {ALL}"
+    "Defect-pixel correction. Pixels a frame that stand out of their own neighbours (solid) and"
+    " of rings elsewhere (dashed) by more than a bound, at the setting that says most. Clusters"
+    " of hot pixels thin the tail smoothly; a correction ends it at its threshold (vertical). "
+    "Sites: pixels that are in every frame what a rule makes of their neighbours (dot), or of a"
+    " ring elsewhere (bar). Cap: elsewhere the larger of two rings is taken, so unfiltered "
+    "sensors lie below 0. Row phase: the one of many that departs most, so above 0 by chance. "
+    f"{ALL}"
 )
 REMEMBERING = (
     "Temporal denoise. Left: autocorrelation from frame to frame, less that of all pairs of "

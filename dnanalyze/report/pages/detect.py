@@ -135,7 +135,7 @@ def _tests(findings: list[Any], folded: bool) -> Table:
         + ((f.reason,) if folded else ())
         for f in findings
     ]
-    last = ("not flagged, since",) if folded else ()
-    columns = ("test", "points to", "at", "on", "p", "effect", *last)
+    columns: tuple[str, ...] = ("test", "points to", "at", "on", "p", "effect")
+    columns += ("not flagged, since",) if folded else ()
     title = f"{'The others' if folded else 'Flagged'} ({len(rows)})"
     return Table(columns, rows, words=4, title=title, folded=folded)
