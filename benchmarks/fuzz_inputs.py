@@ -3,8 +3,8 @@
 ``python benchmarks/fuzz_inputs.py --count 100000 --workers 2`` damages samples of every format of
 frames, of manifests, sidecars, models, targets and tables, and reads them as the commands do: the
 header, two frames, a frame of the model. Each file must give a result or an ``InputError`` of one
-line, without warnings, within 5 s of processor time and 512 MB. File ``k`` of a seed is always the same;
-``--repeat k`` reads it again and shows the traceback.
+line, without warnings, within 5 s of processor time and 512 MB. File ``k`` of a seed is always the
+same; ``--repeat k`` reads it again and shows the traceback.
 
 Prints a table by format; exit 1 where anything else happened.
 """
