@@ -83,15 +83,20 @@ def _percent(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.4g} %"
 
 
-def saturation(stack: np.ndarray) -> Saturation:
-    """Of the frames of one setting, (frames, rows, columns), DN as recorded."""
+def saturation(stack: np.ndarray, repeats: bool = True) -> Saturation:
+    """Of the frames of one setting, (frames, rows, columns), DN as recorded.
+
+    ``repeats``: whether they are. Frames at neighbouring temperatures, in order, differ by more
+    than noise: then the plateau is looked for in pairs, of which the nearest differ least.
+    """
     codes = outermost(stack)
     begins = math.inf
-    if len(stack) > 1:
-        step = max(1, math.isqrt(stack[0].size // SAMPLE))
-        some = stack[:, ::step, ::step]
-        variance = some.var(axis=0, ddof=1, dtype=np.float64)
-        begins = _begins(some.min(axis=0), variance, len(stack), codes[1])
+    step = max(1, math.isqrt(stack[0].size // SAMPLE))
+    some = stack[:, ::step, ::step]
+    parts = [some] if repeats else [some[n : n + 2] for n in range(len(some) - 1)]
+    for part in parts if len(some) > 1 else ():
+        variance = part.var(axis=0, ddof=1, dtype=np.float64)
+        begins = min(begins, _begins(part.min(axis=0), variance, len(part), codes[1]))
     return _of(codes, begins, lambda limit: float(np.mean(stack <= limit)))
 
 

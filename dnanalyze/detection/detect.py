@@ -79,7 +79,7 @@ def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> 
 
     def one(group: Group) -> list[ViewEvidence]:
         stack = read(group)
-        ends = saturation(stack)
+        ends = saturation(stack, group.repeats)
         seen = [gather(group, stack, view, ends) for view in VIEWS]
         return [s for s in seen if s is not None]
 

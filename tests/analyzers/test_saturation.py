@@ -44,6 +44,21 @@ def test_a_full_well_shows_from_where_the_noise_collapses(count, spread, share):
     assert found.high_share == pytest.approx(share, abs=0.08)
 
 
+def test_frames_at_neighbouring_temperatures_show_a_full_well_in_pairs():
+    """The well moves with temperature, by more than the noise; least between the nearest two."""
+    charge = _charge(np.random.default_rng(6), 800.0)
+    wells = (700.0, 790.0, 792.0)
+    stack = np.concatenate([_frames(charge, w, 1, seed) for seed, w in enumerate(wells)])
+    assert not saturation(stack).plateau
+    found = saturation(stack, repeats=False)
+    assert found.plateau
+    assert 600.0 < found.high - PEDESTAL < 800.0
+    free = np.concatenate(
+        [_frames(charge * f, math.inf, 1, n) for n, f in enumerate((1, 1.1, 1.2))]
+    )
+    assert not saturation(free, repeats=False).plateau
+
+
 @pytest.mark.parametrize("count", [2, 6])
 def test_shot_noise_hot_pixels_hits_and_amplifiers_are_no_plateau(count):
     rng = np.random.default_rng(2)
