@@ -29,7 +29,7 @@ def _frames(charge: np.ndarray, well: np.ndarray | float, count: int, seed: int 
 
 @pytest.mark.parametrize("count", [2, 6])
 @pytest.mark.parametrize("spread", [0.0, 0.01])
-@pytest.mark.parametrize("share", [0.05, 0.3, 0.7])
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.6])
 def test_a_full_well_shows_from_where_the_noise_collapses(count, spread, share):
     rng = np.random.default_rng([count, int(100 * share)])
     charge = _charge(rng, 800.0)
@@ -69,7 +69,12 @@ def test_shot_noise_hot_pixels_hits_and_amplifiers_are_no_plateau(count):
     two = PEDESTAL + np.where(np.arange(SHAPE[1]) < 96, 0.0, 20.0)
     noise = np.where(np.arange(SHAPE[1]) < 96, 6.0, 2.5)
     amplifiers = np.round(two + noise * rng.standard_normal((count, *SHAPE)))
-    for stack in (clean, np.round(hits), amplifiers):
+    # a filter that leaves outliers as they are: most pixels are quiet, and lie between the others
+    left = rng.random((count, *SHAPE)) < 0.1
+    denoised = np.round(
+        PEDESTAL + 10 * rng.standard_normal((count, *SHAPE)) * np.where(left, 1, 0.1)
+    )
+    for stack in (clean, np.round(hits), amplifiers, denoised):
         found = saturation(stack)
         assert not found.plateau
         assert found.share < 0.01
@@ -92,7 +97,8 @@ def test_what_one_pass_keeps_tells_the_same():
     stack = _frames(charge, float(np.quantile(charge, 0.4)), 5)
     values, counts = np.unique(stack, return_counts=True)
     variance = stack.var(axis=0, ddof=1, dtype=float)
-    assert of_maps(stack.min(axis=0), variance, 5, values, counts) == saturation(stack)
+    found = of_maps(stack.min(axis=0), variance, 5, values, counts)
+    assert found == saturation(stack)
 
 
 def _captures(wells: dict[float, float], frames: int = 3) -> CaptureSet:
