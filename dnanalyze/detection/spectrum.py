@@ -63,6 +63,11 @@ class OctaveSpectrum:
         level = float(np.nansum(weights * self.log_power[middle]) / weights.sum())
         return self.log_power[last] - level, float(np.hypot(self.se[last], weights.sum() ** -0.5))
 
+    @property
+    def chords(self) -> int:
+        """Number of chords that can be drawn."""
+        return math.comb(int(np.isfinite(self.log_power).sum()), 3)
+
     def chord(self) -> Chord | None:
         """Where ln P rises most above the chord between a lower and a higher octave.
 

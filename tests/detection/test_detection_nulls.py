@@ -200,6 +200,20 @@ def test_saturated_neighbours_are_no_copies_of_one_another():
     assert replaced(frames, 1.0, 3.0).own[RULES.index("copy of a neighbour")] == 0
 
 
+def test_p_values_of_rows_and_chords_hold_for_the_largest_of_many():
+    """Of 400 images of white noise 4 are expected below .01; chords overlap, so fewer."""
+    rng = np.random.default_rng(11)
+    rows, bends = [], []
+    for _ in range(400):
+        image = rng.standard_normal((1, 96, 96)).astype(np.float32)
+        found, spectrum = row_phase(image), octave_spectrum(image)
+        rows.append(found.p * found.tried)
+        rise, se = spectrum.concavity()
+        bends.append(spectrum.chords * stats.norm.sf(rise / se))
+    assert np.sum(np.array(rows) < 0.01) <= 14  # 5 standard deviations above
+    assert np.sum(np.array(bends) < 0.01) <= 14
+
+
 def test_no_row_phase_departs_in_exchangeable_rows_of_unequal_noise():
     images = _images("normal", 10) * (1 + (np.arange(200) % 4 == 1))[None, :, None]
     found = row_phase(images.astype(np.float32))
@@ -250,7 +264,7 @@ def _seen(view: str, variance: float) -> SimpleNamespace:
     return SimpleNamespace(
         view=view, usable=True, temporal=True, noise=5.0, step=1.0, correlation=lag,
         point=SimpleNamespace(temperature_c=None, gain=1.0, channel=None), equal=(0.1, 0.1, 10000),
-        spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01)),
+        spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01), chords=56),
         rank={8: SimpleNamespace(extremes=1.0, se=0.01)},
         texture=SimpleNamespace(
             dispersion=1.0, dispersion_se=0.1, hh_excess=0.0, hh_se=0.1, hh_kurtosis=3.0
