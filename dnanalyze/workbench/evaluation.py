@@ -1,0 +1,142 @@
+"""The error of a model, in full and as a preview.
+
+The full error is that of `compare`. A preview simulates a small window of every operating point
+and adds the change of each statistic, from a model whose full error is known, to that model's
+differences. Both are drawn with the same random numbers, so that the change is that of the model
+and scarcely that of the draw (common random numbers).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.analyze import analyze_windows
+from dnanalyze.analyzers.statistics import Statistics
+from dnanalyze.comparator.compare import table
+from dnanalyze.comparator.error import family_errors, pooled
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.vectors import prediction
+from dnanalyze.loaders.captures import Window
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import Memo, simulate
+
+SIDE = 128  # pixels of a preview's window; 3 frames of 5 operating points take about .09 s of CPU
+FRAMES = 3  # of each operating point; 2 at least for temporal noise, 3 for its correlation
+MEMORY = 64 << 20  # bytes of fields kept for previews
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A model compared with the measurement on the held-out half of the field.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    differences : ndarray
+        (measured - simulated) / reproducibility standard deviation, in the order of the bench's
+        held-out target.
+    error : float
+        Model error; 1.0 = as close as a second sensor of the same make.
+    families : mapping
+        Error of each family.
+    simulated : Statistics
+        Of the held-out half, or of a preview's window, with their curves.
+    rows : list of dict
+        One row a statistic and operating point, as `compare` gives; empty for a preview.
+    preview : bool
+    """
+
+    model: NoiseModel
+    differences: np.ndarray
+    error: float
+    families: Mapping[str, float]
+    simulated: Statistics
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    preview: bool = False
+
+
+def evaluate(bench: Bench, model: NoiseModel) -> Evaluation:
+    """The full comparison of a model, with the error that `compare` states."""
+    made = bench.statistics(model)
+    z = bench.test.z(prediction(made, 1, bench.test))
+    families = bench.test.families
+    return Evaluation(
+        model, z, pooled(z, families), family_errors(z, families), made[1], table(bench, made)
+    )
+
+
+class Preview:
+    """Quick evaluations of models near one whose full evaluation is known.
+
+    Parameters
+    ----------
+    bench : Bench
+    known : Evaluation
+        Of the model from which changes are taken.
+    side, frames : int
+        Size of the window, pixels, and number of frames of each operating point.
+    """
+
+    def __init__(
+        self, bench: Bench, known: Evaluation, side: int = SIDE, frames: int = FRAMES
+    ) -> None:
+        self.bench = bench
+        self.known = known
+        self.window = _centre(bench.plan.test, side)
+        self.settings = [(point, min(n, frames)) for point, n in bench.plan.settings]
+        self._memo = Memo(MEMORY, charge=Memo(MEMORY))
+        self._before = self._coordinates(self._statistics(known.model))
+
+    def evaluate(self, model: NoiseModel) -> Evaluation:
+        """A preview of a model's error and of its curves."""
+        made = self._statistics(model)
+        target = self.bench.test
+        change = (self._coordinates(made) - self._before) / target.floor
+        z = self.known.differences - np.nan_to_num(change, nan=0.0, posinf=0.0, neginf=0.0)
+        return Evaluation(
+            model,
+            z,
+            pooled(z, target.families),
+            family_errors(z, target.families),
+            made,
+            preview=True,
+        )
+
+    def rebased(self, known: Evaluation) -> Preview:
+        """The same window, with changes taken from another model."""
+        other = object.__new__(Preview)
+        other.__dict__.update(self.__dict__)
+        other.known = known
+        other._before = other._coordinates(other._statistics(known.model))
+        return other
+
+    def _statistics(self, model: NoiseModel) -> Statistics:
+        sensor = self.bench.plan.captures.sensor
+        made = simulate(model, sensor.shape, self.settings, "preview", sensor, self._memo)
+        return analyze_windows(made, [self.window], workers=1, errors=False)[0]
+
+    def _coordinates(self, made: Statistics) -> np.ndarray:
+        """Statistics of the window on the target's scales; NaN for those it does not tell.
+
+        Shading is taken over the whole field: a window says nothing of it.
+        """
+        out = np.full(len(self.bench.test.keys), np.nan)
+        points = list(dict.fromkeys(s.point for s in made.settings))
+        for setting in made.settings:
+            where = points.index(setting.point), setting.plane
+            for i, name, scale in self.bench.test.places.get(where, ()):
+                if name in setting.values and self.bench.test.families[i] != "shading":
+                    out[i] = scale.coordinate(setting.values[name].value)
+        return out
+
+
+def _centre(window: Window, side: int) -> Window:
+    """A square in the middle of a window, or what the window has of it, on even edges."""
+    rows, columns = (min(side, n) // 2 * 2 for n in window.shape)
+    top = window.top + (window.shape[0] - rows) // 4 * 2
+    left = window.left + (window.shape[1] - columns) // 4 * 2
+    return Window(top, top + rows, left, left + columns)

@@ -1,0 +1,137 @@
+"""Images of the sensor for the screen, and the values of one pixel."""
+
+from __future__ import annotations
+
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from dnanalyze.loaders.captures import CaptureSet, Window
+
+Kind = Literal["frame", "mean", "temporal noise"]
+KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
+MOST_FRAMES = 16  # that a mean or a standard deviation is taken over
+CONTRAST = 0.5, 99.5  # percentiles of the displayed range
+
+
+@dataclass(frozen=True)
+class View:
+    """Which image of which operating point.
+
+    Parameters
+    ----------
+    setting : int
+        Operating point, by its place in ``CaptureSet.settings``.
+    kind : {"frame", "mean", "temporal noise"}
+    frame : int
+        Number of the frame, for "frame".
+    plane : str
+        Colour plane ("R", "Gr", "Gb", "B"), or "" for the whole frame.
+    """
+
+    setting: int = 0
+    kind: Kind = "frame"
+    frame: int = 0
+    plane: str = ""
+
+
+def image(captures: CaptureSet, view: View) -> np.ndarray:
+    """The image of a view, DN, float32, (rows, columns) of the frame or of the colour plane.
+
+    "mean" is the mean over frames; "temporal noise" their standard deviation (ddof 1), NaN for
+    a single frame. Both take ``MOST_FRAMES`` frames at most.
+    """
+    frames = captures.settings[view.setting].frames
+    if view.kind == "frame":
+        found = frames[view.frame % len(frames)].read().astype(np.float32)
+    else:
+        found = _moment(frames[:MOST_FRAMES], view.kind == "temporal noise")
+    return plane_of(found, view.plane, captures.sensor.cfa)
+
+
+def _moment(frames: tuple, deviation: bool) -> np.ndarray:  # type: ignore[type-arg]
+    """Mean or standard deviation over frames, by Welford's recurrence: one frame in memory."""
+    mean: np.ndarray | None = None
+    squares: np.ndarray | None = None
+    for number, frame in enumerate(frames, 1):
+        x = frame.read().astype(np.float32)
+        if mean is None or squares is None:
+            mean, squares = x, np.zeros_like(x)
+            continue
+        step = x - mean
+        mean += step / number
+        squares += step * (x - mean)
+    assert mean is not None and squares is not None
+    if not deviation:
+        return mean
+    if len(frames) < 2:
+        return np.full_like(mean, np.nan)
+    return np.sqrt(squares / (len(frames) - 1))
+
+
+def planes(cfa: tuple[tuple[str, ...], ...] | None) -> list[str]:
+    """Colour planes that can be shown, "" (the whole frame) first."""
+    if cfa is None:
+        return [""]
+    return ["", *(f"{colour}{row}{column}" for row, column, colour in _sites(cfa))]
+
+
+def plane_of(pixels: np.ndarray, plane: str, cfa: tuple[tuple[str, ...], ...] | None) -> np.ndarray:
+    """One colour plane of a frame, at its own sampling; the frame itself for ""."""
+    for row, column, colour in _sites(cfa or ()):
+        if plane == f"{colour}{row}{column}":
+            assert cfa is not None
+            return pixels[row :: len(cfa), column :: len(cfa[0])]
+    return pixels
+
+
+def _sites(cfa: tuple[tuple[str, ...], ...]) -> list[tuple[int, int, str]]:
+    return [(r, c, colour) for r, row in enumerate(cfa) for c, colour in enumerate(row)]
+
+
+def for_screen(pixels: np.ndarray, window: Window, most: int) -> np.ndarray:
+    """A window of an image with at most ``most`` rows and columns.
+
+    Blocks of k x k pixels become one. A block shows its pixel that deviates most from the
+    image's median, so that a hot or a cold pixel stays visible, where it deviates by more than
+    5 standard deviations; else its mean.
+    """
+    rows, columns = window.slices
+    cut = pixels[rows, columns]
+    k = max(1, -(-max(cut.shape) // most))
+    if k == 1:
+        return cut
+    high, wide = (n // k * k for n in cut.shape)
+    blocks = cut[:high, :wide].reshape(high // k, k, wide // k, k).swapaxes(1, 2)
+    blocks = blocks.reshape(high // k, wide // k, k * k)
+    middle = np.nanmedian(cut)
+    noise = 1.4826 * np.nanmedian(np.abs(cut - middle))
+    away = np.abs(blocks - middle)
+    place = np.argmax(np.nan_to_num(away, nan=-1.0), axis=2)[..., None]
+    extreme = np.take_along_axis(blocks, place, 2)[..., 0]
+    mean = blocks.mean(axis=2)
+    return np.where(np.abs(extreme - middle) > 5 * noise, extreme, mean)
+
+
+def contrast(
+    images: list[np.ndarray], low: float = CONTRAST[0], high: float = CONTRAST[1]
+) -> tuple[float, float]:
+    """Displayed range, DN: percentiles over several images together, never empty."""
+    values = np.concatenate([x[np.isfinite(x)].ravel() for x in images])
+    if values.size == 0:
+        return 0.0, 1.0
+    ends = np.percentile(values, [low, high])
+    if ends[1] <= ends[0]:
+        return float(ends[0] - 0.5), float(ends[0] + 0.5)
+    return float(ends[0]), float(ends[1])
+
+
+def pixel(captures: CaptureSet, row: int, column: int) -> list[np.ndarray]:
+    """Values of one pixel in every frame of each operating point, DN."""
+    at = Window(row, row + 1, column, column + 1)
+    return [
+        np.array([float(frame.read(at)[0, 0]) for frame in setting.frames])
+        for setting in captures.settings
+    ]

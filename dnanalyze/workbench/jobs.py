@@ -1,0 +1,137 @@
+"""Long work of a session in a process of its own, which can be ended at any time."""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from threading import Event, Lock, Thread
+from typing import Any
+
+from dnanalyze.workbench.source import CaptureSource
+from dnanalyze.workbench.worker import Task, serve
+
+PATIENCE_S = 0.5  # with a process that is asked to end, before it is killed
+
+
+@dataclass
+class Job:
+    """A task under way.
+
+    Parameters
+    ----------
+    task : Task
+    began : float
+        ``time.monotonic()`` at its start.
+    progress : str
+        What is being tried.
+    """
+
+    task: Task
+    began: float = field(default_factory=time.monotonic)
+    progress: str = "starting"
+    cancelled: bool = False
+    over: Event = field(default_factory=Event)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Since its start."""
+        return time.monotonic() - self.began
+
+
+class Worker:
+    """One worker process; it is started with the first task and keeps its statistics.
+
+    Parameters
+    ----------
+    source : CaptureSource
+    """
+
+    def __init__(self, source: CaptureSource) -> None:
+        self._source = source
+        self._process: SpawnProcess | None = None
+        self._pipe: Connection | None = None
+        self._lock = Lock()
+        self.job: Job | None = None
+
+    def start(
+        self,
+        task: Task,
+        done: Callable[[dict[str, Any]], None],
+        failed: Callable[[str], None],
+        step: Callable[[dict[str, Any]], None] = lambda _: None,
+    ) -> Job:
+        """Begin a task; the callbacks are called from a thread of this process.
+
+        Raises
+        ------
+        RuntimeError
+            A task is under way.
+        """
+        with self._lock:
+            if self.job is not None:
+                raise RuntimeError("a task is under way")
+            self.job = job = Job(task)
+            self._begin()
+        assert self._pipe is not None
+        pipe = self._pipe
+
+        def listen() -> None:
+            answer: tuple[str, Any] = "failed", "the worker process ended unexpectedly; try again"
+            with suppress(EOFError, OSError):
+                pipe.send(task)
+                while True:
+                    kind, content = pipe.recv()
+                    if kind == "progress":
+                        job.progress = content
+                    elif kind == "step":
+                        if not job.cancelled:
+                            step(content)
+                    else:
+                        answer = kind, content
+                        break
+            with self._lock:
+                self.job = None
+            if not job.cancelled:
+                (done if answer[0] == "done" else failed)(answer[1])
+            job.over.set()
+
+        Thread(target=listen, daemon=True).start()
+        return job
+
+    def cancel(self) -> None:
+        """End the task under way; what it has told so far stays."""
+        with self._lock:
+            if self.job is None:
+                return
+            job, self.job.cancelled = self.job, True
+        self._end()
+        job.over.wait(PATIENCE_S)
+
+    def close(self) -> None:
+        """End the process."""
+        self.cancel()
+        self._end()
+
+    def _begin(self) -> None:
+        if self._process is not None and self._process.is_alive():
+            return
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=serve, args=(theirs, self._source), daemon=True)
+        self._process.start()
+        theirs.close()
+
+    def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.terminate()
+        process.join(PATIENCE_S)
+        if process.is_alive():
+            process.kill()
+            process.join(PATIENCE_S)

@@ -1,0 +1,431 @@
+"""A session on one capture folder: captures, model, history and the task under way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from threading import RLock
+from typing import Any
+
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
+from dnanalyze.model.registry import BASE, find
+from dnanalyze.workbench import recipe
+from dnanalyze.workbench.evaluation import Evaluation, Preview, evaluate
+from dnanalyze.workbench.history import History, Node
+from dnanalyze.workbench.jobs import Job, Worker
+from dnanalyze.workbench.source import CaptureSource
+from dnanalyze.workbench.worker import Task
+
+Event = Callable[[str], None]
+KEPT = 4  # full evaluations held, some 10 MB each at 5 operating points of 512 x 512
+
+
+@dataclass
+class Slider:
+    """A parameter of the model as the user moves it.
+
+    Parameters
+    ----------
+    knob : Knob
+        Name, bounds, unit and scale.
+    value : float
+        In plain units.
+    pinned : bool
+        Whether a fit keeps the value.
+    """
+
+    knob: Knob
+    value: float
+    pinned: bool
+
+
+@dataclass
+class WorkbenchSession:
+    """Everything the workbench knows, without any widget.
+
+    Parameters
+    ----------
+    source : CaptureSource
+    model : NoiseModel, optional
+        Starting model; by default the Wang 2025 model is fitted first.
+
+    Notes
+    -----
+    Methods may be called from several threads. ``changed`` is called with "statistics",
+    "history", "evaluation", "diagnosis", "detection" or "message" after each change, from the
+    thread that made it.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from dnanalyze.workbench.session import WorkbenchSession
+    >>> from dnanalyze.workbench.source import CaptureSource
+    >>> session = WorkbenchSession(CaptureSource(Path("captures")))   # doctest: +SKIP
+    >>> session.prepare()                                             # doctest: +SKIP
+    >>> session.add("column_fpn").over.wait()                         # doctest: +SKIP
+    >>> session.history.present.error                                 # doctest: +SKIP
+    """
+
+    source: CaptureSource
+    model: NoiseModel | None = None
+    changed: Event = lambda _: None
+    captures: CaptureSet = field(init=False)
+    known: dict[str, type[Effect]] = field(init=False)
+    bench: Bench | None = field(init=False, default=None)
+    history: History | None = field(init=False, default=None)
+    evaluation: Evaluation | None = field(init=False, default=None)
+    baseline: Evaluation | None = field(init=False, default=None)
+    diagnosis: dict[str, Any] | None = field(init=False, default=None)
+    detection: dict[str, Any] | None = field(init=False, default=None)
+    message: str = field(init=False, default="")
+    pinned: frozenset[str] = field(init=False, default=frozenset())
+
+    def __post_init__(self) -> None:
+        self.captures = self.source.captures()
+        self.known = self.source.known()
+        self.worker = Worker(self.source)
+        self._lock = RLock()
+        self._evaluating = RLock()
+        self._preview: Preview | None = None
+        self._removed: dict[str, Effect] = {}
+        self._kept: list[Evaluation] = []
+
+    # Statistics and the starting model
+
+    def prepare(self) -> None:
+        """Take the statistics and set the starting model; takes seconds."""
+        found = bench(design(self.captures))
+        with self._lock:
+            self.bench = found
+        self.changed("statistics")
+        if self.model is not None:
+            self._begin(self.model, "model as given", ())
+        else:
+            self._begin(paper_start(found), "Wang 2025 model, first guess", ())
+            self.fit()
+
+    def _begin(self, model: NoiseModel, action: str, command: tuple[str, ...]) -> None:
+        with self._lock:
+            self.history = History.begun(model, action, command)
+        self.changed("history")
+        self._measure()
+
+    # The model
+
+    @property
+    def present(self) -> Node:
+        """The node shown.
+
+        Raises
+        ------
+        InputError
+            The statistics are not taken yet.
+        """
+        if self.history is None:
+            raise InputError("the statistics of the captures are still being taken")
+        return self.history.present
+
+    def sliders(self) -> list[Slider]:
+        """Every number of the present model that can be moved, in the model's order."""
+        model = self.present.model
+        knobs = knobs_of(model)
+        return [
+            Slider(k, k.plain(x), _parameter(k) in self.pinned)
+            for k, x in zip(knobs, positions(model, knobs), strict=True)
+        ]
+
+    def with_value(self, name: str, value: float, model: NoiseModel | None = None) -> NoiseModel:
+        """The present model, or another, with one number changed.
+
+        Parameters
+        ----------
+        name : str
+            As `Slider.knob.name`, such as "read_noise.sigma" or "convolved_lognormal.mu[2]".
+        value : float
+            In plain units; it is moved within its bounds.
+
+        Raises
+        ------
+        InputError
+            There is no such number; the valid names are given.
+        """
+        model = self.present.model if model is None else model
+        knobs = knobs_of(model)
+        names = [k.name for k in knobs]
+        if name not in names:
+            raise InputError(f"no parameter {name!r} in the model; valid: {', '.join(names)}")
+        where = positions(model, knobs)
+        place = names.index(name)
+        where[place] = knobs[place].position(value)
+        return turned(model, knobs, where)
+
+    def set_value(self, name: str, value: float) -> None:
+        """Change one number of the model: a new node."""
+        model = self.with_value(name, value)
+        self.adopt(model, f"set {name}")
+
+    def adopt(self, model: NoiseModel, action: str) -> None:
+        """A model that was set by hand as a new node."""
+        with self._lock:
+            history = self._history()
+            self.history = history.grown(action, model)
+        self.changed("history")
+        self._measure()
+
+    def remove(self, effect: str) -> None:
+        """The model without an effect; `restore` puts it back with the same numbers.
+
+        Raises
+        ------
+        InputError
+            The model has no such effect.
+        """
+        model = self.present.model
+        found = model.get(effect)
+        if found is None:
+            raise InputError(f"no effect {effect!r} in the model; valid: {', '.join(model.names)}")
+        self._removed[effect] = found
+        self.adopt(model.without(effect), f"without {effect}")
+
+    def restore(self, effect: str) -> None:
+        """The model with an effect at the numbers it had, or at its defaults."""
+        kind = find(effect, self.known)
+        found = self._removed.get(effect) or kind()
+        self.adopt(self.present.model.with_effect(found), f"with {effect}")
+
+    def pin(self, parameter: str, pinned: bool) -> None:
+        """Keep a parameter ("effect.parameter") in fits, or free it."""
+        self.pinned = self.pinned | {parameter} if pinned else self.pinned - {parameter}
+        self.changed("history")
+
+    def preview(self, model: NoiseModel) -> Evaluation:
+        """A quick estimate of a model's error with its curves, by the change from the present.
+
+        Raises
+        ------
+        InputError
+            The present model has no error yet.
+        """
+        with self._evaluating:
+            with self._lock:
+                held, known, made = self.bench, self.evaluation, self._preview
+            if held is None or known is None:
+                raise InputError("the error of the present model is still being computed")
+            if made is None:
+                made = Preview(held, known)
+            elif made.known is not known:
+                made = made.rebased(known)
+            self._preview = made
+            return made.evaluate(model)
+
+    def _measure(self) -> None:
+        """The full error of the present node, where it is not known."""
+        with self._evaluating:
+            with self._lock:
+                history, held = self._history(), self.bench
+            node = history.present
+            assert held is not None
+            found = next((e for e in self._kept if e.model == node.model), None)
+            found = found or evaluate(held, node.model)
+            with self._lock:
+                self._kept = [found, *(e for e in self._kept if e is not found)][:KEPT]
+                self.history = self._history().measured(node.number, found.error, found.families)
+                if self.baseline is None and node.model.names == [BASE]:
+                    self.baseline = found
+                if self.history.at == node.number:
+                    self.evaluation = found
+        self.changed("evaluation")
+
+    # History
+
+    def undo(self) -> None:
+        """Back to the parent of the present node."""
+        self._go(lambda h: h.undo())
+
+    def redo(self) -> None:
+        """Forward to where the last undo came from."""
+        self._go(lambda h: h.redo())
+
+    def go(self, number: int) -> None:
+        """To any node; what is done there begins a branch."""
+        self._go(lambda h: h.moved(number))
+
+    def name(self, number: int, name: str) -> None:
+        """Give a node a name."""
+        with self._lock:
+            self.history = self._history().named(number, name)
+        self.changed("history")
+
+    def _go(self, move: Callable[[History], History]) -> None:
+        with self._lock:
+            self.history = move(self._history())
+        self.changed("history")
+        self._measure()
+
+    def _history(self) -> History:
+        if self.history is None:
+            raise InputError("the statistics of the captures are still being taken")
+        return self.history
+
+    # Long work
+
+    def fit(self) -> Job:
+        """Refit the present model but for its pinned parameters."""
+        frozen = tuple(sorted(self.pinned))
+        command = ("fit", "--replicates", "0", *(w for n in frozen for w in ("--freeze", n)))
+        base = self.present
+        first = base.parent is None and base.model.names == [BASE] and self.model is None
+
+        def done(found: dict[str, Any]) -> None:
+            action = "Wang 2025 model, fitted" if first else "fit"
+            self._grow(base, action, found["model"], command)
+
+        return self._run(Task("fit", base.model.to_plain(), frozen=frozen), done)
+
+    def add(self, effect: str) -> Job:
+        """Add an effect and refit.
+
+        A diagnosis of the present node may have put the baseline effects in; they are then added
+        first, as a node of their own.
+
+        Raises
+        ------
+        InputError
+            No effect of that name, or the model holds it already.
+        """
+        find(effect, self.known)
+        base = self.present
+        if base.model.get(effect) is not None:
+            raise InputError(f"{effect}: the model holds it already")
+        self._idle()
+        if (completed := self._completed()) is not None and effect not in completed.names:
+            new = [name for name in completed.names if base.model.get(name) is None]
+            self.adopt(completed, f"add baseline effects {', '.join(new)}")
+            base = self.present
+
+        def done(found: dict[str, Any]) -> None:
+            self._grow(base, f"add {effect}", found["model"], ("add", effect))
+
+        return self._run(Task("add", base.model.to_plain(), effect=effect), done)
+
+    def diagnose(self) -> Job:
+        """Rank the effects that may be missing in the present model."""
+        base = self.present
+
+        def done(found: dict[str, Any]) -> None:
+            with self._lock:
+                self.diagnosis = found | {"node": base.number}
+            self.changed("diagnosis")
+
+        return self._run(Task("diagnose", base.model.to_plain()), done)
+
+    def refine(self) -> Job:
+        """Diagnose and add until nothing more is missing; each step becomes a node."""
+        base = self.present
+
+        def step(found: dict[str, Any]) -> None:
+            if len(found["steps"]) > 1:
+                self._grow(None, _last(found["steps"]), found["model"], ())
+
+        def done(found: dict[str, Any]) -> None:
+            self._grow(None, "refine", found["model"], ("refine",), base.number)
+            with self._lock:
+                self.message = f"refinement: {found['verdict']}"
+            self.changed("message")
+
+        return self._run(Task("refine", base.model.to_plain()), done, step)
+
+    def detect(self) -> Job:
+        """Look for hidden defect-pixel correction and denoise in the captures."""
+
+        def done(found: dict[str, Any]) -> None:
+            with self._lock:
+                self.detection = found
+            self.changed("detection")
+
+        return self._run(Task("detect"), done)
+
+    def cancel(self) -> None:
+        """End the task under way; nodes that it made stay."""
+        self.worker.cancel()
+        self.tell("cancelled")
+
+    def tell(self, message: str) -> None:
+        """A message for the user."""
+        with self._lock:
+            self.message = message
+        self.changed("message")
+
+    def close(self) -> None:
+        """End the worker process."""
+        self.worker.close()
+
+    def _idle(self) -> None:
+        if (job := self.worker.job) is not None:
+            raise InputError(f"{job.task.kind} is under way; cancel it first")
+
+    def _completed(self) -> NoiseModel | None:
+        """The present model with the baseline effects that its diagnosis put in, if any."""
+        found = self.diagnosis
+        if found is None or found["node"] != self.present.number or found["model"] is None:
+            return None
+        model = model_from_plain(found["model"], "model", self.known)
+        return model if set(model.names) > set(self.present.model.names) else None
+
+    def _run(
+        self,
+        task: Task,
+        done: Callable[[dict[str, Any]], None],
+        step: Callable[[dict[str, Any]], None] = lambda _: None,
+    ) -> Job:
+        self._idle()
+        return self.worker.start(task, done, self.tell, step)
+
+    def _grow(
+        self,
+        base: Node | None,
+        action: str,
+        plain: dict[str, Any],
+        command: tuple[str, ...],
+        origin: int | None = None,
+    ) -> None:
+        """A new node below ``base``, or below the present one."""
+        model = model_from_plain(plain, "model", self.known)
+        with self._lock:
+            history = self._history()
+            if base is not None and history.at != base.number:
+                history = history.moved(base.number)
+            self.history = history.grown(action, model, command, origin)
+        self.changed("history")
+        self._measure()
+
+    # Results to take away
+
+    def yaml(self) -> str:
+        """The present model as a model file."""
+        return dump_model(self.present.model)
+
+    def commands(self) -> str:
+        """Shell commands that make the present node from the captures."""
+        return recipe.commands(self.source, self._history().made())
+
+    def python(self) -> str:
+        """Python code that makes the present node from the captures."""
+        return recipe.python(self.source, self._history().made())
+
+
+def _parameter(knob: Knob) -> str:
+    """Name of the parameter that a number belongs to, as a fit keeps it."""
+    return knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
+
+
+def _last(steps: Sequence[dict[str, Any]]) -> str:
+    added = steps[-1]["added"]
+    return f"without {added[1:]}" if added and added.startswith("-") else f"add {added}"

@@ -1,0 +1,195 @@
+"""What a session's worker process does: fits, diagnoses and refinements, told step by step."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from multiprocessing.connection import Connection
+from typing import Any
+
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel, model_from_plain
+from dnanalyze.workbench.source import CaptureSource
+
+Tell = Callable[[str, Any], None]
+
+
+@dataclass(frozen=True)
+class Task:
+    """Long work on a model.
+
+    Parameters
+    ----------
+    kind : {"fit", "add", "diagnose", "refine", "detect"}
+    model : mapping or None
+        As in YAML; None: the starting model of the captures.
+    effect : str
+        For "add".
+    frozen : tuple of str
+        For "fit": parameters that keep their values, as "effect.parameter".
+    """
+
+    kind: str
+    model: dict[str, Any] | None = None
+    effect: str = ""
+    frozen: tuple[str, ...] = ()
+
+
+class Bed:
+    """Captures, effects and statistics of a worker, read when first needed."""
+
+    def __init__(self, source: CaptureSource) -> None:
+        self.source = source
+
+    @cached_property
+    def captures(self) -> CaptureSet:
+        """The frames."""
+        return self.source.captures()
+
+    @cached_property
+    def known(self) -> dict[str, type[Effect]]:
+        """The catalogue with the user's own effects."""
+        return self.source.known()
+
+    @cached_property
+    def bench(self) -> Bench:
+        """Statistics of both halves of the field."""
+        return bench(design(self.captures))
+
+    def model(self, task: Task) -> NoiseModel | None:
+        """The model of a task."""
+        if task.model is None:
+            return None
+        return model_from_plain(task.model, "model", self.known)
+
+
+def carried_out(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    """The result of a task as plain data: models as in YAML, everything else as in JSON."""
+    return _TASKS[task.kind](bed, task, tell)
+
+
+def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.comparator.error import pooled
+    from dnanalyze.fitting.fit import fit
+
+    held = bed.bench
+    families = held.train.families
+    found = fit(
+        bed.captures,
+        bed.model(task),
+        frozen=task.frozen,
+        replicates=0,
+        held=held,
+        tell=lambda s: tell("progress", f"fitting, error {pooled(s.train, families):.3g}"),
+    )
+    return {"model": found.model.to_plain(), "undetermined": found.undetermined}
+
+
+def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.diagnosis.refine import add
+
+    tell("progress", f"adding {task.effect}")
+    model = bed.model(task)
+    assert model is not None
+    found = add(bed.captures, task.effect, model, known=bed.known, held=bed.bench)
+    return {"model": found.model.to_plain(), "steps": _steps(found.steps)}
+
+
+def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.diagnosis.diagnose import diagnose
+
+    found = diagnose(
+        bed.captures,
+        bed.model(task),
+        known=bed.known,
+        held=bed.bench,
+        tell=lambda text: tell("progress", f"trying {text}"),
+    )
+    models = {t.effect: t.state.model.to_plain() for t in found.trials}
+    return {
+        "error": found.error,
+        "verdict": found.verdict,
+        "candidates": [vars(c) | {"model": models.get(c.effect)} for c in found.candidates],
+        "unexplained": found.unexplained,
+        "detection_limits": found.detection_limits,
+        "next_capture": found.next_capture,
+        "model": None if found.model is None else found.model.to_plain(),
+    }
+
+
+def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.diagnosis.refine import Refinement, refine
+
+    def keep(now: Refinement) -> None:
+        tell("step", {"model": now.model.to_plain(), "steps": _steps(now.steps)})
+
+    found = refine(
+        bed.captures,
+        bed.model(task),
+        known=bed.known,
+        held=bed.bench,
+        trying=lambda name: tell("progress", f"trying {name}"),
+        keep=keep,
+    )
+    return {
+        "model": found.model.to_plain(),
+        "steps": _steps(found.steps),
+        "verdict": found.verdict,
+        "unexplained": found.unexplained,
+    }
+
+
+def _detect(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.detection import detect
+    from dnanalyze.report import documents
+
+    found = detect(
+        bed.captures, progress=lambda done, total: tell("progress", f"frame {done} of {total}")
+    )
+    return documents.detection(str(bed.source.folder), found)
+
+
+def _steps(steps: Any) -> list[dict[str, Any]]:
+    return [vars(step) for step in steps]
+
+
+_TASKS: dict[str, Callable[[Bed, Task, Tell], dict[str, Any]]] = {
+    "fit": _fit,
+    "add": _add,
+    "diagnose": _diagnose,
+    "refine": _refine,
+    "detect": _detect,
+}
+
+
+def serve(pipe: Connection, source: CaptureSource) -> None:
+    """Carry out tasks from a pipe until its other end is closed.
+
+    Messages are pairs: ("progress", text), ("step", mapping), and at the end ("done", mapping) or
+    ("failed", text).
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
+    bed = Bed(source)
+
+    def tell(kind: str, content: Any) -> None:
+        pipe.send((kind, content))
+
+    with suppress(EOFError, OSError):
+        while True:
+            task = pipe.recv()
+            try:
+                answer = "done", carried_out(bed, task, tell)
+            except InputError as error:
+                answer = "failed", str(error)
+            except (EOFError, OSError):
+                raise
+            except Exception as error:  # told to the user; the process serves on
+                answer = "failed", f"internal error: {type(error).__name__}: {error}"
+            pipe.send(answer)
