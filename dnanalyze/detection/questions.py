@@ -29,7 +29,6 @@ SHARP = 0.5  # of the least that clusters leave is missing
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edge is placed there
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
-UNSHARED = 0.02  # correlation of neighbours' noise below which none is
 FEW_SITES = 5.0
 APART = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 
@@ -266,8 +265,6 @@ def _by_chance(e: ViewEvidence, seen: Replaced, rule: int) -> float:
     """
     shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
     linear = 1 + SHARED * shared
-    if shared < UNSHARED:
-        return linear
     nearly = (seen.almost[rule] + FEW_SITES) / (seen.almost_control[rule] + FEW_SITES)
     return float(max(linear, nearly ** (seen.frames / (seen.frames - 1))))
 
