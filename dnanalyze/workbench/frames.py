@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from dataclasses import dataclass
 from typing import Literal
 
@@ -63,7 +62,8 @@ def _moment(frames: tuple, deviation: bool) -> np.ndarray:  # type: ignore[type-
         step = x - mean
         mean += step / number
         squares += step * (x - mean)
-    assert mean is not None and squares is not None
+    assert mean is not None
+    assert squares is not None
     if not deviation:
         return mean
     if len(frames) < 2:

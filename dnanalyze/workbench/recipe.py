@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from itertools import pairwise
 
 from dnanalyze.model.noise_model import dump_model
 from dnanalyze.workbench.history import Node
@@ -78,7 +79,7 @@ def python(source: CaptureSource, path: Sequence[Node]) -> str:
 def _call(command: Sequence[str], model: str, known: str) -> str:
     name, *arguments = command
     if name == "fit":
-        frozen = [b for a, b in zip(arguments, arguments[1:], strict=False) if a == "--freeze"]
+        frozen = [b for a, b in pairwise(arguments) if a == "--freeze"]
         options = f", frozen={frozen!r}" if frozen else ""
         given = f", {model}" if model else ""
         return f"model = dnanalyze.fit(captures{given}{options}, replicates=0).model"

@@ -58,7 +58,7 @@ class WorkbenchSession:
 
     Notes
     -----
-    Methods may be called from several threads. ``changed`` is called with "statistics",
+    Methods may be called from several threads. Every listener is called with "statistics",
     "history", "evaluation", "diagnosis", "detection" or "message" after each change, from the
     thread that made it.
 
@@ -75,7 +75,6 @@ class WorkbenchSession:
 
     source: CaptureSource
     model: NoiseModel | None = None
-    changed: Event = lambda _: None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
     bench: Bench | None = field(init=False, default=None)
@@ -94,8 +93,15 @@ class WorkbenchSession:
         self._lock = RLock()
         self._evaluating = RLock()
         self._preview: Preview | None = None
+        self.listeners: list[Event] = []
         self._removed: dict[str, Effect] = {}
         self._kept: list[Evaluation] = []
+        self._took: dict[str, float] = {}
+
+    def changed(self, what: str) -> None:
+        """Tell every listener what has changed."""
+        for listener in list(self.listeners):
+            listener(what)
 
     # Statistics and the starting model
 
@@ -194,6 +200,11 @@ class WorkbenchSession:
         self._removed[effect] = found
         self.adopt(model.without(effect), f"without {effect}")
 
+    @property
+    def removed(self) -> list[str]:
+        """Effects that were taken out and can be restored."""
+        return list(self._removed)
+
     def restore(self, effect: str) -> None:
         """The model with an effect at the numbers it had, or at its defaults."""
         kind = find(effect, self.known)
@@ -213,6 +224,9 @@ class WorkbenchSession:
         InputError
             The present model has no error yet.
         """
+        return self._prepared().evaluate(model)
+
+    def _prepared(self) -> Preview:
         with self._evaluating:
             with self._lock:
                 held, known, made = self.bench, self.evaluation, self._preview
@@ -223,7 +237,7 @@ class WorkbenchSession:
             elif made.known is not known:
                 made = made.rebased(known)
             self._preview = made
-            return made.evaluate(model)
+            return made
 
     def _measure(self) -> None:
         """The full error of the present node, where it is not known."""
@@ -242,6 +256,7 @@ class WorkbenchSession:
                 if self.history.at == node.number:
                     self.evaluation = found
         self.changed("evaluation")
+        self._prepared()  # before it is asked for
 
     # History
 
@@ -363,6 +378,11 @@ class WorkbenchSession:
             self.message = message
         self.changed("message")
 
+    def remaining_s(self, job: Job) -> float | None:
+        """Estimated seconds until a task ends, from the last one of its kind; None at first."""
+        took = self._took.get(job.task.kind)
+        return None if took is None else max(0.0, took - job.elapsed_s)
+
     def close(self) -> None:
         """End the worker process."""
         self.worker.close()
@@ -386,7 +406,13 @@ class WorkbenchSession:
         step: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> Job:
         self._idle()
-        return self.worker.start(task, done, self.tell, step)
+
+        def timed(found: dict[str, Any]) -> None:
+            self._took[task.kind] = job.elapsed_s
+            done(found)
+
+        job = self.worker.start(task, timed, self.tell, step)
+        return job
 
     def _grow(
         self,
@@ -411,6 +437,14 @@ class WorkbenchSession:
     def yaml(self) -> str:
         """The present model as a model file."""
         return dump_model(self.present.model)
+
+    def report(self) -> str:
+        """The report of `compare` on the present model, one self-contained page."""
+        from dnanalyze.comparator.compare import compare
+        from dnanalyze.report.pages.compare import compare_page
+
+        found = compare(self.captures, self.present.model, held=self.bench)
+        return compare_page(self.captures, found)
 
     def commands(self) -> str:
         """Shell commands that make the present node from the captures."""

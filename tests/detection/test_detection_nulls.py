@@ -242,11 +242,14 @@ def test_only_a_blur_in_both_directions_is_short_ranged(rows, columns, gone):
 
 
 @pytest.mark.parametrize(
-    ("shared", "times"), [(0.0, 1.0), (0.01, 1.4), (0.1, (995 / 105) ** (8 / 7))]
-)
-def test_matches_by_shared_noise_are_told_by_those_in_all_frames_but_one(shared, times):
+    ("shared", "nearly", "times"),
+    [(0.0, 100, 1.0), (0.01, 100, 1.4), (0.0, 990, (995 / 105) ** (8 / 7)),
+     (0.1, 990, (995 / 105) ** (8 / 7))],
+)  # fmt: skip
+def test_matches_by_chance_are_told_by_those_in_all_frames_but_one(shared, nearly, times):
+    """Of coarse codes too, whose correlation does not show in the noise."""
     none = np.zeros(len(RULES), int)
-    own, control, almost, others = (none + n for n in (200, 9, 990, 100))
+    own, control, almost, others = (none + n for n in (200, 9, nearly, 100))
     sites = Replaced(own, control, almost, others, np.empty((0, 3), int), 50_000, 8)
     seen = SimpleNamespace(
         replaced=sites,
