@@ -33,6 +33,7 @@ from dnanalyze_cli.commands import (
     inspect,
     refine,
     simulate,
+    workbench,
 )
 from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped
 
@@ -44,7 +45,7 @@ app = typer.Typer(
     epilog="Start with [bold]dnanalyze demo[/bold] or [bold]dnanalyze compare FOLDER[/bold].",
 )
 for panel, commands in {
-    "Look": (inspect.inspect, analyze.analyze),
+    "Look": (inspect.inspect, analyze.analyze, workbench.workbench),
     "Model": (fit.fit, simulate.simulate, compare.compare, hdr.hdr),
     "Find what is missing": (
         diagnose.diagnose,

@@ -14,6 +14,7 @@ from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 from dnanalyze.model.registry import BASE, find
 from dnanalyze.workbench import recipe
@@ -39,11 +40,14 @@ class Slider:
         In plain units.
     pinned : bool
         Whether a fit keeps the value.
+    label : str
+        Name within the effect, with the operating point where the number is of one.
     """
 
     knob: Knob
     value: float
     pinned: bool
+    label: str = ""
 
 
 @dataclass
@@ -143,7 +147,7 @@ class WorkbenchSession:
         model = self.present.model
         knobs = knobs_of(model)
         return [
-            Slider(k, k.plain(x), _parameter(k) in self.pinned)
+            Slider(k, k.plain(x), _parameter(k) in self.pinned, _label(model, k))
             for k, x in zip(knobs, positions(model, knobs), strict=True)
         ]
 
@@ -458,6 +462,21 @@ class WorkbenchSession:
 def _parameter(knob: Knob) -> str:
     """Name of the parameter that a number belongs to, as a fit keeps it."""
     return knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
+
+
+def _label(model: NoiseModel, knob: Knob) -> str:
+    """Parameter, with the operating point of a table's row or the kind of a law's number."""
+    name = knob.parameter or knob.effect
+    effect = model.get(knob.effect)
+    law = getattr(effect, knob.parameter) if effect is not None else model.pedestal
+    if not isinstance(law, TableLaw):
+        return name if knob.part == "value" else f"{name}, activation energy"
+    points = law.points
+    here = vars(points[int(knob.part)])
+    differ = [k for k in here if len({getattr(p, k) for p in points}) > 1]
+    units = {"temperature_c": " °C", "exposure_s": " s"}
+    where = [f"{here[k]:g}{units.get(k, '')}" if k != "channel" else here[k] for k in differ]
+    return ", ".join([name, *(str(w) for w in where)])
 
 
 def _last(steps: Sequence[dict[str, Any]]) -> str:

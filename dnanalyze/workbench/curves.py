@@ -1,0 +1,221 @@
+"""Curves of a family of statistics, as numbers with axes: what an interactive figure draws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.loaders.captures import OperatingPoint
+
+BINS = 120  # of a histogram
+PARTS = {"pattern": "fixed pattern (DSNU)", "temporal": "temporal noise", "frame": "single frame"}
+FEWEST_MODES = 12  # in a drawn point of a spectrum: power scatters as 1 / sqrt(modes)
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Quantity and unit of both axes, and whether they are logarithmic."""
+
+    x: str
+    y: str
+    log_x: bool = False
+    log_y: bool = False
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve with the band of two standard errors, where that is known.
+
+    Parameters
+    ----------
+    x, y : ndarray
+    low, high : ndarray
+        Ends of the band; equal to ``y`` where no error is known.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+@dataclass(frozen=True)
+class Address:
+    """A statistic at an operating point and colour plane."""
+
+    name: str
+    point: OperatingPoint
+    plane: str = ""
+
+    @property
+    def family(self) -> str:
+        """Family of the statistic."""
+        return infos()[self.name].family
+
+
+def find(statistics: Statistics, address: Address) -> SettingStatistics | None:
+    """The statistics of an operating point and plane; None where there are none."""
+    found = (s for s in statistics.settings if (s.point, s.plane) == (address.point, address.plane))
+    return next(found, None)
+
+
+def axes(address: Address) -> Axes | None:
+    """Axes of the family's curve; None for a family that has none."""
+    if address.family == "spectrum":
+        what = PARTS[_part(address.name)]
+        return Axes("spatial frequency [cycles/pixel]", f"power of {what} [DN²]", True, True)
+    if address.family == "distribution":
+        return Axes("dark value [DN]", "share of pixels per DN", False, True)
+    if address.family == "tails":
+        return Axes("deviation [σ]", "share of pixels above", False, True)
+    if address.family == "lines":
+        which = _direction(address.name)
+        return Axes(
+            f"{which} frequency [cycles/pixel]", f"power of {which} means [DN²]", True, True
+        )
+    if address.name == "drift":
+        return Axes("frame", "mean of the frame less the mean of all [DN]")
+    return None
+
+
+def curve(statistics: Statistics, address: Address, measured: Statistics) -> Curve | None:
+    """The curve of a family at an operating point.
+
+    Parameters
+    ----------
+    statistics : Statistics
+        Measured, or of a model.
+    address : Address
+    measured : Statistics
+        Fixes the bins of a histogram.
+    """
+    here, reference = find(statistics, address), find(measured, address)
+    if here is None or reference is None:
+        return None
+    if address.family == "spectrum":
+        return _spectrum(here, _part(address.name))
+    if address.family == "distribution":
+        return _histogram(here, reference)
+    if address.family == "tails":
+        return _exceedance(here)
+    if address.family == "lines":
+        return _line_spectrum(here, _direction(address.name))
+    if address.name == "drift":
+        return _frame_means(here)
+    return None
+
+
+def over_points(statistics: Statistics, address: Address) -> tuple[list[str], Curve]:
+    """A statistic at every operating point of its plane: labels, and values in that order."""
+    scale = infos()[address.name].scale
+    labels, y, low, high = [], [], [], []
+    for setting in statistics.settings:
+        value = setting.values.get(address.name)
+        if setting.plane != address.plane or value is None:
+            continue
+        labels.append(setting.point.label().replace(" C", " °C"))
+        y.append(value.value)
+        at = scale.coordinate(value.value)
+        error = 2 * value.se if np.isfinite(value.se) else 0.0
+        low.append(scale.plain(at - error))
+        high.append(scale.plain(at + error))
+    x = np.arange(len(y), dtype=float)
+    return labels, Curve(x, np.array(y), np.array(low), np.array(high))
+
+
+def _part(name: str) -> str:
+    first = name.split("_", 1)[0]
+    return first if first in PARTS else "pattern"
+
+
+def _direction(name: str) -> str:
+    return "row" if "row" in name else "column"
+
+
+def _spectrum(here: SettingStatistics, part: str) -> Curve | None:
+    """Radial power spectrum without the axes, rings pooled into about 60 steps of equal ratio.
+
+    A ring of radius f and width df holds pi f df rows columns independent modes.
+    """
+    f = here.curves.get(f"{part}_radial_f")
+    s = here.curves.get(f"{part}_radial_s")
+    if f is None or s is None:
+        return None
+    keep = (f > 0) & np.isfinite(s) & (s > 0)
+    f, s = f[keep], s[keep]
+    if len(f) < 2:
+        return None
+    modes = np.pi * f * np.gradient(f) * here.shape[0] * here.shape[1]
+    slots = _pooled(f, modes, (f[-1] / f[0]) ** (1 / 60))
+    total = np.bincount(slots, modes)
+    x = np.bincount(slots, f * modes) / total
+    y = np.bincount(slots, s * modes) / total
+    repeats = max(1, here.frames - 1) if part == "temporal" else 1
+    ratio = np.exp(2 / np.sqrt(total * repeats))
+    return Curve(x, y, y / ratio, y * ratio)
+
+
+def _pooled(f: np.ndarray, modes: np.ndarray, ratio: float) -> np.ndarray:
+    """Slot of each ring."""
+    slots, begun, held = np.zeros(len(f), int), f[0], 0.0
+    for i in range(1, len(f)):
+        held += modes[i - 1]
+        fresh = held >= FEWEST_MODES and f[i] >= begun * ratio
+        slots[i] = slots[i - 1] + fresh
+        if fresh:
+            begun, held = f[i], 0.0
+    return slots
+
+
+def _histogram(here: SettingStatistics, reference: SettingStatistics) -> Curve | None:
+    """Density of the values in bins of whole codes, the same for all curves of a figure."""
+    names = "histogram_codes", "histogram_counts"
+    if any(n not in s.curves or len(s.curves[n]) < 2 for n in names for s in (here, reference)):
+        return None
+    codes, counts = (reference.curves[n] for n in names)
+    share = np.cumsum(counts) / counts.sum()
+    low, high = codes[np.searchsorted(share, 2e-5)], codes[np.searchsorted(share, 1 - 2e-5) - 1]
+    step = float(np.median(np.diff(codes)))
+    width = step * max(1, round((high - low) / BINS / step))
+    edges = np.arange(low - width - step / 2, high + 2 * width, width)
+    found, weights = (here.curves[n] for n in names)
+    n, _ = np.histogram(found, bins=edges, weights=weights)
+    total = float(weights.sum())
+    density = np.where(n > 0, n / total / width, np.nan)
+    error = 2 * np.sqrt(n) / total / width
+    least = 0.3 / total / width
+    return Curve(
+        (edges[:-1] + edges[1:]) / 2, density, np.maximum(density - error, least), density + error
+    )
+
+
+def _exceedance(here: SettingStatistics) -> Curve | None:
+    k, n = here.curves.get("exceedance_k"), here.curves.get("exceedance_n")
+    if k is None or n is None or not len(k):
+        return None
+    pixels = here.shape[0] * here.shape[1]
+    y = np.where(n > 0, n / pixels, np.nan)
+    error = 2 * np.sqrt(n) / pixels
+    return Curve(k, y, np.maximum(y - error, 0.3 / pixels), y + error)
+
+
+def _line_spectrum(here: SettingStatistics, which: str) -> Curve | None:
+    f = here.curves.get(f"{which}_spectrum_f")
+    s = here.curves.get(f"pattern_{which}_spectrum")
+    if f is None or s is None:
+        return None
+    keep = (f > 0) & np.isfinite(s) & (s > 0)
+    f, s = f[keep], s[keep]
+    ratio = np.exp(2.0)  # one realisation: the power of a mode scatters by 100 %
+    return Curve(f, s, s / ratio, s * ratio)
+
+
+def _frame_means(here: SettingStatistics) -> Curve | None:
+    means = here.curves.get("frame_means")
+    if means is None or len(means) < 2:
+        return None
+    y = means - means.mean()
+    return Curve(np.arange(len(y), dtype=float), y, y, y)

@@ -1,0 +1,142 @@
+"""One open page: its panes, laid out on one screen, and what brings the session's news to them."""
+
+from __future__ import annotations
+
+import html
+from typing import Any
+
+import panel as pn
+
+from dnanalyze.report.words import number
+from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.failures import Failures
+from dnanalyze.workbench.page.history import HistoryPane
+from dnanalyze.workbench.page.missing import Missing
+from dnanalyze.workbench.page.model import Model
+from dnanalyze.workbench.page.sensor import Sensor
+from dnanalyze.workbench.page.style import inner, palette, sheet
+from dnanalyze.workbench.session import WorkbenchSession
+
+
+def page(session: WorkbenchSession, name: str, theme: str) -> Any:
+    """The page of a session.
+
+    Parameters
+    ----------
+    session : WorkbenchSession
+    name : str
+        Of the session, as in the page's address.
+    theme : {"light", "dark"}
+
+    Returns
+    -------
+    panel.viewable.Viewable
+    """
+    colours = palette(theme)
+    context = Context(session, colours, pn.state.curdoc)
+    bar = TopBar(context, name)
+    sensor, failures, model = Sensor(context), Failures(context), Model(context)
+    missing, history = Missing(context), HistoryPane(context)
+
+    def tell(what: str) -> None:
+        if what == "evaluation":
+            context.shown = session.evaluation
+        context.tell(what)
+
+    def listener(what: str) -> None:
+        context.back(lambda: tell(what))
+
+    session.listeners.append(listener)
+    pn.state.on_session_destroyed(lambda _: _forget(session, listener))
+    areas = {
+        bar.view: "bar", sensor.view: "sensor", failures.view: "fails", model.view: "model",
+        missing.view: "missing", history.view: "history",
+    }  # fmt: skip
+    for pane, area in areas.items():
+        pane.styles = {**pane.styles, "grid-area": area, "min-width": "0", "min-height": "0"}
+    whole = pn.Column(
+        *areas,
+        sizing_mode="stretch_both",
+        margin=0,
+        styles={
+            "display": "grid",
+            "grid-template-columns": "442px minmax(300px, 1fr) minmax(300px, 372px)",
+            "grid-template-rows": "40px minmax(0, 1.32fr) minmax(0, 1fr)",
+            "grid-template-areas": "'bar bar bar' 'sensor fails model' 'sensor history missing'",
+            "gap": "6px",
+            "padding": "4px 6px 6px",
+            "height": "100vh",
+            "box-sizing": "border-box",
+            "background": colours.background,
+        },
+    )
+    context.back(lambda: _all(context))
+    return whole
+
+
+def _all(context: Context) -> None:
+    """Show a session as it is, when a page is opened or reloaded."""
+    session = context.session
+    context.shown = session.evaluation
+    for what in ("history", "evaluation", "diagnosis", "detection", "message"):
+        if what in ("history", "evaluation") and session.history is None:
+            continue
+        if what == "evaluation" and session.evaluation is None:
+            continue
+        context.tell(what)
+
+
+def _forget(session: WorkbenchSession, listener: Any) -> None:
+    if listener in session.listeners:
+        session.listeners.remove(listener)
+
+
+class TopBar:
+    """What is open, the error, and the theme."""
+
+    def __init__(self, context: Context, name: str) -> None:
+        self.context = context
+        style = [inner(context.palette)]
+        captures = context.session.captures
+        rows, columns = captures.sensor.shape
+        where = html.escape(captures.name)
+        facts = (
+            f"{captures.frame_count} frames of {columns} × {rows} pixels, "
+            f"{len(captures.settings)} operating points"
+        )
+        other = "light" if context.palette.name == "dark" else "dark"
+        self.error = pn.pane.HTML("", stylesheets=style, margin=(0, 16, 0, 0))
+        link = f"<a href='?session={name}&theme={other}'>{other} theme</a>"
+        self.view = pn.Row(
+            pn.pane.HTML(
+                f"<b style='font-size:15px'>dnanalyze</b> &nbsp;<b>{where}</b> "
+                f"<span class=quiet>{facts}</span>",
+                stylesheets=style, margin=(8, 20, 0, 4),
+            ),
+            pn.layout.HSpacer(),
+            self.error,
+            pn.pane.HTML(link, stylesheets=style, margin=(10, 4, 0, 0)),
+            sizing_mode="stretch_width", margin=0,
+        )  # fmt: skip
+        context.listeners.append(self.update)
+        self.update("statistics")
+
+    def update(self, what: str) -> None:
+        """Draw what has changed."""
+        shown = self.context.shown
+        if shown is None:
+            text = "taking statistics of the captures …"
+            if self.context.session.bench is not None:
+                text = "computing the error …"
+            self.error.object = f"<span class=quiet>{text}</span>"
+        elif what in ("evaluation", "preview"):
+            about = "≈ " if shown.preview else ""
+            self.error.object = (
+                f"<span class=quiet>model error</span> <span class=error>{about}"
+                f"{number(shown.error)}</span> <span class=quiet>1 = second sensor</span>"
+            )
+
+
+def style_sheet(theme: str) -> str:
+    """Style sheet of the document itself."""
+    return sheet(palette(theme))

@@ -1,0 +1,62 @@
+"""What the panes of one page share: the session, the colours, the document, what is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from threading import Thread
+from typing import Any
+
+from dnanalyze.analyzers.statistics import Statistics
+from dnanalyze.errors import InputError
+from dnanalyze.workbench.curves import Address
+from dnanalyze.workbench.evaluation import Evaluation
+from dnanalyze.workbench.page.background import Latest
+from dnanalyze.workbench.page.style import Palette
+from dnanalyze.workbench.session import WorkbenchSession
+
+
+@dataclass
+class Context:
+    """State of one open page; panes tell one another through it.
+
+    Parameters
+    ----------
+    session : WorkbenchSession
+    palette : Palette
+    document : bokeh Document
+    """
+
+    session: WorkbenchSession
+    palette: Palette
+    document: Any
+    family: str = ""
+    address: Address | None = None
+    candidate: tuple[str, Statistics] | None = None
+    shown: Evaluation | None = None
+    listeners: list[Callable[[str], None]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.latest = Latest(self.back)
+
+    def back(self, call: Callable[[], None]) -> None:
+        """Call a function in the document's thread."""
+        self.document.add_next_tick_callback(call)
+
+    def tell(self, what: str) -> None:
+        """Tell every pane what has changed; in the document's thread."""
+        for listener in self.listeners:
+            listener(what)
+
+    def act(self, action: Callable[[], Any]) -> None:
+        """Something the user asked for, in a thread; what is wrong becomes a message."""
+
+        def work() -> None:
+            try:
+                action()
+            except InputError as error:
+                self.session.tell(str(error))
+            except Exception as error:  # an effect of the user's may raise anything
+                self.session.tell(f"{type(error).__name__}: {error}")
+
+        Thread(target=work, daemon=True).start()

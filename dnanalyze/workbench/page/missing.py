@@ -1,0 +1,207 @@
+"""What is missing: diagnosis, refinement and detection, and the candidates that they rank."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+from typing import Any
+
+import panel as pn
+import param
+from panel.custom import JSComponent
+
+from dnanalyze.model.noise_model import model_from_plain
+from dnanalyze.report.words import number, percent
+from dnanalyze.workbench.page.background import Latest
+from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.style import Palette, card, inner
+
+MOST = 8  # candidates shown
+TICK_MS = 250  # between two readings of a task's progress
+
+
+class CandidateList(JSComponent):
+    """Rows that tell when the pointer is over them and when one is added."""
+
+    rows = param.List(default=[], doc="Mappings of texts; see candidates.js.")
+    busy = param.Boolean(default=False, doc="Whether a task is under way.")
+    hovered = param.String(default="")
+    added = param.Event(default=False)
+    effect = ""
+
+    _esm = Path(__file__).with_name("candidates.js").read_text(encoding="utf-8")
+
+    def _handle_msg(self, message: Any) -> None:
+        if not isinstance(message, dict):
+            return
+        if "hover" in message:
+            self.hovered = str(message["hover"])
+        elif "add" in message:
+            self.effect = str(message["add"])
+            self.param.trigger("added")
+
+
+class Missing:
+    """The pane."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        p, session = context.palette, context.session
+        style = [inner(p)]
+        self._models: dict[str, Any] = {}
+        self._latest = Latest(context.back)
+        button = {"stylesheets": style, "margin": (0, 4, 0, 0)}
+        self.diagnose = pn.widgets.Button(name="Diagnose", button_type="primary", **button)
+        self.refine = pn.widgets.Button(name="Refine", **button)
+        self.detect = pn.widgets.Button(name="Detect", **button)
+        self.cancel = pn.widgets.Button(name="Cancel", disabled=True, **button)
+        self.diagnose.on_click(lambda _: context.act(session.diagnose))
+        self.refine.on_click(lambda _: context.act(session.refine))
+        self.detect.on_click(lambda _: context.act(session.detect))
+        self.cancel.on_click(lambda _: context.act(session.cancel))
+        self.progress = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
+        self.message = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
+        self.list = CandidateList(
+            stylesheets=[inner(p) + _rows(p)], sizing_mode="stretch_width", margin=0
+        )
+        self.list.param.watch(self._hovered, "hovered")
+        self.list.param.watch(lambda _: context.act(lambda: session.add(self.list.effect)), "added")
+        self.notes = pn.pane.HTML("", stylesheets=style, margin=0, sizing_mode="stretch_width")
+        self.view = pn.Column(
+            pn.Row(
+                pn.pane.HTML("<h2>What is missing</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
+                self.diagnose, self.refine, self.detect, self.cancel, margin=0,
+            ),
+            self.progress, self.message,
+            pn.Column(
+                self.list, self.notes, margin=0, sizing_mode="stretch_both",
+                styles={"overflow-y": "auto", "min-height": "0"},
+            ),
+            styles=card(p), sizing_mode="stretch_both", margin=0,
+        )  # fmt: skip
+        context.listeners.append(self.update)
+        pn.state.add_periodic_callback(self._tick, period=TICK_MS)
+
+    def update(self, what: str) -> None:
+        """Draw what has changed."""
+        if what == "diagnosis":
+            self._diagnosed()
+        elif what == "detection":
+            self._detected()
+        elif what == "message":
+            self.message.object = f"<b>{html.escape(self.context.session.message)}</b>"
+
+    def _tick(self) -> None:
+        job = self.context.session.worker.job
+        busy = job is not None
+        for button in (self.diagnose, self.refine, self.detect):
+            button.disabled = busy
+        self.cancel.disabled = not busy
+        self.list.busy = busy
+        text = ""
+        if job is not None:
+            text = f"{job.task.kind}: {html.escape(job.progress)} · {job.elapsed_s:.0f} s elapsed"
+            if (left := self.context.session.remaining_s(job)) is not None:
+                text += f", about {left:.0f} s left"
+        if text != self.progress.object:
+            self.progress.object = text
+
+    def _diagnosed(self) -> None:
+        found = self.context.session.diagnosis
+        if found is None:
+            self.list.rows, self.notes.object = [], ""
+            return
+        self._models = {c["effect"]: c["model"] for c in found["candidates"] if c["model"]}
+        present = set(self.context.session.present.model.names)
+        self.list.rows = [
+            {
+                "effect": c["effect"],
+                "name": c["effect"],
+                "confidence": f"confidence {percent(c['confidence'])}",
+                "error": f"error → {number(c['error_after'])}",
+                "explained": max(0.0, min(1.0, c["explained"])),
+                "evidence": _evidence(c),
+                "can_add": c["effect"] not in present,
+            }
+            for c in found["candidates"][:MOST]
+        ]
+        words = {
+            "adequate": "The model is adequate: nothing more is missing.",
+            "missing": "An effect is missing.",
+            "unexplained": "Unexplained: no effect of the catalogue accounts for the residual.",
+        }
+        self.message.object = f"<b>{words[found['verdict']]}</b>"
+        parts = []
+        if found["unexplained"]:
+            parts.append(_details("Statistics not explained", found["unexplained"]))
+        if found["next_capture"]:
+            parts.append(_details("Recommended captures", found["next_capture"]))
+        if found["detection_limits"]:
+            parts.append(_details("Detection limits", list(found["detection_limits"].values())))
+        self.notes.object = "".join(parts)
+
+    def _detected(self) -> None:
+        found = self.context.session.detection
+        if found is None:
+            return
+        kind = found["kind"] if found["filtered"] else "no filter found"
+        self.message.object = f"<b>Hidden filters: {html.escape(kind)}</b>"
+        rows = [
+            f"{f['test']} ({f['kind']}): p = {f['p_value']:.2g}, effect {f['effect_size']:.2g}"
+            f"{', flagged' if f['flagged'] else ''}"
+            for f in found["findings"]
+            if f["p_value"] is not None
+        ]
+        self.notes.object = _details("Tests", rows) + _details(
+            "Not determined", [str(x) for x in found.get("ambiguous", [])]
+        )
+
+    def _hovered(self, event: Any) -> None:
+        """The predicted curve of the candidate under the pointer."""
+        context, session = self.context, self.context.session
+        plain = self._models.get(event.new)
+        if plain is None:
+            context.candidate = None
+            context.tell("candidate")
+            return
+
+        def work() -> Any:
+            return session.preview(model_from_plain(plain, "model", session.known))
+
+        def show(found: Any) -> None:
+            if self.list.hovered == event.new:
+                context.candidate = event.new, found.simulated
+                context.tell("candidate")
+
+        self._latest.ask(work, show, lambda error: session.tell(str(error)))
+
+
+def _evidence(candidate: Any) -> str:
+    """Its most telling evidence, and what it is confounded with."""
+    text = candidate["evidence"][0] if candidate["evidence"] else ""
+    others = ", ".join(candidate["confused_with"])
+    return (
+        f"{text}{' · ' if text and others else ''}{f'confounded with {others}' if others else ''}"
+    )
+
+
+def _details(title: str, rows: list[str]) -> str:
+    if not rows:
+        return ""
+    items = "".join(f"<li>{html.escape(str(r))}</li>" for r in rows)
+    return f"<details><summary>{title} ({len(rows)})</summary><ul>{items}</ul></details>"
+
+
+def _rows(p: Palette) -> str:
+    return f"""
+.row {{ border-top:1px solid {p.line}; padding:3px 2px; }}
+.row:hover {{ background:{p.background}; }}
+.head {{ display:flex; gap:10px; align-items:baseline; }}
+.name {{ font-weight:650; flex:1; }}
+.number {{ font-variant-numeric:tabular-nums; color:{p.quiet}; }}
+.bar {{ height:3px; background:{p.candidate}; margin:2px 0; }}
+.evidence {{ color:{p.quiet}; font-size:11px; }}
+button {{ font:inherit; border:1px solid {p.line}; border-radius:4px; background:{p.present};
+  color:{p.card}; padding:0 10px; cursor:pointer; }}
+button:disabled {{ opacity:.45; cursor:default; }}
+"""

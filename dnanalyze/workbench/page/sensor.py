@@ -1,0 +1,377 @@
+"""The sensor: operating points, frames measured and simulated, and the values of a pixel."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from typing import Any
+
+import numpy as np
+import panel as pn
+from bokeh.events import Tap
+from bokeh.models import (
+    BasicTicker,
+    ColorBar,
+    ColumnDataSource,
+    FixedTicker,
+    LinearColorMapper,
+    Range1d,
+    TapTool,
+)
+from bokeh.palettes import cividis, gray
+
+from dnanalyze.loaders.captures import Window
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+from dnanalyze.workbench import frames
+from dnanalyze.workbench.frames import View
+from dnanalyze.workbench.page.background import Latest
+from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
+
+SCREEN = 256  # rows and columns of a displayed image at most
+HELD = 6  # whole images kept: a view's measured and simulated ones
+LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
+IMAGE = 208, 268  # width and height of an image's figure, screen pixels
+MAPS = {"grey": gray(256), "cividis": cividis(256)}
+
+
+class Sensor:
+    """The pane."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        p = context.palette
+        self.captures = context.session.captures
+        self.shape = self.captures.sensor.shape
+        self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
+        self._latest = Latest(context.back)
+        self._timer: Any = None
+        style = [inner(p)]
+        settings = self.captures.settings
+        most = max(len(s.frames) for s in settings)
+        self.view_of = View()
+        self.kind = pn.widgets.Select(
+            options=list(frames.KINDS), value="frame", width=112, stylesheets=style, margin=0
+        )
+        self.frame = pn.widgets.IntInput(
+            value=0, start=0, end=most - 1, width=52, stylesheets=style, margin=0
+        )
+        self.plane = pn.widgets.Select(
+            options={n or "all pixels": n for n in frames.planes(self.captures.sensor.cfa)},
+            width=88, stylesheets=style, margin=0, visible=self.captures.sensor.cfa is not None,
+        )  # fmt: skip
+        self.colours = pn.widgets.Select(
+            options=list(MAPS), value="grey", width=78, stylesheets=style, margin=0
+        )
+        self.mode = pn.widgets.RadioButtonGroup(
+            options=["side by side", "swipe", "blink"], value="side by side", stylesheets=style,
+            margin=0, width=185,
+        )  # fmt: skip
+        self.contrast = pn.widgets.RangeSlider(
+            name="contrast %", start=0, end=100, step=0.5, value=frames.CONTRAST,
+            width=130, stylesheets=style, margin=(0, 6, 0, 6),
+        )  # fmt: skip
+        self.swipe = pn.widgets.FloatSlider(
+            name="measured | simulated", start=0, end=1, step=0.01, value=0.5, width=100,
+            stylesheets=style, margin=0, visible=False,
+        )  # fmt: skip
+        for widget in (self.kind, self.frame, self.plane, self.colours, self.contrast, self.mode):
+            widget.param.watch(lambda _: self._changed(), "value")
+        self.swipe.param.watch(lambda _: self._swiped(), "value")
+        self.range_x = Range1d(0, self.shape[1], bounds=(0, self.shape[1]))
+        self.range_y = Range1d(self.shape[0], 0, bounds=(0, self.shape[0]))
+        self.mapper = LinearColorMapper(MAPS["grey"], low=0, high=1, nan_color=p.card)
+        self.difference = LinearColorMapper(_diverging(p.name), low=-1, high=1, nan_color=p.card)
+        self._shown: dict[str, np.ndarray] = {}
+        self.sources = {
+            name: ColumnDataSource({"image": [], "x": [], "y": [], "dw": [], "dh": []})
+            for name in ("measured", "simulated", "difference")
+        }
+        self.figures = {name: self._image(name) for name in self.sources}
+        self.pixel = _Pixel(context)
+        images = [pn.pane.Bokeh(f, margin=0) for f in self.figures.values()]
+        self.upper = pn.Row(*images[:2], margin=0)
+        self.lower = pn.Row(images[2], self.pixel.view, margin=0, sizing_mode="stretch_width")
+        self.points = self._points()
+        self.view = pn.Column(
+            pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
+            pn.pane.Bokeh(self.points, margin=0),
+            pn.Row(self.kind, self.frame, self.plane, self.colours, margin=(2, 0, 2, 0)),
+            pn.Row(self.mode, self.contrast, self.swipe, margin=(0, 0, 4, 0)),
+            self.upper,
+            self.lower,
+            styles=card(p), sizing_mode="stretch_both", margin=0,
+        )  # fmt: skip
+        for name in ("start", "end"):
+            self.range_x.on_change(name, self._moved)
+            self.range_y.on_change(name, self._moved)
+        context.listeners.append(self.update)
+        self._changed()
+
+    def _image(self, name: str) -> Any:
+        p = self.context.palette
+        mapper = self.difference if name == "difference" else self.mapper
+        made = plain_figure(
+            p, width=IMAGE[0], height=IMAGE[1], x_range=self.range_x,
+            y_range=self.range_y, tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom",
+            title=f"{name} [DN]",
+        )  # fmt: skip
+        made.title.text_font_size = "11px"
+        made.title.text_color = p.ink
+        made.title.text_font_style = "normal"
+        image = made.image("image", source=self.sources[name], x="x", y="y", dw="dw", dh="dh",
+                           color_mapper=mapper)  # fmt: skip
+        made.grid.visible = False
+        made.axis.major_label_text_font_size = "9px"
+        made.axis.ticker = BasicTicker(desired_num_ticks=3)
+        bar = ColorBar(
+            color_mapper=mapper, height=7, width=140, padding=1, margin=0,
+            major_label_text_font_size="9px", major_label_text_color=p.ink,
+            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=2),
+            orientation="horizontal", bar_line_color=None,
+        )  # fmt: skip
+        made.add_layout(bar, "below")
+        made.add_tools(hover(p, [image], ("column, row", "$x{0}, $y{0}"), (name, "@image{0.0} DN")))
+        made.on_event(Tap, self._tapped)
+        return made
+
+    def _points(self) -> Any:
+        """Operating points: temperature across, everything else down."""
+        p, settings = self.context.palette, self.captures.settings
+        rest = list(dict.fromkeys(_rest(s.point) for s in settings))
+        temperatures = list(dict.fromkeys(s.point.temperature_c for s in settings))
+        source = ColumnDataSource(
+            {
+                "x": [temperatures.index(s.point.temperature_c) for s in settings],
+                "y": [len(rest) - 1 - rest.index(_rest(s.point)) for s in settings],
+                "n": [f"{len(s.frames)}" for s in settings],
+                "where": [s.point.label().replace(" C", " °C") for s in settings],
+            }
+        )
+        rows = min(len(rest), 8)
+        made = plain_figure(
+            p, width=416, height=38 + 20 * rows, tools="tap",
+            x_range=Range1d(-0.5, len(temperatures) - 0.5), y_range=Range1d(-0.5, len(rest) - 0.5),
+        )  # fmt: skip
+        cells = made.rect("x", "y", width=0.96, height=0.9, source=source, fill_color=p.present,
+                          line_color=p.card, nonselection_alpha=0.35, fill_alpha=0.85)  # fmt: skip
+        made.text("x", "y", "n", source=source, text_align="center", text_baseline="middle",
+                  text_font_size="10px", text_color=p.card)  # fmt: skip
+        made.grid.visible = False
+        made.xaxis.ticker = FixedTicker(ticks=list(range(len(temperatures))))
+        made.xaxis.major_label_overrides = {
+            i: "unknown T" if t is None else f"{t:g} °C" for i, t in enumerate(temperatures)
+        }
+        made.yaxis.ticker = FixedTicker(ticks=list(range(len(rest))))
+        made.yaxis.major_label_overrides = {len(rest) - 1 - i: r for i, r in enumerate(rest)}
+        made.add_tools(hover(p, [cells], ("operating point", "@where"), ("frames", "@n")))
+        made.select_one(TapTool).renderers = [cells]
+        source.selected.indices = [0]
+        source.selected.on_change("indices", self._chosen)
+        return made
+
+    def _chosen(self, attr: str, old: Any, new: list[int]) -> None:
+        if new:
+            self.view_of = View(new[0])
+            self._changed()
+
+    def update(self, what: str) -> None:
+        """Draw what has changed."""
+        if what == "evaluation" or (what == "preview" and self.kind.value == "frame" and math.prod(self.shape) <= LARGE):
+            self._changed()
+
+    def _moved(self, attr: str, old: float, new: float) -> None:
+        self._changed()
+
+    def _changed(self) -> None:
+        """Ask for the images of the present view, window and model."""
+        count = len(self.captures.settings[self.view_of.setting].frames)
+        view = View(
+            self.view_of.setting, self.kind.value, min(self.frame.value or 0, count - 1),
+            self.plane.value or "",
+        )  # fmt: skip
+        self.swipe.visible = self.mode.value == "swipe"
+        self.figures["simulated"].visible = self.mode.value == "side by side"
+        self.figures["difference"].visible = self.mode.value == "side by side"
+        alone = self.mode.value != "side by side"
+        self.figures["measured"].width = 2 * IMAGE[0] if alone else IMAGE[0]
+        self.figures["measured"].height = 400 if alone else IMAGE[1]
+        shown = self.context.shown
+        model = shown.model if shown is not None else None
+        scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
+        window = self._window(scale)
+        self._blink()
+        self._latest.ask(
+            lambda: self._images(view, window, model), lambda x: self._show(x, window, scale),
+            lambda error: self.context.session.tell(str(error)),
+        )  # fmt: skip
+
+    def _window(self, scale: int) -> Window:
+        rows, columns = (n // scale for n in self.shape)
+        left, right = sorted((self.range_x.start / scale, self.range_x.end / scale))
+        top, bottom = sorted((self.range_y.start / scale, self.range_y.end / scale))
+        left, top = max(0, int(left)), max(0, int(top))
+        right, bottom = min(columns, int(np.ceil(right))), min(rows, int(np.ceil(bottom)))
+        return Window(top, max(top + 1, bottom), left, max(left + 1, right))
+
+    def _images(self, view: View, window: Window, model: NoiseModel | None) -> Any:
+        measured = self._whole(view, None)
+        simulated = np.full_like(measured, np.nan) if model is None else self._whole(view, model)
+        cut = window.slices
+        rows = [frames.for_screen(x, window, SCREEN) for x in (measured, simulated)]
+        difference = frames.for_screen(measured - simulated, window, SCREEN)
+        low, high = self.contrast.value
+        ends = frames.contrast([measured[cut], simulated[cut]], low, high)
+        spread = max(abs(e) for e in frames.contrast([difference], low, high))
+        return *rows, difference, ends, spread
+
+    def _whole(self, view: View, model: NoiseModel | None) -> np.ndarray:
+        """A whole image, of the captures or of a model's; the last few are kept."""
+        key = view, model
+        if key not in self._held:
+            captures = self.captures
+            if model is not None:
+                layout = [(s.point, len(s.frames)) for s in captures.settings]
+                captures = simulate(model, self.shape, layout, "simulation", captures.sensor)
+            self._held[key] = frames.image(captures, view)
+            while len(self._held) > HELD:
+                self._held.popitem(last=False)
+        return self._held[key]
+
+    def _show(self, found: Any, window: Window, scale: int) -> None:
+        measured, simulated, difference, (low, high), spread = found
+        self.mapper.palette = MAPS[self.colours.value]
+        self.mapper.low, self.mapper.high = low, high
+        self.difference.low, self.difference.high = -spread, spread
+        self._shown = {"measured": measured, "simulated": simulated, "difference": difference}
+        place = {
+            "x": [window.left * scale], "y": [window.top * scale],
+            "dw": [(window.right - window.left) * scale],
+            "dh": [(window.bottom - window.top) * scale],
+        }  # fmt: skip
+        for name, source in self.sources.items():
+            source.data = {"image": [self._shown[name]], **place}
+        if self.mode.value == "swipe":
+            self._swiped()
+
+    def _swiped(self) -> None:
+        """Left of the handle the measured image, right of it the simulated one."""
+        if not self._shown or self.mode.value != "swipe":
+            return
+        image = self._shown["measured"].copy()
+        at = round(self.swipe.value * image.shape[1])
+        image[:, at:] = self._shown["simulated"][:, at:]
+        source = self.sources["measured"]
+        source.data = {**source.data, "image": [image]}
+
+    def _blink(self) -> None:
+        """Measured and simulated in turn, each for .6 s."""
+        if self.mode.value == "blink" and self._timer is None:
+            state = {"which": "measured"}
+
+            def turn() -> None:
+                state["which"] = "simulated" if state["which"] == "measured" else "measured"
+                if state["which"] in self._shown:
+                    source = self.sources["measured"]
+                    source.data = {**source.data, "image": [self._shown[state["which"]]]}
+                    self.figures["measured"].title.text = f"{state['which']} [DN]"
+
+            self._timer = pn.state.add_periodic_callback(turn, period=600)
+        elif self.mode.value != "blink" and self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+            self.figures["measured"].title.text = "measured [DN]"
+
+    def _tapped(self, event: Any) -> None:
+        row, column = int(event.y), int(event.x)
+        if 0 <= row < self.shape[0] and 0 <= column < self.shape[1]:
+            self.pixel.show(row, column)
+
+
+class _Pixel:
+    """Values of one pixel over frames and operating points, measured and simulated."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        p = context.palette
+        self._latest = Latest(context.back)
+        self.sources = {
+            name: ColumnDataSource({"x": [], "y": [], "where": []})
+            for name in ("measured", "simulated")
+        }
+        made = plain_figure(
+            p, height=IMAGE[1] - 40, sizing_mode="stretch_width", y_axis_label="pixel value [DN]",
+            tools="wheel_zoom,pan,reset",
+        )  # fmt: skip
+        looks = {"measured": (p.ink, "circle"), "simulated": (p.present, "triangle")}
+        drawn = [
+            made.scatter("x", "y", source=self.sources[n], color=c, marker=m, size=5, alpha=0.8)
+            for n, (c, m) in looks.items()
+        ]
+        made.add_tools(hover(p, drawn, ("value", "@y{0.0} DN"), ("operating point", "@where")))
+        settings = context.session.captures.settings
+        made.xaxis.ticker = FixedTicker(ticks=list(range(len(settings))))
+        labels = [
+            f"{s.point.temperature_c:g} °C" if s.point.temperature_c is not None else str(i)
+            for i, s in enumerate(settings)
+        ]
+        every = max(1, -(-len(labels) // 4))
+        made.xaxis.ticker = FixedTicker(ticks=list(range(0, len(settings), every)))
+        made.xaxis.major_label_overrides = dict(enumerate(labels))
+        self.title = pn.pane.HTML(
+            "<span class=quiet>Click a pixel: its values at every operating point.</span>",
+            stylesheets=[inner(p)], margin=0,
+        )  # fmt: skip
+        self.view = pn.Column(
+            self.title, pn.pane.Bokeh(made, sizing_mode="stretch_width", margin=0),
+            sizing_mode="stretch_width", margin=0,
+        )  # fmt: skip
+
+    def show(self, row: int, column: int) -> None:
+        """Draw the values of a pixel."""
+        session, shown = self.context.session, self.context.shown
+        captures = session.captures
+
+        def work() -> Any:
+            measured = frames.pixel(captures, row, column)
+            if shown is None:
+                return measured, []
+            layout = [(s.point, min(len(s.frames), frames.MOST_FRAMES)) for s in captures.settings]
+            made = simulate(
+                shown.model, captures.sensor.shape, layout, "simulation", captures.sensor
+            )
+            return measured, frames.pixel(made, row, column)
+
+        def draw(found: Any) -> None:
+            self.title.object = f"<b>Pixel</b> column {column}, row {row}"
+            for name, values in zip(self.sources, found, strict=True):
+                data: dict[str, list[Any]] = {"x": [], "y": [], "where": []}
+                aside = 0.12 if name == "simulated" else -0.12
+                for i, (v, s) in enumerate(zip(values, captures.settings, strict=False)):
+                    data["x"] += list(i + aside + np.linspace(-0.1, 0.1, len(v)))
+                    data["y"] += list(v)
+                    data["where"] += [s.point.label().replace(" C", " °C")] * len(v)
+                self.sources[name].data = data
+
+        self._latest.ask(work, draw, lambda error: session.tell(str(error)))
+
+
+def _rest(point: Any) -> str:
+    """Everything of an operating point but its temperature."""
+    parts = [point.channel or ""]
+    parts += [f"{point.exposure_s:.3g} s"] if point.exposure_s is not None else []
+    parts += [f"gain {point.gain:g}"] if point.gain is not None else []
+    return ", ".join(x for x in parts if x) or "frames"
+
+
+def _diverging(theme: str) -> list[str]:
+    """Blue, neutral, orange."""
+    middle = (0.16, 0.18, 0.2) if theme == "dark" else (0.96, 0.96, 0.96)
+    ends = ((0.13, 0.4, 0.75), (0.85, 0.42, 0.1))
+    out = []
+    for t in np.linspace(-1, 1, 255):
+        end = ends[0] if t < 0 else ends[1]
+        rgb = [round(255 * (m + (e - m) * abs(t))) for m, e in zip(middle, end, strict=True)]
+        out.append("#{:02x}{:02x}{:02x}".format(*rgb))
+    return out

@@ -1,0 +1,121 @@
+"""Colours, style sheet and plain figures of the page, light and dark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from bokeh.models import BasicTickFormatter, HoverTool
+from bokeh.plotting import figure
+
+
+@dataclass(frozen=True)
+class Palette:
+    """Colours of a theme; curves after Okabe and Ito, which the colour-blind can tell apart."""
+
+    name: str
+    background: str
+    card: str
+    ink: str
+    quiet: str
+    line: str
+    present: str
+    wang: str
+    candidate: str
+    good: str
+    heat: tuple[str, ...]
+
+
+LIGHT = Palette(
+    "light", "#f3f4f6", "#ffffff", "#16191d", "#5b6470", "#d5d9df", "#0072b2", "#b86e00",
+    "#b5348f", "#00785a", ("#eef3f8", "#c6dcee", "#8dbfe0", "#f2c46d", "#e07b39", "#a8321a"),
+)  # fmt: skip
+DARK = Palette(
+    "dark", "#14171a", "#1d2125", "#eceff2", "#9aa4af", "#363d44", "#56b4e9", "#e69f00",
+    "#e58ac9", "#3ecf9b", ("#23303b", "#2b5470", "#3f86b3", "#c79632", "#d9702e", "#f0543a"),
+)  # fmt: skip
+
+
+def palette(theme: str) -> Palette:
+    """By name; light for any other."""
+    return DARK if theme == "dark" else LIGHT
+
+
+def sheet(p: Palette) -> str:
+    """Style sheet of the page."""
+    return f"""
+:root {{ --bg:{p.background}; --card:{p.card}; --ink:{p.ink}; --quiet:{p.quiet};
+  --line:{p.line}; --present:{p.present}; --candidate:{p.candidate}; color-scheme:{p.name}; }}
+html, body {{ background:var(--bg); color:var(--ink); margin:0; height:100%; overflow:hidden;
+  font:13px/1.35 system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; }}
+"""
+
+
+def inner(p: Palette) -> str:
+    """Style sheet of widgets, which live in shadow roots of their own."""
+    return f"""
+:host {{ --ink:{p.ink}; --design-primary-color:{p.present}; color:{p.ink}; font-size:12px;
+  font-family:system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; }}
+.bk-input, .noUi-target, .bk-btn {{ background-color:{p.card} !important; color:{p.ink} !important;
+  border-color:{p.line} !important; font-size:12px !important; }}
+.bk-input {{ padding:1px 5px !important; min-height:22px !important; height:24px !important; }}
+.bk-btn {{ padding:2px 9px !important; }}
+.bk-btn-primary {{ background-color:{p.present} !important; color:{p.card} !important; }}
+.bk-btn:disabled {{ opacity:.45; }}
+.bk-active.bk-btn {{ background-color:{p.present} !important; color:{p.card} !important; }}
+label, .bk-slider-title {{ color:{p.quiet}; font-size:11px; }}
+.noUi-target {{ height:6px !important; margin:9px 8px !important; }}
+.noUi-connect {{ background:{p.present} !important; }}
+.noUi-handle {{ width:14px !important; height:14px !important; top:-5px !important;
+  right:-7px !important; border-radius:50% !important; background:{p.present} !important;
+  box-shadow:none !important; border:none !important; }}
+.noUi-handle::before, .noUi-handle::after {{ display:none; }}
+h2 {{ font-size:13px; margin:0; font-weight:650; color:{p.ink}; }}
+.quiet {{ color:{p.quiet}; }}
+.error {{ font-size:26px; font-weight:700; color:{p.present}; }}
+a {{ color:{p.present}; }}
+"""
+
+
+def card(p: Palette) -> dict[str, str]:
+    """Styles of a pane."""
+    return {
+        "background": p.card,
+        "border": f"1px solid {p.line}",
+        "border-radius": "6px",
+        "padding": "6px 8px",
+        "color": p.ink,
+    }
+
+
+def plain_figure(p: Palette, **options: Any) -> Any:
+    """A Bokeh figure in the theme's colours."""
+    settings: dict[str, Any] = {
+        "toolbar_location": None,
+        "background_fill_color": p.card,
+        "border_fill_color": p.card,
+        "outline_line_color": p.line,
+        "min_border": 2,
+        "output_backend": "canvas",
+    }
+    made = figure(**(settings | options))
+    for axis in (*made.xaxis, *made.yaxis):
+        axis.axis_line_color = p.quiet
+        axis.major_tick_line_color = p.quiet
+        axis.minor_tick_line_color = None
+        axis.major_label_text_color = p.ink
+        axis.axis_label_text_color = p.ink
+        axis.major_label_text_font_size = "10px"
+        axis.axis_label_text_font_size = "11px"
+        axis.axis_label_text_font_style = "normal"
+        axis.axis_label_standoff = 3
+        if isinstance(axis.formatter, BasicTickFormatter):
+            axis.formatter.use_scientific = False
+    made.grid.grid_line_color = p.line
+    made.grid.grid_line_alpha = 0.6
+    return made
+
+
+def hover(p: Palette, renderers: Any, *rows: tuple[str, str], **options: Any) -> HoverTool:
+    """A hover tool over some glyphs."""
+    return HoverTool(tooltips=list(rows), renderers=renderers, **options)
