@@ -55,7 +55,7 @@ def python(source: CaptureSource, path: Sequence[Node]) -> str:
         )
         if value is not None
     ]
-    lines = ["import dnanalyze", ""]
+    lines = ["from pathlib import Path", "", "import dnanalyze", ""]
     lines.append(f"captures = dnanalyze.load({', '.join([repr(str(source.folder)), *more])})")
     if source.channel is not None:
         lines.append(f"captures = captures.channel({source.channel!r})")
@@ -67,8 +67,9 @@ def python(source: CaptureSource, path: Sequence[Node]) -> str:
     model = ""
     for node in path:
         if not node.command:
-            text = dump_model(node.model)
-            lines += [f'model = dnanalyze.parse_model("""\\\n{text}"""{known})']
+            file = f'Path("model-{node.number}.yaml")'
+            lines.append(f'{file}.write_text("""\\\n{dump_model(node.model)}""")')
+            lines.append(f"model = dnanalyze.load_model({file}{known})")
         else:
             lines.append(_call(node.command, model, known))
         model = "model"

@@ -255,7 +255,7 @@ class WorkbenchSession:
             with self._lock:
                 self._kept = [found, *(e for e in self._kept if e is not found)][:KEPT]
                 self.history = self._history().measured(node.number, found.error, found.families)
-                if self.baseline is None and node.model.names == [BASE]:
+                if node.model.names == [BASE] and (self.baseline is None or node.command):
                     self.baseline = found
                 if self.history.at == node.number:
                     self.evaluation = found
@@ -449,6 +449,13 @@ class WorkbenchSession:
 
         found = compare(self.captures, self.present.model, held=self.bench)
         return compare_page(self.captures, found)
+
+    def targets(self) -> str:
+        """Targets for `check`, from simulated sensors of the present model; takes seconds."""
+        from dnanalyze.comparator.margins import propose
+        from dnanalyze.comparator.targets import dump_targets
+
+        return dump_targets(propose(self.captures, self.present.model))
 
     def commands(self) -> str:
         """Shell commands that make the present node from the captures."""

@@ -306,7 +306,8 @@ class CurveFigure:
         where = _label(address.point, address.plane)
         self.title.object = (
             "<div style='white-space:nowrap;overflow:hidden;text-overflow:ellipsis'>"
-            f"<b>{infos()[address.name].title}</b> <span class=quiet>{html.escape(where)}</span></div>"
+            f"<b>{infos()[address.name].title}</b> "
+            f"<span class=quiet>{html.escape(where)}</span></div>"
         )
         kind = axes, tuple(labels)
         if kind != self._kind:

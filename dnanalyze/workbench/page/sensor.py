@@ -178,7 +178,8 @@ class Sensor:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        if what == "evaluation" or (what == "preview" and self.kind.value == "frame" and math.prod(self.shape) <= LARGE):
+        live = self.kind.value == "frame" and math.prod(self.shape) <= LARGE
+        if what == "evaluation" or (what == "preview" and live):
             self._changed()
 
     def _moved(self, attr: str, old: float, new: float) -> None:

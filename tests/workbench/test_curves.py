@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+
+from dnanalyze.analyzers.analyze import analyze
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
+from dnanalyze.workbench import curves
+from dnanalyze.workbench.curves import Address
+
+POINT = OperatingPoint(25.0, 0.1)
+NOISE = 6.0
+
+
+@pytest.fixture(scope="module")
+def white():
+    """White noise of 6 DN, 8 frames of 128 x 128."""
+    stack = np.random.default_rng(5).normal(200, NOISE, (8, 128, 128)).round().astype(np.uint16)
+    made = tuple(
+        Frame(f"{i}", POINT, lambda w, x=x: x if w is None else x[w.slices])
+        for i, x in enumerate(stack)
+    )
+    return analyze(CaptureSet("white", Sensor((128, 128)), (Setting(POINT, made),)))
+
+
+def test_the_power_of_white_noise_is_its_variance_within_the_band(white):
+    found = curves.curve(white, Address("temporal_psd_0.08_0.16", POINT), white)
+    variance = NOISE**2 + 1 / 12
+    inside = (found.low < variance) & (variance < found.high)
+    assert inside.mean() > 0.8  # two standard errors hold 95 %
+    assert np.exp(np.mean(np.log(found.y))) == pytest.approx(variance, rel=0.02)
+
+
+def test_a_histogram_is_a_density(white):
+    found = curves.curve(white, Address("pattern_q0.99", POINT), white)
+    width = np.diff(found.x)[0]
+    assert np.nansum(found.y) * width == pytest.approx(1.0, abs=1e-3)
+    peak = np.nanmax(found.y)
+    assert peak == pytest.approx(1 / (NOISE * np.sqrt(2 * np.pi)), rel=0.05)
+
+
+def test_a_statistic_over_operating_points_has_its_error(white):
+    labels, found = curves.over_points(white, Address("mean", POINT))
+    value = white.settings[0].values["mean"]
+    assert labels == ["25 °C, 0.1 s"]
+    assert found.y[0] == value.value
+    assert found.high[0] - found.low[0] == pytest.approx(4 * value.se)
+
+
+def test_what_a_family_cannot_draw_is_none(white):
+    assert curves.axes(Address("mean", POINT)) is None
+    assert curves.curve(white, Address("mean", POINT), white) is None
+    assert curves.curve(white, Address("pattern_q0.99", OperatingPoint(99.0)), white) is None

@@ -1,0 +1,195 @@
+"""The page in a real browser; skipped where there is none."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("panel", reason="the extra workbench is not installed")
+api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+if CHROMIUM is None:
+    pytest.skip("no Chromium on this machine", allow_module_level=True)
+
+RUN = "from dnanalyze_cli.main import run; run()"
+PATIENCE_S = 240.0
+FLAGS = [
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with api.sync_playwright() as play:
+        made = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield made
+        made.close()
+
+
+@pytest.fixture(scope="module")
+def address(folder) -> Iterator[str]:
+    """A server on the small sensor."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser"],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    assert process.stdout is not None
+    yield process.stdout.readline().split()[0]
+    process.terminate()
+    process.wait(20)
+    process.stdout.close()
+
+
+class Workbench:
+    """An open page."""
+
+    def __init__(self, browser: Any, address: str) -> None:
+        self.page = browser.new_page(viewport={"width": 1440, "height": 900})
+        self.page.set_default_timeout(1000 * PATIENCE_S)
+        self.outside: list[str] = []
+        self.page.on("request", self._requested)
+        self.page.goto(address)
+
+    def _requested(self, request: Any) -> None:
+        if not re.match(r"(http|ws)://127\.0\.0\.1[:/]|data:|blob:", request.url):
+            self.outside.append(request.url)
+
+    @property
+    def error(self) -> str:
+        """The error as shown, with its sign of a preview."""
+        shown = self.page.locator(".error")
+        return shown.inner_text() if shown.count() else ""
+
+    def until(self, holds: Any, what: str) -> Any:
+        """Wait until something holds."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            if found := holds():
+                return found
+            self.page.wait_for_timeout(50)
+        raise AssertionError(f"not seen in {PATIENCE_S:g} s: {what}")
+
+    def settled(self) -> float:
+        """The full error, once no task is under way."""
+        self.until(
+            lambda: (
+                re.fullmatch(r"[\d.]+", self.error)
+                and self.page.get_by_role("button", name="Cancel").is_disabled()
+            ),
+            "the full error",
+        )
+        return float(self.error)
+
+    def points(self, layer: str) -> int:
+        """Points of a curve of the open figure."""
+        script = f"""() => {{ for (const d of Bokeh.documents) {{
+            const found = d.get_model_by_name("{layer}");
+            if (found) return found.data_source.get_length() ?? 0; }} return 0; }}"""
+        return int(self.page.evaluate(script))
+
+    def click(self, name: str) -> None:
+        """A button."""
+        self.page.get_by_role("button", name=name, exact=True).first.click()
+
+
+@pytest.fixture(scope="module")
+def bench(browser, address) -> Workbench:
+    opened = Workbench(browser, address)
+    opened.settled()
+    return opened
+
+
+def test_the_frames_show_before_the_statistics_are_taken(bench):
+    """And nothing comes from another host."""
+    assert bench.page.get_by_text("Where it fails").is_visible()
+    assert bench.points("measured") > 0
+    assert bench.outside == []
+
+
+def test_a_click_on_a_family_opens_its_figure(bench):
+    title = bench.page.locator("b").filter(has_text=re.compile("."))
+    before = title.all_inner_texts()
+    box = bench.page.locator(".bk-Figure").nth(4).bounding_box()
+    bench.page.mouse.click(box["x"] + 0.48 * box["width"], box["y"] + 0.5 * box["height"])
+    bench.until(lambda: title.all_inner_texts() != before, "another title")
+
+
+def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
+    before = bench.settled()
+    handle = bench.page.locator(".noUi-handle[role=slider]").nth(2)
+    handle.focus()
+    for _ in range(12):
+        bench.page.keyboard.press("ArrowRight")
+    bench.until(lambda: bench.error.startswith("≈"), "a preview")
+    bench.until(lambda: re.fullmatch(r"[\d.]+", bench.error), "the full error")
+    assert bench.settled() != before
+    bench.click("Undo")
+    bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
+
+
+def test_what_is_missing_is_named_shown_and_added(bench):
+    before = bench.settled()
+    bench.click("Diagnose")
+    row = bench.page.locator(".row").first
+    bench.until(lambda: row.count() and "column_fpn" in row.inner_text(), "the candidate")
+    assert bench.points("candidate") == 0
+    row.hover()
+    bench.until(lambda: bench.points("candidate") > 0, "the candidate's curve")
+    bench.settled()
+    row.get_by_role("button", name="Add").click()
+    bench.until(lambda: bench.error != f"{before:.3g}", "another error")
+    after = bench.settled()
+    assert after < 1.4
+    assert before > 2 * after
+
+
+def test_a_running_refinement_is_cancelled_and_the_page_goes_on(bench):
+    error = bench.settled()
+    bench.click("Refine")
+    bench.until(lambda: bench.page.get_by_role("button", name="Cancel").is_enabled(), "the task")
+    bench.page.wait_for_timeout(300)
+    begun = time.monotonic()
+    bench.click("Cancel")
+    bench.until(lambda: bench.page.get_by_role("button", name="Cancel").is_disabled(), "its end")
+    assert time.monotonic() - begun < 10  # the limit on an idle machine is in the benchmark
+    assert bench.settled() == error
+
+
+def test_a_reload_keeps_the_session_and_another_tab_is_another_session(bench, browser, address):
+    error = bench.settled()
+    bench.page.reload()
+    assert bench.settled() == error
+    other = Workbench(browser, address)
+    other.settled()
+    assert other.page.url != bench.page.url
+    assert bench.settled() == error
+    other.page.close()
+
+
+def test_model_report_and_targets_are_downloaded(bench, tmp_path):
+    for label, begins in (("Model", "schema: dnanalyze/model/1"), ("Report", "<!"),
+                          ("CI targets", "")):  # fmt: skip
+        with bench.page.expect_download() as caught:
+            bench.page.get_by_text(label, exact=True).last.click()
+        text = Path(caught.value.path()).read_text(encoding="utf-8")
+        assert text.strip().startswith(begins)
+        assert len(text) > 100
+
+
+def test_the_dark_theme_keeps_the_session(bench):
+    error = bench.settled()
+    bench.page.get_by_text("dark theme").click()
+    bench.page.get_by_text("light theme").wait_for()
+    assert bench.settled() == error

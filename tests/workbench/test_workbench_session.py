@@ -1,0 +1,167 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import dnanalyze
+from dnanalyze.comparator.compare import compare
+from dnanalyze.errors import InputError
+from dnanalyze.model.noise_model import model_from_plain
+from dnanalyze.workbench.session import WorkbenchSession
+from dnanalyze.workbench.source import CaptureSource
+
+RUN = "from dnanalyze_cli.main import run; run()"
+
+
+@pytest.fixture
+def session(folder, fitted):
+    made = WorkbenchSession(CaptureSource(folder), fitted)
+    made.prepare()
+    yield made
+    made.close()
+
+
+def test_without_a_model_the_wang_2025_model_is_fitted(folder, fitted):
+    made = WorkbenchSession(CaptureSource(folder))
+    made.prepare()
+    assert made.worker.job.over.wait(120)
+    assert made.present.model == fitted
+    assert made.present.error == made.baseline.error
+    made.close()
+
+
+def test_the_error_is_that_of_compare_and_of_the_copied_commands(
+    session, folder, tmp_path, monkeypatch
+):
+    session.diagnose().over.wait(300)
+    names = [c["effect"] for c in session.diagnosis["candidates"]]
+    assert names[0] == "column_fpn"
+    session.add("column_fpn").over.wait(300)
+    errors = [node.error for node in session.history.path()]
+    assert errors[-1] < errors[0] / 2
+    own = compare(dnanalyze.load(str(folder)), session.present.model).error
+    assert session.present.error == pytest.approx(own, rel=1e-6)
+
+    script = session.commands().replace("dnanalyze ", f'{sys.executable} -c "{RUN}" ')
+    (tmp_path / "script.sh").write_text(script)
+    subprocess.run(["sh", "script.sh"], cwd=tmp_path, check=True, capture_output=True)
+    again = json.loads((tmp_path / "out.json").read_text())["error"]
+    assert again == pytest.approx(own, rel=1e-6)
+
+    copied: dict = {}
+    monkeypatch.chdir(tmp_path)
+    exec(session.python().replace("print(", "error = ("), copied)
+    assert copied["error"] == pytest.approx(own, rel=1e-6)
+
+
+def test_a_preview_is_near_the_full_error_and_says_so(session):
+    name = "convolved_lognormal.delta[2]"
+    value = next(s.value for s in session.sliders() if s.knob.name == name)
+    model = session.with_value(name, 1.5 * value)
+    quick = session.preview(model)
+    assert quick.preview
+    session.adopt(model, "set delta")
+    assert quick.error == pytest.approx(session.present.error, rel=0.35)
+
+
+def test_a_preview_of_the_present_model_is_its_error(session):
+    assert session.preview(session.present.model).error == pytest.approx(session.present.error)
+
+
+def test_undo_branch_and_names_keep_everything(session):
+    first = session.present.number
+    session.set_value("pedestal", 80.0)
+    session.undo()
+    assert session.present.number == first
+    session.set_value("pedestal", 70.0)
+    session.name(session.present.number, "low pedestal")
+    assert [n.model.pedestal for n in session.history.nodes][-2:] == [80.0, 70.0]
+    assert session.present.title == "low pedestal"
+    assert session.present.parent == first
+
+
+def test_an_effect_is_taken_out_and_restored_with_its_numbers(session):
+    model = model_from_plain(
+        session.present.model.to_plain() | {"effects": [
+            *session.present.model.to_plain()["effects"], {"read_noise": {"sigma": 2.5}}]},
+        "model",
+    )  # fmt: skip
+    session.adopt(model, "with read noise")
+    session.remove("read_noise")
+    assert session.removed == ["read_noise"]
+    session.restore("read_noise")
+    assert session.present.model.get("read_noise").sigma == 2.5
+
+
+def test_pinned_parameters_keep_their_values_in_a_fit(session):
+    value = session.present.model.pedestal
+    session.set_value("pedestal", value + 0.5)
+    session.pin("pedestal", True)
+    session.fit().over.wait(120)
+    assert session.present.model.pedestal == value + 0.5
+    assert "--freeze pedestal" in session.commands()
+
+
+def test_a_running_task_is_cancelled_within_a_second_and_the_next_one_runs(session):
+    job = session.refine()
+    time.sleep(0.5)
+    with pytest.raises(InputError, match="refine is under way; cancel it first"):
+        session.diagnose()
+    begun = time.monotonic()
+    session.cancel()
+    assert time.monotonic() - begun < 1.0
+    assert job.over.wait(1)
+    assert session.fit().over.wait(120)
+    assert session.message != "internal error"
+
+
+def test_a_worker_that_dies_is_a_message_and_nothing_is_lost(session):
+    nodes = session.history.nodes
+    job = session.refine()
+    time.sleep(0.5)
+    os.kill(session.worker._process.pid, signal.SIGKILL)
+    assert job.over.wait(5)
+    assert "ended unexpectedly" in session.message
+    assert session.history.nodes[: len(nodes)] == nodes
+    session.fit().over.wait(120)
+    assert session.present.action == "fit"
+
+
+def test_what_is_wrong_is_told_in_one_line(session):
+    with pytest.raises(InputError, match="no parameter 'nothing' in the model; valid: pedestal"):
+        session.with_value("nothing", 1.0)
+    with pytest.raises(InputError, match="the model holds it already"):
+        session.add("convolved_lognormal")
+    with pytest.raises(InputError, match="no effect 'rts' in the model"):
+        session.remove("rts")
+
+
+def test_an_effect_that_raises_leaves_the_session_as_it_was(folder, fitted, tmp_path):
+    own = tmp_path / "own.py"
+    own.write_text(
+        "from dataclasses import dataclass\n"
+        "from dnanalyze import Effect, Stage, parameter\n"
+        "@dataclass(frozen=True)\n"
+        "class Broken(Effect):\n"
+        "    name = 'broken'\n"
+        "    stage = Stage.LINE_READ\n"
+        "    size: float = parameter(1.0, 'DN', 0.0, 9.0, 'raises above 2')\n"
+        "    def apply(self, signal, site):\n"
+        "        if self.size > 2:\n"
+        "            raise ValueError('above 2')\n"
+        "        return signal\n"
+    )
+    made = WorkbenchSession(CaptureSource(folder, effects=(own,)), fitted)
+    made.prepare()
+    made.restore("broken")
+    before = made.present
+    with pytest.raises(ValueError, match="above 2"):
+        made.preview(made.with_value("broken.size", 3.0))
+    assert made.present == before
+    assert np.isfinite(made.preview(made.with_value("broken.size", 1.5)).error)
+    made.close()
