@@ -1,0 +1,165 @@
+"""Latency and memory of the workbench, measured in a headless Chromium.
+
+    python benchmarks/workbench.py [FOLDER] [--moves 50] [--long 500] [--screenshot DIR]
+
+Without a folder a virtual sensor of 5 temperatures x 8 frames x 512 x 512 is made. A move is a key
+pressed on a slider; it ends when the browser has drawn the new curve. Needs the extra `workbench`,
+Playwright and Debian's chromium.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+RUN = "from dnanalyze_cli.main import run; run()"
+FLAGS = [
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+REST_S = 0.35  # the page waits so long after the last move
+MOVES = """async ([count, pause]) => {
+  const found = [];
+  const search = (root) => {
+    for (const e of root.querySelectorAll("*")) {
+      if (e.classList.contains("noUi-handle")) found.push(e);
+      if (e.shadowRoot) search(e.shadowRoot);
+    }
+  };
+  search(document);
+  const handle = found[3];
+  const doc = Bokeh.documents.find((d) => d.get_model_by_name("present model"));
+  const took = [];
+  for (let i = 0; i < count; i++) {
+    const source = doc.get_model_by_name("present model").data_source;
+    const begun = performance.now();
+    const drawn = new Promise((resolve) => {
+      const slot = () => {
+        source.properties.data.change.disconnect(slot);
+        requestAnimationFrame(() => requestAnimationFrame(resolve));
+      };
+      source.properties.data.change.connect(slot);
+      setTimeout(resolve, 5000);
+    });
+    const key = i % 20 < 10 ? "ArrowRight" : "ArrowLeft";
+    handle.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+    await drawn;
+    took.push(performance.now() - begun);
+    await new Promise((resolve) => setTimeout(resolve, pause));
+  }
+  return took;
+}"""
+
+
+def virtual_sensor(folder: Path) -> Path:
+    """5 temperatures x 8 frames x 512 x 512 with column FPN."""
+    from dnanalyze.demo import draw_sensor, generate, write_folder
+
+    sensor = draw_sensor(np.random.default_rng(1))
+    made = generate(sensor, {"column_fpn": "middling"}, (512, 512), frames=8, seed=1)
+    return write_folder(made, folder)
+
+
+def memory_mib(pid: int) -> float:
+    """Resident memory of a process."""
+    text = Path(f"/proc/{pid}/status").read_text()
+    return int(re.search(r"VmRSS:\s+(\d+)", text).group(1)) / 1024  # type: ignore[union-attr]
+
+
+def settled(page: Any, limit_s: float = 300.0) -> None:
+    """Wait until the full error shows and no task is under way."""
+    end = time.monotonic() + limit_s
+    while time.monotonic() < end:
+        shown = page.locator(".error")
+        if (
+            shown.count()
+            and re.fullmatch(r"[\d.]+", shown.inner_text())
+            and page.get_by_role("button", name="Cancel").is_disabled()
+        ):
+            return
+        page.wait_for_timeout(20)
+    raise SystemExit("the page never came to rest")
+
+
+def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None:
+    """Print every figure."""
+    from playwright.sync_api import sync_playwright
+
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser"],
+        stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )  # fmt: skip
+    assert process.stdout is not None
+    address = process.stdout.readline().split()[0]
+    try:
+        with sync_playwright() as play:
+            browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+            page = browser.new_page(viewport={"width": 1440, "height": 900})
+            page.goto(address)
+            settled(page)  # statistics and compiled loops are in the cache now
+            page.close()
+            page = browser.new_page(viewport={"width": 1440, "height": 900})
+            begun = time.perf_counter()
+            page.goto(address)
+            page.get_by_text("Where it fails").wait_for()
+            print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3)")
+            settled(page)
+            page.evaluate(MOVES, [3, 400])
+            took = page.evaluate(MOVES, [moves, 60])
+            p50, p95 = np.percentile(took, [50, 95])
+            print(
+                f"{moves} slider moves, key to drawn curve: p50 {p50:.0f} ms, p95 {p95:.0f} ms "
+                "(limit 250)"
+            )
+            settled(page)
+            rests = []
+            for _ in range(10):
+                page.evaluate(MOVES, [1, 0])
+                begun = time.perf_counter()
+                settled(page)
+                rests.append(time.perf_counter() - begun)
+            print(
+                f"full error after rest: p50 {np.median(rests):.2f} s, most {max(rests):.2f} s "
+                f"(limit 1.5; {REST_S:g} s of it the wait)"
+            )
+            if pictures is not None:
+                page.screenshot(path=str(pictures / "workbench.png"))
+            before = memory_mib(process.pid)
+            page.evaluate(MOVES, [long, 10])
+            settled(page)
+            after = memory_mib(process.pid)
+            print(
+                f"server's memory: {before:.0f} MiB, {after:.0f} MiB after {long} moves more "
+                "(limit 1536)"
+            )
+            browser.close()
+    finally:
+        process.terminate()
+        process.wait(20)
+        process.stdout.close()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", nargs="?", type=Path)
+    parser.add_argument("--moves", type=int, default=50)
+    parser.add_argument("--long", type=int, default=500)
+    parser.add_argument("--screenshot", type=Path, metavar="DIR")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = options.folder or virtual_sensor(Path(temporary) / "sensor")
+        measured(folder, options.moves, options.long, options.screenshot)
+
+
+if __name__ == "__main__":
+    main()
