@@ -301,7 +301,7 @@ def _read_table(path: Path) -> None:
 
 
 def _read_targets(path: Path) -> None:
-    from dnanalyze.comparator.targets import load_targets
+    from dnanalyze.checking.targets import load_targets
 
     load_targets(path)
 

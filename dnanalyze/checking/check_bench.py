@@ -8,8 +8,8 @@ from functools import cached_property
 
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
+from dnanalyze.checking.targets import POOLED
 from dnanalyze.comparator.error import family_errors, pooled
-from dnanalyze.comparator.targets import POOLED
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design, design
 from dnanalyze.fitting.vectors import prediction, target

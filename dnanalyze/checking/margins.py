@@ -19,8 +19,8 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.analyzers.statistics import Scale, Statistics
-from dnanalyze.comparator.check_bench import CheckBench
-from dnanalyze.comparator.targets import SCHEMA, At, Origin, Target, Targets
+from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.targets import SCHEMA, At, Origin, Target, Targets
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import yaml
 
-from dnanalyze.comparator import margins
-from dnanalyze.comparator.check import check
-from dnanalyze.comparator.margins import propose
-from dnanalyze.comparator.targets import dump_targets, load_targets, targets_from_plain
+from dnanalyze.checking import margins
+from dnanalyze.checking.check import check
+from dnanalyze.checking.margins import propose
+from dnanalyze.checking.targets import dump_targets, load_targets, targets_from_plain
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.column_fpn import ColumnFpn

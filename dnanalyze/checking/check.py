@@ -9,8 +9,8 @@ from typing import Any
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.analyzers.statistics import Scale, SettingStatistics
-from dnanalyze.comparator.check_bench import CheckBench
-from dnanalyze.comparator.targets import POOLED, Target, Targets
+from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.targets import POOLED, Target, Targets
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
