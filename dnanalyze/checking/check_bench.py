@@ -14,8 +14,9 @@ from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design, design
 from dnanalyze.fitting.vectors import prediction, target
 from dnanalyze.loaders.captures import CaptureSet, Window
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo, simulate
+from dnanalyze.model.simulate import simulate
 
 BUDGET_PIXELS = 24_000_000
 

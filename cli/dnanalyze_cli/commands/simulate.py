@@ -149,7 +149,7 @@ def _check_size(shape: tuple[int, int], frames: int) -> None:
         MIN_ROWS,
         available_memory,
     )  # fmt: skip
-    from dnanalyze.model.simulate import MAPS
+    from dnanalyze.model.simulator import MAPS
 
     rows, columns = shape
     pixels, free = rows * columns, available_memory()

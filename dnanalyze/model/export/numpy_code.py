@@ -76,7 +76,7 @@ def numpy_source(model: NoiseModel) -> str:
         ("dnanalyze.model.laws", "TableLaw"),
         ("dnanalyze.model.effect", "Effect"),
         ("dnanalyze.model.noise_model", "NoiseModel"),
-        ("dnanalyze.model.simulate", "Simulator"),
+        ("dnanalyze.model.simulator", "Simulator"),
     ):
         bundle.add(module, name)
     for effect in model.effects:
