@@ -116,7 +116,7 @@ class Session:
         channel: str | None = None,
     ) -> CaptureSet:
         """The captures, or one channel of them; what had to be assumed is said on stderr."""
-        from dnanalyze.analyzers.cache import default_folder
+        from dnanalyze.analyzers.streaming.cache import default_folder
         from dnanalyze.loaders import load
 
         assert self.captures is not None

@@ -10,14 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers import cache, spectrum
+from dnanalyze.analyzers.accumulators.accumulated import Accumulated
 from dnanalyze.analyzers.catalogue import FAMILIES
-from dnanalyze.analyzers.family import Accumulated
-from dnanalyze.analyzers.saturation import of_maps
+from dnanalyze.analyzers.estimators.saturation import of_maps
+from dnanalyze.analyzers.estimators.wave_errors import widened
+from dnanalyze.analyzers.families import spectrum
+from dnanalyze.analyzers.families.trends import trends
 from dnanalyze.analyzers.statistics import SATURATION, SettingStatistics, Statistics
-from dnanalyze.analyzers.streaming import Accumulation, make_plan, read_ahead
-from dnanalyze.analyzers.trends import trends
-from dnanalyze.analyzers.wave import widened
+from dnanalyze.analyzers.streaming import cache
+from dnanalyze.analyzers.streaming.accumulation import Accumulation, make_plan, read_ahead
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 
@@ -142,7 +143,7 @@ def _on_cluster(
     entry: cache.Entry | None,
 ) -> list[list[SettingStatistics]]:
     """As `_here`, by the workers of a Dask cluster."""
-    from dnanalyze.analyzers import distributed
+    from dnanalyze.analyzers.streaming import distributed
 
     cut = distributed.Cut(_outer([part.window for part in parts]), parts)
     out: list[list[SettingStatistics]] = []

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import Saturation, saturation
+from dnanalyze.analyzers.estimators.saturation import Saturation, saturation
 from dnanalyze.loaders.captures import CaptureSet, Setting
 
 LOOKS = 4  # frames of a setting: each doubles what the variance of a pixel tells, 4 are plenty

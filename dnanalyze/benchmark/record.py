@@ -143,7 +143,7 @@ def record(
         Called with a line of progress.
     """
     from dnanalyze.analyzers.analyze import analyze
-    from dnanalyze.analyzers.trends import law_doubts
+    from dnanalyze.analyzers.families.trends import law_doubts
 
     tell(f"{name}: statistics")
     statistics = analyze(captures)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import saturation
+from dnanalyze.analyzers.estimators.saturation import saturation
 from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed

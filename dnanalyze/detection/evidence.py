@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import MAJORITY, Saturation, saturation
+from dnanalyze.analyzers.estimators.saturation import MAJORITY, Saturation, saturation
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
 from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
 from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading

@@ -300,7 +300,7 @@ def test_limits_hold_for_a_variance_of_few_frames(frames):
     """The scatter of few frames' means has a heavy low tail on the log scale, which t lacks."""
     from scipy.stats import t
 
-    from dnanalyze.analyzers.time import log_spread_error
+    from dnanalyze.analyzers.families.time import log_spread_error
 
     rng, freedom, share = np.random.default_rng(frames), frames - 1, 5e-4
     outside, tried = 0, 0
