@@ -15,7 +15,7 @@ import numpy as np
 from scipy import special
 
 from dnanalyze.analyzers.accumulators.accumulated import Accumulated
-from dnanalyze.analyzers.estimators.line_means import block_means, line_means
+from dnanalyze.analyzers.estimators.line_means import line_means
 from dnanalyze.analyzers.families.family import FamilyResult
 from dnanalyze.analyzers.families.spectrum_infos import INFOS, band_names, profile_names
 from dnanalyze.analyzers.plan import CLIP
@@ -41,18 +41,21 @@ from dnanalyze.analyzers.spectra.peaks import (
     largest_peak,
     nyquist_ratios,
 )
+from dnanalyze.analyzers.spectra.shape import CORNER_RISE, corner, picture, slope
+from dnanalyze.analyzers.spectra.spreads import (
+    excess_kurtosis,
+    pattern_spread,
+    temporal_spread,
+    tile_spread,
+)
 from dnanalyze.analyzers.statistics import Value
 
 __all__ = ["INFOS", "PATTERN_ALONE", "finish"]
 
 PATTERN_ALONE = "pattern_spectrum"  # of the family, what the mean frame alone tells
 
-_SAMPLE = 1 << 18  # pixels from which the spread of heavy tails is taken
 _COARSE = 0.16  # c/px; waves longer than this take a hit on several pixels for one
-_TILE = 4  # pixels along a side that are then taken together
-_PICTURE = 128  # largest side of the 2-D spectra kept for figures
 QUIET = 3.0  # robust sigmas beyond which a pixel counts as hit
-_CORNER_RISE = 2.0  # the corner frequency is where the power is this many times the white floor
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,9 @@ def _parts(acc: Accumulated) -> list[_Part]:
     repeats, spread = 1.0, 0.0
     if errors:
         repeats = frame_repeats(float(frame.radial.sum()), float(changing.radial.sum()), acc.frames)
-        spread = _temporal_spread(acc)
+        assert acc.temporal_variance is not None
+        reach, cut = CLIP * acc.pattern_sigma, CLIP * acc.plan.sigma
+        spread = temporal_spread(acc.temporal_variance, acc.clipped_pattern, reach, cut, acc.frames)
     tails = pattern.spread, pattern.coarse_spread
     return [
         _Part("frame", power, frame, repeats, *tails, errors=errors),
@@ -142,7 +147,7 @@ def _pattern(acc: Accumulated, residue: np.ndarray) -> _Part:
     if not acc.plan.errors:
         return _Part("pattern", power, reduced, 1.0, 0.0, errors=False)
     means = line_means(acc.clipped_pattern)
-    lines = _excess(means.columns), _excess(means.rows)
+    lines = excess_kurtosis(means.columns), excess_kurtosis(means.rows)
     return _Part("pattern", power, reduced, 1.0, *_tails(acc), lines, residue, acc.frames)
 
 
@@ -150,61 +155,8 @@ def _tails(acc: Accumulated) -> tuple[float, float]:
     """``spread`` and ``coarse_spread`` of the pattern."""
     if not acc.plan.errors:
         return 0.0, 0.0
-    return _pattern_spread(acc), _tile_spread(acc.clipped_pattern)
-
-
-def _pattern_spread(acc: Accumulated) -> float:
-    """Relative variance of the winsorised pattern's power beyond that of Gaussian pixels.
-
-    From the influence of a pixel on the power, and on the interquartile range at whose multiple the
-    pattern is cut (a quantile's influence is (p - [x < q]) dq/dp).
-    """
-    ordered = acc.pattern_ordered.sorted
-    x = ordered[:: max(1, ordered.size // _SAMPLE)] - np.float32(acc.pattern_centre)
-    reach = CLIP * acc.pattern_sigma
-    cut = float(np.mean(np.abs(x) >= reach))
-    square = np.clip(x, -reach, reach).astype(float) ** 2
-    power, n = float(square.mean()), x.size
-    if power == 0:
-        return 0.0
-    square = square / power - 1
-    q = acc.pattern_ordered.quantile(np.array([0.2, 0.25, 0.3, 0.7, 0.75, 0.8]))
-    low, high = (q[2] - q[0]) / 0.1, (q[5] - q[3]) / 0.1
-    quarters = np.array([0.75 * low - 0.25 * high, -0.25 * (low + high), 0.75 * high - 0.25 * low])
-    scale = quarters / max(q[4] - q[1], acc.pattern_sigma) * (2 * reach**2 * cut / power)
-    parts = np.array([p.sum() for p in np.split(square, [n // 4, 3 * n // 4])]) / n
-    weight = np.array([0.25, 0.5, 0.25])
-    variance = np.mean(square**2) + 2 * scale @ parts + weight @ scale**2
-    return max(0.0, float(variance) - 2.0) / ordered.size
-
-
-def _tile_spread(image: np.ndarray) -> float:
-    """Excess kurtosis of the means of 4 x 4 pixels over their number, not below 0."""
-    rows, columns = (n // _TILE for n in image.shape)
-    return _excess(block_means(image[: rows * _TILE, : columns * _TILE], (rows, columns)))
-
-
-def _excess(means: np.ndarray) -> float:
-    """Excess kurtosis over the number, not below 0."""
-    x = (means - means.mean()) ** 2
-    second = float(x.mean())
-    return max(0.0, float(np.mean(x**2)) / second**2 - 3.0) / x.size if second > 0 else 0.0
-
-
-def _temporal_spread(acc: Accumulated) -> float:
-    """Relative variance of the mean temporal variance beyond that of equal Gaussian pixels."""
-    variance = acc.temporal_variance
-    assert variance is not None
-    step = max(1, variance.size // _SAMPLE)
-    step += 1 - step % 2
-    seen, pattern = variance.ravel()[::step], acc.clipped_pattern.ravel()[::step]
-    inside = np.abs(pattern) < CLIP * acc.pattern_sigma
-    seen = np.where(inside, np.minimum(seen, np.float32((CLIP * acc.plan.sigma) ** 2)), 0)
-    mean = float(seen.mean(dtype=float))
-    if mean == 0:
-        return 0.0
-    relative = float(seen.var(dtype=float)) / mean**2
-    return max(0.0, relative - 2.0 / (acc.frames - 1)) / variance.size
+    pixels, centre, sigma = acc.pattern_ordered, acc.pattern_centre, acc.pattern_sigma
+    return pattern_spread(pixels, centre, sigma), tile_spread(acc.clipped_pattern)
 
 
 def _log_value(part: _Part, power: float, square: float, modes: float, spread: float) -> Value:
@@ -408,18 +360,18 @@ def _shape(part: _Part, result: FamilyResult) -> None:
     n = modes.count * part.repeats
     for label, (low, high) in SLOPE_BANDS.items():
         where = modes.bins(low, high)
-        slope = _slope(modes.rho[where], mean[where], n[where])
-        if slope is None:
+        rise = slope(modes.rho[where], mean[where], n[where])
+        if rise is None:
             result.missing[f"{part.name}_slope_{label}"] = "too few modes in this band"
         else:
-            result.values[f"{part.name}_slope_{label}"] = slope
-    corner = _corner(modes.rho, mean, modes.count)
-    if corner is None:
+            result.values[f"{part.name}_slope_{label}"] = rise
+    knee = corner(modes.rho, mean, modes.count)
+    if knee is None:
         result.missing[f"{part.name}_corner_frequency"] = (
-            f"the power does not rise to {_CORNER_RISE:g} times the white floor"
+            f"the power does not rise to {CORNER_RISE:g} times the white floor"
         )
     else:
-        result.values[f"{part.name}_corner_frequency"] = corner
+        result.values[f"{part.name}_corner_frequency"] = knee
     _high_to_mid(f"{part.name}_hf_mf", part.reduced, part.repeats, result)
 
 
@@ -450,42 +402,6 @@ def _quiet(acc: Accumulated) -> np.ndarray:
     return image
 
 
-def _slope(f: np.ndarray, power: np.ndarray, n: np.ndarray) -> Value | None:
-    """Weighted least squares of ln power on ln f."""
-    good = (n >= 1) & (np.nan_to_num(power) > 0)
-    if good.sum() < 3:
-        return None
-    x, w = np.log(f[good]), n[good]
-    y = np.log(power[good]) - (special.digamma(w) - np.log(w))
-    w = 1.0 / special.polygamma(1, w)
-    d = x - np.average(x, weights=w)
-    norm = float(w @ d**2)
-    return Value(float(w @ (d * y)) / norm, 1.0 / math.sqrt(norm))
-
-
-def _corner(f: np.ndarray, power: np.ndarray, n: np.ndarray) -> Value | None:
-    """Highest frequency at which the power is still twice the floor, the mean above 1/4 c/px."""
-    good = n >= 1
-    f, power, n = f[good], power[good], n[good]
-    top = f > 0.25
-    if not top.any() or not power[top].any():
-        return None
-    floor = float(np.average(power[top], weights=n[top]))
-    # runs of bins with 16 modes or more, lest one mode of chance make a corner
-    group = np.cumsum(n) // 16
-    starts = np.flatnonzero(np.diff(group, prepend=-1))
-    total = np.add.reduceat(n, starts)
-    x = np.add.reduceat(n * f, starts) / total
-    y = np.add.reduceat(n * power, starts) / total / floor
-    above = np.flatnonzero((y >= _CORNER_RISE) & (x < 0.25))
-    if not above.size or above[-1] + 1 >= x.size:
-        return None
-    a = int(above[-1])
-    t = math.log(y[a] / _CORNER_RISE) / math.log(y[a] / y[a + 1])
-    step = math.log(x[a + 1] / x[a])
-    return Value(float(x[a]) * math.exp(t * step), float(x[a]) * step / 2)
-
-
 def _curves(part: _Part, result: FamilyResult) -> None:
     modes, curves, name = part.reduced.modes, result.curves, part.name
     seen = modes.count > 0
@@ -499,21 +415,4 @@ def _curves(part: _Part, result: FamilyResult) -> None:
     curves["column_spectrum_f"] = modes.u
     curves["row_spectrum_f"] = modes.v
     if name != "frame":
-        curves[f"{name}_psd2d"] = _picture(part.power)
-
-
-def _picture(power: np.ndarray) -> np.ndarray:
-    """Log10 of the power in at most 128 x 128 cells.
-
-    Rows run over v from -1/2 to 1/2, columns over u from 0 to 1/2.
-    """
-    rows, half = power.shape
-    y = np.unique(np.linspace(0, rows, _PICTURE, endpoint=False).astype(int))
-    x = np.unique(np.linspace(0, half, _PICTURE, endpoint=False).astype(int))
-    centred = np.fft.fftshift(np.add.reduceat(power, x, axis=1), axes=0)
-    sums = np.add.reduceat(centred, y, axis=0)
-    sizes = np.diff([*y, rows])[:, None] * np.diff([*x, half])
-    mean = sums / sizes
-    positive = mean[mean > 0]
-    lowest = positive.min() if positive.size else 1.0
-    return np.log10(np.maximum(mean, lowest)).astype(np.float32)
+        curves[f"{name}_psd2d"] = picture(part.power)
