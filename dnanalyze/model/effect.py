@@ -24,7 +24,7 @@ from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
 from dnanalyze.model.streams import Stream
 
 if TYPE_CHECKING:
-    from dnanalyze.model.clues import Clues, Located
+    from dnanalyze.model.guesses.clues import Clues, Located
 
 
 MOST_WHOLE = 1_000_000  # pixels, periods: no sensor has as many columns
@@ -261,9 +261,13 @@ class Effect:
     def guess(cls, clues: Clues) -> list[Effect]:
         """First guesses of this effect from what the model leaves unexplained; empty: no sign.
 
-        Several where the effect has kinds (each is tried).
+        Several where the effect has kinds (each is tried). Those of the catalogue's effects are
+        made in ``guesses``; another effect may have a ``guess`` of its own.
         """
-        return [cls()]
+        from dnanalyze.model.guesses import guess_of
+
+        make = guess_of(cls)
+        return [cls()] if make is None else make(cls, clues)
 
     def told(self, measured: Located) -> dict[str, Told]:
         """Its "held" numbers as these captures tell them, where a statistic does, by name.

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dnanalyze.model.code_widths import WIDEST, _stacked, code_widths
+from dnanalyze.model.guesses.code_widths import WIDEST, _stacked, code_widths
 
 PERIODS = 2, 4, 8, 16, 32, 64
 # every fourth edge .6 DN too high: the code below it 1.6 wide, the one above it .4

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.clues import Clues
-from dnanalyze.model.evidence import curve
-from dnanalyze.model.hints import gains
+from dnanalyze.model.guesses.clues import Clues
+from dnanalyze.model.guesses.evidence import curve
+from dnanalyze.model.guesses.hints import gains
 
 MAD = 1.4826  # median absolute deviation to standard deviation of a Gaussian
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
-from dnanalyze.model.evidence import excess
+from dnanalyze.model.guesses import hints
+from dnanalyze.model.guesses.clues import Clues
+from dnanalyze.model.guesses.evidence import excess
 from dnanalyze.model.hot_signal import HotSignal
 
 THRESHOLDS = (5, 8, 16, 32, 64, 128)

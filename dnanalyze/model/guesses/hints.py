@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model.clues import Clues
+from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
 
 
@@ -82,12 +82,3 @@ def thermal_fit(
         ea = default_ev
     ea = min(max(ea, 0.0), 1.5)
     return float(np.exp(np.average(y, weights=w) - ea * centre)), ea
-
-
-def clip(cls: type, **values: float) -> dict[str, float]:
-    """The values kept inside the bounds of the effect's parameters."""
-    known = cls.parameters()  # type: ignore[attr-defined]
-    return {
-        name: float(min(max(value, known[name].lower), known[name].upper))
-        for name, value in values.items()
-    }

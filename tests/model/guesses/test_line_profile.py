@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.line_profile import line_profile, strip_profile
+from dnanalyze.model.guesses.line_profile import line_profile, strip_profile
 
 POINTS = (OperatingPoint(25.0, 1.0, 1.0), OperatingPoint(85.0, 1.0, 2.0))
 OFFSETS = np.random.default_rng(1).standard_normal(200)

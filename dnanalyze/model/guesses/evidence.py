@@ -8,38 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dnanalyze.model.fingerprints import LINE_BANDS, edges, named
+
 if TYPE_CHECKING:
-    from dnanalyze.model.clues import Clues
+    from dnanalyze.model.guesses.clues import Clues
 
 SIGN = 2.5
 """A statistic this many floors off, in any setting, is a sign worth a guess."""
 
 FLICKERS = 0.3
 """Temporal noise, DN, from which codes change often enough to tell it."""
-
-BANDS = ("0_0.01", "0.01_0.02", "0.02_0.04", "0.04_0.08", "0.08_0.16", "0.16_0.25", "0.25_0.35",
-         "0.35_0.5", "0.5_0.71")  # fmt: skip
-"""Radial frequencies, cycles/pixel."""
-
-LINE_BANDS = ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")
-"""Frequencies along an axis, cycles/pixel."""
-
-
-def edges(band: str) -> tuple[float, float]:
-    """Ends of a band in cycles/pixel, from its name."""
-    low, high = band.split("_")
-    return float(low), float(high)
-
-
-def centre(band: str) -> float:
-    """Geometric mean frequency of a band; a band from zero counts from a fifth of its end."""
-    low, high = edges(band)
-    return math.sqrt(max(low, high / 5) * high)
-
-
-def named(prefix: str, bands: Iterable[str]) -> tuple[str, ...]:
-    """Names of the statistics of a set of bands."""
-    return tuple(f"{prefix}_{band}" for band in bands)
 
 
 def quietest(noise: np.ndarray) -> int:
@@ -125,12 +103,6 @@ def strongest(clues: Clues, names: Iterable[str]) -> int | None:
     z = np.stack([np.abs(np.asarray(clues.z(name), float)) for name in names])
     z = np.where(np.isfinite(z), z, -1.0).max(axis=0)
     return int(np.argmax(z)) if z.size and z.max() >= 0 else None
-
-
-def bounded(effect: type, name: str, number: float) -> float:
-    """A number moved within the bounds of an effect's parameter."""
-    info = effect.parameters()[name]  # type: ignore[attr-defined]
-    return min(max(float(number), info.lower), info.upper)
 
 
 def power_law(frequency: np.ndarray, power: np.ndarray, weight: np.ndarray) -> tuple[float, float]:

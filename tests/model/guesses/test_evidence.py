@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import evidence
+from dnanalyze.model import bounds, fingerprints
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.guesses import evidence
 
 POINTS = (OperatingPoint(25.0), OperatingPoint(65.0))
 
@@ -47,7 +48,7 @@ def test_a_sign_is_one_setting_beyond_the_level_in_the_right_direction():
 
 
 def test_line_sigma_inverts_the_power_of_line_offsets():
-    names = evidence.named("pattern_rows", evidence.LINE_BANDS)
+    names = fingerprints.named("pattern_rows", fingerprints.LINE_BANDS)
     clues = Two(dict.fromkeys(names, 4.0 + 200 * 0.09), dict.fromkeys(names, 4.0))
     assert evidence.line_sigma(clues, "pattern_rows", 200) == pytest.approx(0.3)
 
@@ -66,7 +67,7 @@ def test_typical_values():
 
 
 def test_power_law_and_band_centres():
-    f = np.array([evidence.centre(b) for b in evidence.BANDS])
+    f = np.array([fingerprints.centre(b) for b in fingerprints.BANDS])
     assert f[0] == pytest.approx(math.sqrt(0.002 * 0.01))
     constant, alpha = evidence.power_law(f, 3.0 * f**-1.2, np.ones(f.size))
     assert (constant, alpha) == pytest.approx((3.0, 1.2))
@@ -83,8 +84,8 @@ def test_absent_curves_are_none():
 
 
 def test_bounded():
-    assert evidence.bounded(ReadNoise, "sigma", 0.0) == 1e-3
-    assert evidence.bounded(ReadNoise, "sigma", 2.0) == 2.0
+    assert bounds.bounded(ReadNoise, "sigma", 0.0) == 1e-3
+    assert bounds.bounded(ReadNoise, "sigma", 2.0) == 2.0
 
 
 def test_the_quietest_setting_is_the_least_noisy_of_those_whose_codes_change():

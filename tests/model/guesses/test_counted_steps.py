@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dnanalyze.model.counted_steps import counted_steps
+from dnanalyze.model.guesses.counted_steps import counted_steps
 
 PIXELS = 150_000
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
+from dnanalyze.model.bounds import clip
 from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.guesses import hints
 from dnanalyze.model.laws import arrhenius
 
 REFERENCE = OperatingPoint(45.0, 2.0, 1.0)
@@ -58,5 +59,5 @@ def test_exposure_and_gain_are_ratios_and_unknown_where_nothing_is_collected():
 
 
 def test_clip_keeps_values_inside_the_bounds():
-    held = hints.clip(HotPixels, fraction=2.0, scale=1e-9, ea_ev=0.5)
+    held = clip(HotPixels, fraction=2.0, scale=1e-9, ea_ev=0.5)
     assert held == {"fraction": 0.3, "scale": 1e-2, "ea_ev": 0.5}
