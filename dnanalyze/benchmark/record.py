@@ -17,7 +17,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 
 ELECTRON = 1.602176634e-19  # C
-CLEAR = 5.0  # standard errors from which the slope of variance over mean counts as the gain
+LEAST_SLOPE = 5.0  # standard errors from which the slope of variance over mean counts as the gain
 
 
 @dataclass(frozen=True)
@@ -333,6 +333,6 @@ def gain_of(statistics: Statistics) -> Figure:
     pulls = y / sigma - a @ solution
     scale = max(1.0, math.sqrt(float(pulls @ pulls) / (x.size - 2)))
     slope, se = float(solution[1]), math.sqrt(float(covariance[1, 1])) * scale
-    if slope < CLEAR * se:
+    if slope < LEAST_SLOPE * se:
         return Figure(math.nan, math.nan, "the dark series does not tell the gain")
     return Figure(slope, se, "slope of temporal variance over mean")

@@ -26,7 +26,7 @@ AT_ONCE = 16  # samples in memory
 ALONE = 0.99  # share of the pixels at one code from which the others tell no noise
 FROZEN = 1 / 3  # of the usual difference of neighbours: a ninth of its variance
 MOVED = 0.02  # share of the temporal variance that a moving level adds: 1 % of the noise
-CLEAR = 8.0  # standard errors by which the level must move; the range of 1000 frames takes 6.5
+LEAST_MOVE = 8.0  # standard errors by which the level must move; the range of 1000 frames takes 6.5
 TREND = 1e-3  # chance of a slope over time as steep as one that is called a drift
 CAP = 5.0  # 90 % quantiles: what differs by more is a hit or a blinking pixel, and counts so much
 OF_TWO = 2 / np.sqrt(np.pi)  # mean |difference| of two frames over their noise, if it is normal
@@ -116,7 +116,7 @@ class _View:
             return None
         noise = float(np.median(self.steps)) / OF_TWO
         span, error = float(np.ptp(self.levels)), float(np.median(self.errors))
-        if span <= CLEAR * error:
+        if span <= LEAST_MOVE * error:
             return None
         told = (
             np.var(self.levels, ddof=1) > MOVED * noise**2 or _chance_of_slope(self.levels) < TREND

@@ -24,7 +24,7 @@ from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
 from dnanalyze.model.streams import Stream
 
 if TYPE_CHECKING:
-    from dnanalyze.model.guesses.clues import Clues, Located
+    from dnanalyze.model.clues import Clues, Located
 
 
 MOST_WHOLE = 1_000_000  # pixels, periods: no sensor has as many columns

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.clues import Located
 from dnanalyze.model.effect import Effect, Site, Stage, Told, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
-from dnanalyze.model.guesses.clues import Located
 from dnanalyze.model.wave import strongest_wave
 
 PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import clip
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.amp_glow import SOURCES, AmpGlow, distance
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import SIGN, curve
 
 LENGTHS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2)

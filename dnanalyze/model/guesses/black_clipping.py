@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.black_clipping import BlackClipping
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows, strongest
 
 

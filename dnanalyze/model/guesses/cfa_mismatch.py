@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cfa_mismatch import CfaMismatch
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import shows, strongest, typical_positive
 from dnanalyze.model.guesses.line_profile import line_profile
 

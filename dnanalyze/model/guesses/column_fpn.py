@@ -7,16 +7,16 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.fingerprints import centre
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import band_excess, line_sigma, shows, typical
 from dnanalyze.model.guesses.line_profile import line_profile
 
 _BLOCK = 4  # columns that are averaged before a transient is fitted
 _FEWEST = 64  # columns from which one is looked for
-CLEAR = 0.2  # share of the variance left by a transient beside which no scatter is tried
+MOST_LEFT = 0.2  # share of the variance left by a transient beside which no scatter is tried
 
 
 def guess(effect: type[ColumnFpn], clues: Clues) -> list[Effect]:
@@ -34,7 +34,7 @@ def guess(effect: type[ColumnFpn], clues: Clues) -> list[Effect]:
         return [scattered]
     alone = bounded(effect, "sigma", math.sqrt(max(power[3], 0.0) / clues.shape[0]))
     settling = effect(alone, 0.0, *transient)
-    return [settling] if left < CLEAR else [scattered, settling]
+    return [settling] if left < MOST_LEFT else [scattered, settling]
 
 
 def _transient(clues: Clues) -> tuple[tuple[float, float, str] | None, float]:

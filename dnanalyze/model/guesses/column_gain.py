@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_gain import ColumnGain
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import band_excess, mean_power, shows
 
 

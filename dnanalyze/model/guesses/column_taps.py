@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_taps import ColumnTaps
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 from dnanalyze.model.guesses.line_profile import line_profile, strip_profile
 from dnanalyze.model.laws import Law, TableLaw, value_at

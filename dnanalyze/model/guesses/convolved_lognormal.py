@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-from dnanalyze.model.guesses.clues import Clues
 
 
 def guess(effect: type[ConvolvedLognormal], clues: Clues) -> list[Effect]:

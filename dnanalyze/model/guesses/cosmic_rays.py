@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import clip
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import CosmicRays
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, excess, shows
 
 LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames

@@ -6,7 +6,7 @@ import numpy as np
 
 SEEN = 12.0  # power of the characteristic function, times the count, from which its log is told
 PERIODS = 0.9  # of the ripple that must be seen
-CLEAR = 10.0  # standard errors by which the ripple stands out
+LEAST_RIPPLE = 10.0  # standard errors by which the ripple stands out
 NUMBERS = 0.02, 20.0
 SPACINGS = 160
 SMOOTH = np.arange(1, 5)  # powers: a log-normal core has tails that no parabola has
@@ -59,6 +59,6 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
         ripple = ripple - basis @ (basis.T @ ripple)
         square = float(ripple @ ripple)
         number = float(ripple @ rest) / max(square, 1e-12)
-        if NUMBERS[0] < number < NUMBERS[1] and number * np.sqrt(square) > max(best, CLEAR):
+        if NUMBERS[0] < number < NUMBERS[1] and number * np.sqrt(square) > max(best, LEAST_RIPPLE):
             best, found = number * np.sqrt(square), (float(q), number)
     return found

@@ -8,16 +8,18 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.model.bounds import clip
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import TERMS, DarkGradient, legendre
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows
 
 SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
-CLEAR_SLOPE = 8.0  # standard errors of a slope
-CLEAR_TERM = 4.0  # standard errors of a coefficient
-CLEAR = 3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
+LEAST_SLOPE = 8.0  # standard errors of a slope
+LEAST_TERM = 4.0  # standard errors of a coefficient
+LEAST_SHADING = (
+    3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
+)
 
 
 def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
@@ -33,7 +35,7 @@ def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
 def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
     names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
     seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-    if not (seen > CLEAR).any():
+    if not (seen > LEAST_SHADING).any():
         return []
     growth = hints.exposure_and_gain(clues)
     raw = np.full((len(growth), len(TERMS)), np.nan)
@@ -49,7 +51,7 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
         return []
     height, ea = fitted
     best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
-    told = np.abs(raw[best]) >= min(CLEAR_TERM * errors[best], np.abs(raw[best]).max())
+    told = np.abs(raw[best]) >= min(LEAST_TERM * errors[best], np.abs(raw[best]).max())
     values = dict(zip(TERMS, told * fits[best] / size[best] * height, strict=True))
     inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)
     added = effect(**inside)
@@ -102,7 +104,7 @@ def _waits(clues: Clues) -> dict[str, float] | None:
         slope = float(x @ means / (x @ x))
         rest = means - means.mean() - slope * x
         error = math.sqrt(float(rest @ rest) / means.size / float(x @ x))
-        if abs(slope) > CLEAR_SLOPE * error:
+        if abs(slope) > LEAST_SLOPE * error:
             heights[i] = slope * clues.field[0]
     if not np.isfinite(heights).any():
         return None

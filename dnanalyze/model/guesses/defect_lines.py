@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.defect_lines import DefectLines
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import excess, shows, typical_positive
 
 

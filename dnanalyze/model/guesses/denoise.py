@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.denoise import (
     PLAIN,
@@ -16,7 +17,6 @@ from dnanalyze.model.effects.denoise import (
     kernel_line,
     noise_unfiltered,
 )
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import quietest, shows, typical
 from dnanalyze.model.white_codes import left_of, likeness, reached
 

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.digital_gain import DigitalGain, rounded_products
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows
 
 _CODES = 300  # of the histogram's body that are looked at

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dpc import Dpc
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import excess, shows, strongest, typical_positive
 
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))

@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.model.fingerprints import LINE_BANDS, edges, named
 
 if TYPE_CHECKING:
-    from dnanalyze.model.guesses.clues import Clues
+    from dnanalyze.model.clues import Clues
 
 SIGN = 2.5
 """A statistic this many floors off, in any setting, is a sign worth a guess."""

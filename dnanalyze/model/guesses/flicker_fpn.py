@@ -8,10 +8,10 @@ import numpy as np
 
 from dnanalyze.model import pink
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.fingerprints import BANDS, centre, named
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import band_excess, power_law, shows, typical
 
 

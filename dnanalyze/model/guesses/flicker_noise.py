@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.flicker_noise import FlickerNoise
 from dnanalyze.model.fingerprints import LINE_BANDS, centre
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import excess, power_law, shows, typical
 
 _ALONG_ROW = ("0_0.03", "0.03_0.1", "0.1_0.3", "0.3_0.5")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.heavy_tailed_read_noise import (
     HeavyTailedReadNoise,
     robust_scale,
 )
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import shows, typical_positive
 
 

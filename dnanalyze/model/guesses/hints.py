@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model.guesses.clues import Clues
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.hot_clusters import HotClusters
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import shows
 from dnanalyze.model.guesses.hot_counts import hot_signals
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.loaders.thermometer import tells_slope
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import excess
 from dnanalyze.model.hot_signal import HotSignal
 

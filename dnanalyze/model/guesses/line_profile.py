@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.guesses.clues import Clues
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import curve
 from dnanalyze.model.guesses.hints import gains
 

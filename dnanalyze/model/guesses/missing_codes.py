@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.missing_codes import PERIODS, MissingCodes
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.code_widths import code_widths
 from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 

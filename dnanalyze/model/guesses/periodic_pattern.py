@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.periodic_pattern import PARTS, PERIODS, PeriodicPattern, beats
 from dnanalyze.model.fingerprints import LINE_BANDS, named
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import shows
 from dnanalyze.model.wave import Wave, strongest_wave
 

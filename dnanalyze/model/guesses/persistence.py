@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.persistence import Persistence
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import excess, shows
 
 LEAST_CHARGE = 0.05  # share of the noise's variance from which the charge's is told

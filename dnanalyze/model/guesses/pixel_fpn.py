@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import clip
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import shows
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.quantization import Quantization
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows
 
 

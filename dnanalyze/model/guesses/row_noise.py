@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.row_noise import RowNoise
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import line_sigma, shows
 
 

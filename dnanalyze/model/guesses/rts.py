@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.model.bounds import clip
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows
 
 ALIKE = 3.0  # times: two fractions nearer than this are one guess

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 
 UNLIKE = 1.1  # ratio of memories from which both are worth a look

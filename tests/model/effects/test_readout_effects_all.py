@@ -7,8 +7,8 @@ import pytest
 from readout_bench import POINT, Flat, frames
 
 from dnanalyze.loaders.captures import Window
+from dnanalyze.model.clues import Clues
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.guesses.clues import Clues
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 from dnanalyze.model.registry import built_in
 
