@@ -155,7 +155,7 @@ class Session:
             Captures of a channel that the model does not know.
         """
         if model is not None:
-            from dnanalyze.model.channels import require
+            from dnanalyze.model.channel_models import require
 
             require(model, captures.channels)
         if seed is None:

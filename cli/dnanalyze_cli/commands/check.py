@@ -88,7 +88,7 @@ def check(
     from dnanalyze.checking.check import check as run
     from dnanalyze.checking.margins import propose
     from dnanalyze.checking.targets import dump_targets, load_targets
-    from dnanalyze.model.channels import require
+    from dnanalyze.model.channel_models import require
     from dnanalyze.report import check as report
     from dnanalyze.report.files import atomic_write, check_output
     from dnanalyze_cli import show_check

@@ -11,7 +11,7 @@ import pytest
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.channels import channel_model, channels_of, merged, require
+from dnanalyze.model.channel_models import channel_model, channels_of, merged, require
 from dnanalyze.model.export.table import read_table, to_csv
 from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from dnanalyze.report import capture
-from dnanalyze.report.channels import COLUMNS, headline, rows
+from dnanalyze.report.channel_results import COLUMNS, headline, rows
 from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
