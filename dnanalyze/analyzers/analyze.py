@@ -88,11 +88,11 @@ def analyze_windows(
     placed = [_placed(window, captures.sensor) for window in windows]
     wanted = _known(families)
     entry = cache.held(captures, placed, errors, wanted)
-    found = entry.get(captures) if entry else None
-    if found is not None:
+    statistics = entry.get(captures) if entry else None
+    if statistics is not None:
         if progress is not None:
             progress(captures.frame_count, captures.frame_count)
-        return found
+        return statistics
     parts = [
         _Part(w, plane, errors, wanted) for w in placed for plane in _planes(w, captures.sensor)
     ]
@@ -100,10 +100,10 @@ def analyze_windows(
         settings = _here(captures, parts, workers, progress)
     else:
         settings = _on_cluster(captures, parts, scheduler, progress, entry)
-    found = _by_window(captures, placed, parts, settings)
+    statistics = _by_window(captures, placed, parts, settings)
     if entry:
-        entry.put(found)
-    return found
+        entry.put(statistics)
+    return statistics
 
 
 def _known(families: Sequence[str]) -> tuple[str, ...]:

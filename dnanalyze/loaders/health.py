@@ -48,7 +48,7 @@ def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[st
     most = _most_frames(settings)
     known: dict[bytes, Frame] = {}
     seen, kept = [], []
-    found = _Found()
+    findings = _Found()
     for setting in settings:
         view, own, copies = _View(setting), dict[bytes, Frame](), set[int]()
         for frame, sample in _samples(setting.frames[:most]):
@@ -57,21 +57,21 @@ def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[st
             digest = hashlib.blake2b(sample.tobytes(), digest_size=16).digest()
             first = own.setdefault(digest, frame)
             if first is not frame and _identical(first, frame):
-                found.copies.append((frame, first))
+                findings.copies.append((frame, first))
                 copies.add(id(frame))
                 continue
             view.add(frame, sample)
             other = known.setdefault(digest, frame)
             # where nearly all pixels have one code, two frames may well be equal
             if other is not frame and view.code is None and _identical(other, frame):
-                found.elsewhere.append((frame, other))
+                findings.elsewhere.append((frame, other))
         frames = tuple(f for f in setting.frames if id(f) not in copies)
         kept.append(replace(setting, frames=frames))
         seen.append(view)
-    found.frozen = [pair for view in seen for pair in view.frozen()]
-    found.alone = [(v, code) for v in seen if (code := v.code) is not None]
-    found.moving = [(v, *moved) for v in seen if (moved := v.moved()) is not None]
-    return tuple(kept), found.notes(len(seen))
+    findings.frozen = [pair for view in seen for pair in view.frozen()]
+    findings.alone = [(v, code) for v in seen if (code := v.code) is not None]
+    findings.moving = [(v, *moved) for v in seen if (moved := v.moved()) is not None]
+    return tuple(kept), findings.notes(len(seen))
 
 
 @dataclass

@@ -314,7 +314,7 @@ class Effect:
         return None
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """This effect with such an extra dark signal; several where it has kinds."""
         return []
 

@@ -64,14 +64,14 @@ def unusual(energy_ev: float, se: float) -> bool:
 
 def doubts(trends: Mapping[str, Value]) -> list[str]:
     """A sentence for each activation energy that is not one of dark current."""
-    found = ((n, trends.get(f"activation_energy_{n}ev")) for n in ("", "1_", "2_"))
+    energies = ((n, trends.get(f"activation_energy_{n}ev")) for n in ("", "1_", "2_"))
     step = trends.get("doubling_step_c")
     return [
         f"The activation energy of {v.value:.3g} +- {v.se:.2g} eV"
         + (f" (doubling every {step.value:.3g} C)" if step is not None and not n else "")
         + f" is not that of a dark current, {USUAL_EV[0]:g} to {USUAL_EV[1]:g} eV: check the "
         "temperatures, the exposures and the black level, and whether light fell on the sensor."
-        for n, v in found
+        for n, v in energies
         if v is not None and unusual(v.value, v.se)
     ]
 

@@ -55,8 +55,8 @@ def defects(pattern: np.ndarray, profile: np.ndarray) -> np.ndarray:
     """
     columns, offsets = standing_out(profile)
     loudest = np.sort(np.argsort(-np.abs(offsets), kind="stable")[:LOUDEST])
-    found = [_extent(pattern, int(columns[k]), offsets[k] > 0) for k in loudest]
-    return np.array(found).reshape(-1, 4)
+    extents = [_extent(pattern, int(columns[k]), offsets[k] > 0) for k in loudest]
+    return np.array(extents).reshape(-1, 4)
 
 
 def _extent(pattern: np.ndarray, column: int, above: bool) -> tuple[float, float, float, float]:

@@ -57,8 +57,8 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     best = int(np.argmax(ratio))
     trials = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
     extreme = 1.28 / (math.log(trials) + 0.577)  # Gumbel's law
-    found = math.hypot(0.2, 2 / math.sqrt(max(power[k[best]], 1.0)))  # 0.2: that of the floor
-    se = found if ratio[best] > FOUND else max(extreme, 0.4)
+    error = math.hypot(0.2, 2 / math.sqrt(max(power[k[best]], 1.0)))  # 0.2: that of the floor
+    se = error if ratio[best] > FOUND else max(extreme, 0.4)
     strength = Value(float(max(ratio[best], 1.0)), se)
     first_peak = int(np.argmax(ratio >= min(ratio[best], max(FOUND, math.sqrt(ratio[best])))))
     near = (k >= k[first_peak]) & (k < 1.3 * k[first_peak])  # the lowest harmonic that stands out

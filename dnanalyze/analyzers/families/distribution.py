@@ -300,10 +300,10 @@ def peaks(counts: np.ndarray) -> int:
 
 def summits(curve: np.ndarray, prominence: float) -> int:
     """Maxima of at least this topographic prominence in a curve >= 0 that is 0 beyond its ends."""
-    found, climbing, turn = 0, False, 0.0
+    peaks_seen, climbing, turn = 0, False, 0.0
     for height in (*curve.tolist(), 0.0):
         turn = max(turn, height) if climbing else min(turn, height)
         if abs(height - turn) >= prominence:
-            found += climbing
+            peaks_seen += climbing
             climbing, turn = not climbing, height
-    return found
+    return peaks_seen

@@ -188,9 +188,9 @@ def _local_variances(sums: _Sums, result: FamilyResult) -> None:
 def _halos(acc: Accumulated, result: FamilyResult) -> None:
     quarter, middle = acc.pattern_ordered.quantile(np.array([0.25, 0.5]))
     sigma = float(middle - quarter) / 0.6745 or acc.pattern_sigma
-    found = halo(acc.pattern, acc.pattern_centre, sigma)
+    rings = halo(acc.pattern, acc.pattern_centre, sigma)
     for ring, name in ((1, "hot_halo"), (2, "hot_halo_2")):
-        if ring in found:
-            result.values[name] = found[ring]
+        if ring in rings:
+            result.values[name] = rings[ring]
         else:
             result.missing[name] = f"fewer than {FEWEST} isolated hot pixels above 16 sigma"

@@ -320,23 +320,23 @@ def _place(
     name = name or f"{part.name}_line"
     amplitude = peak.amplitude
     # chance puts its peak anywhere
-    found = Location(peak.u, peak.v, 0.5 * UNIFORM, UNIFORM)
+    line = Location(peak.u, peak.v, 0.5 * UNIFORM, UNIFORM)
     if peak.real and part.errors:
         cropped = [image[:rows, :columns] for image in images]
         share = part.repeats / (part.repeats + 1.0) if part.name == "temporal" else 1.0
-        found = located(cropped, peak.u, peak.v, share * len(images))
-        amplitude /= math.sqrt(_seen(peak, found, (rows, columns)))
+        line = located(cropped, peak.u, peak.v, share * len(images))
+        amplitude /= math.sqrt(_seen(peak, line, (rows, columns)))
     elif peak.real:
-        found = Location(peak.u, peak.v, UNIFORM / columns, UNIFORM / rows)
-    result.values[f"{name}_u"] = Value(found.u, found.u_error)
-    result.values[f"{name}_v"] = Value(found.v, found.v_error)
+        line = Location(peak.u, peak.v, UNIFORM / columns, UNIFORM / rows)
+    result.values[f"{name}_u"] = Value(line.u, line.u_error)
+    result.values[f"{name}_v"] = Value(line.v, line.v_error)
     result.values[f"{name}_amplitude"] = Value(amplitude, amplitude * error / 2)
 
 
-def _seen(peak: Peak, found: Location, shape: tuple[int, int]) -> float:
+def _seen(peak: Peak, line: Location, shape: tuple[int, int]) -> float:
     """Share of a line's power in the modes that its amplitude was taken from."""
     share = 1.0
-    for at, place, size in zip((peak.v, peak.u), (found.v, found.u), shape, strict=True):
+    for at, place, size in zip((peak.v, peak.u), (line.v, line.u), shape, strict=True):
         away = min(abs(sign * place - at - n) for sign in (1, -1) for n in (-1, 0, 1)) * size
         share *= float(seen_share(away, 0 if at == 0.0 else 1))
     return max(share, 0.1)

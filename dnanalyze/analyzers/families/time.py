@@ -174,16 +174,16 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
 
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
-    found = groups(acc.plan, acc.pattern, acc.pattern_ordered, variance, CUTS)
+    by_level = groups(acc.plan, acc.pattern, acc.pattern_ordered, variance, CUTS)
     for name, group in zip(GROUPS, (0, 2, 3, 4), strict=True):
         full = f"noise_at_{name}"
-        if found.pixels(group) < FEWEST:
+        if by_level.pixels(group) < FEWEST:
             out.missing[full] = f"fewer than {FEWEST:g} pixels are that bright"
-        elif found.mean(group) <= 0:
+        elif by_level.mean(group) <= 0:
             out.missing[full] = "these pixels do not change between the frames"
         else:
-            mean = found.mean(group)
-            se = found.relative_error(group) if acc.plan.errors else 0.0
+            mean = by_level.mean(group)
+            se = by_level.relative_error(group) if acc.plan.errors else 0.0
             out.values[full] = Value(mean, max(math.hypot(se, acc.drift_error(mean)), 1e-3))
 
 

@@ -73,9 +73,9 @@ def trends(
         groups.setdefault((point.channel, point.gain), []).append(point)
     for points in sorted(groups.values(), key=len, reverse=True):
         series = _series(points, settings)
-        found, dark = dark_signal(series, sensor.black_level)
+        laws, dark = dark_signal(series, sensor.black_level)
         rates |= dict(zip(points, dark, strict=True)) if dark else {}
-        for name, value in found.items():
+        for name, value in laws.items():
             out.setdefault(name, value)
     repeat = hot_repeat([s for s in settings if s.point not in saturated])
     if repeat is not None:
@@ -96,10 +96,10 @@ def law_doubts(measured: Statistics) -> list[str]:
 def channel_trends(measured: Statistics) -> dict[str, dict[str, Value]]:
     """Laws of each readout channel by itself; empty where there are fewer than two."""
     names = dict.fromkeys(s.point.channel for s in measured.settings)
-    found = [n for n in names if n is not None]
+    named = [n for n in names if n is not None]
     return {
         name: trends([s for s in measured.settings if s.point.channel == name], measured.sensor)[0]
-        for name in (found if len(found) > 1 else ())
+        for name in (named if len(named) > 1 else ())
     }
 
 
@@ -197,9 +197,9 @@ def _fit_pedestal(series: Series, black_level: float | None) -> Value | None:
         design[np.arange(series.level.size), 1 + index] = series.exposure
         return _linear_pedestal(design, series, black_level)
     if temperatures.size >= 3 and np.all(kelvin > 0) and tells_slope(kelvin):
-        found = _law_pedestal(series, black_level)
-        if found is not None:
-            return found
+        by_law = _law_pedestal(series, black_level)
+        if by_law is not None:
+            return by_law
     return (
         Value(float(black_level), BLACK_LEVEL_ERROR) if pinned and black_level is not None else None
     )

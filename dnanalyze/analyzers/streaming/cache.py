@@ -77,10 +77,10 @@ class _NoFile(Exception):
 
 def _files(captures: CaptureSet) -> Iterator[Path]:
     for frame in captures.frames():
-        found = [p.resolve() for p in _paths(frame.load)]
-        if not found:
+        files = [p.resolve() for p in _paths(frame.load)]
+        if not files:
             raise _NoFile
-        yield from found
+        yield from files
 
 
 def _paths(reader: Any) -> Iterator[Path]:
@@ -131,11 +131,11 @@ class Entry:
         """What ``build`` makes of the JSON and the arrays; None where it cannot."""
         try:
             with self.path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-                found = build(json.loads(archive["json"].tobytes()), archive)
+                made = build(json.loads(archive["json"].tobytes()), archive)
             os.utime(self.path)
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
             return None
-        return found
+        return made
 
     def put(self, statistics: Sequence[Statistics]) -> None:
         """Keep them; a folder that cannot be written keeps nothing."""

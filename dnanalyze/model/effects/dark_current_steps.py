@@ -103,8 +103,8 @@ class DarkCurrentSteps(Effect):
         return HotSignal(fraction, self.value("step", reference) * number / fraction, ea_ev)
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """Each hot pixel with one atom, and few with more."""
-        number = -math.log1p(-min(found.fraction, 0.5))
-        step = found.scale * found.fraction / number
-        return [cls(**clip(cls, step=step, mean_number=number, ea_ev=found.ea_ev))]
+        number = -math.log1p(-min(hot.fraction, 0.5))
+        step = hot.scale * hot.fraction / number
+        return [cls(**clip(cls, step=step, mean_number=number, ea_ev=hot.ea_ev))]

@@ -139,10 +139,10 @@ class HotClusters(HotTail):
         return HotSignal(fraction, self.typical_scale(reference), self.value("ea_ev", reference))
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """As small and as large clusters."""
         return [
-            cls(**clip(cls, density=found.fraction / m, members=m, radius=r,
-                             scale=found.scale, ea_ev=found.ea_ev))
+            cls(**clip(cls, density=hot.fraction / m, members=m, radius=r,
+                             scale=hot.scale, ea_ev=hot.ea_ev))
             for m, r in ((3.0, 1.2), (8.0, 2.5))
         ]  # fmt: skip

@@ -108,6 +108,6 @@ class HotPixels(HotTail):
         return HotSignal(fraction, self.typical_scale(reference), ea_ev)
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """An exponential population."""
-        return [cls(**clip(cls, **asdict(found)))]
+        return [cls(**clip(cls, **asdict(hot)))]

@@ -24,15 +24,15 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
     blocks = curve(clues, "block_means", setting)
     if blocks is None or min(blocks.shape) < 3:
         return []
-    found = []
+    fitted_places = []
     for place in SOURCES:
         fits = [(*_fit(place, length, blocks, clues.field), length) for length in LENGTHS]
         error, height, length = min(f for f in fits)
         if height > 0:
-            found.append((error, place, length))
-    found.sort()
+            fitted_places.append((error, place, length))
+    fitted_places.sort()
     guesses: list[Effect] = []
-    for _, place, length in found[:3]:
+    for _, place, length in fitted_places[:3]:
         heights = np.full(len(clues.points), np.nan)
         for j in range(heights.size):
             each = curve(clues, "block_means", j)

@@ -21,10 +21,10 @@ NEARLY = 0.8  # share of what any number of taps explains
 
 def guess(effect: type[ColumnTaps], clues: Clues) -> list[Effect]:
     """For each kind, the least number of taps that explains nearly all that any number does."""
-    found = [("interleaved", *_interleaved(clues)), ("blocks", _blocks(clues), 0.0)]
+    layouts = [("interleaved", *_interleaved(clues)), ("blocks", _blocks(clues), 0.0)]
     return [
         effect(bounded(effect, "sigma", float(np.std(o))), kind, o.size, _told(o), slip)  # type: ignore[arg-type]
-        for kind, o, slip in found
+        for kind, o, slip in layouts
         if o.size and np.ptp(o) > 0
     ]
 

@@ -53,12 +53,12 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
     smooth = (f[:, None] / f[-1]) ** SMOOTH
     basis = np.linalg.qr(smooth * weight[:, None])[0]
     rest = y * weight - basis @ (basis.T @ (y * weight))
-    best, found = 0.0, None
+    best, steps = 0.0, None
     for q in np.geomspace(max(PERIODS / f[-1], spread), 20.0 * spread, SPACINGS):
         ripple = 2.0 * (np.cos(2 * np.pi * f * q) - 1.0) * weight
         ripple = ripple - basis @ (basis.T @ ripple)
         square = float(ripple @ ripple)
         number = float(ripple @ rest) / max(square, 1e-12)
         if NUMBERS[0] < number < NUMBERS[1] and number * np.sqrt(square) > max(best, LEAST_RIPPLE):
-            best, found = number * np.sqrt(square), (float(q), number)
-    return found
+            best, steps = number * np.sqrt(square), (float(q), number)
+    return steps

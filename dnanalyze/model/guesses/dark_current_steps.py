@@ -19,15 +19,15 @@ NARROW = 0.4  # quartile distance over median; 1.6 where amplitudes are exponent
 
 def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
     """The spacing of the peaks, setting by setting; few or many atoms a pixel."""
-    found = _counted(effect, clues)
+    guesses = _counted(effect, clues)
     rare = _single_peak(clues)
     if rare is not None:
-        found += _grown(effect, clues, rare[0], [rare[1]])
+        guesses += _grown(effect, clues, rare[0], [rare[1]])
     if shows(clues, ("pattern_steps",)):
         z = np.nan_to_num(clues.z("pattern_steps"))
         spacing = np.asarray(clues.measured("pattern_step_dn"), float)
-        found += _grown(effect, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
-    return found
+        guesses += _grown(effect, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
+    return guesses
 
 
 def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
@@ -37,10 +37,10 @@ def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
     spacing, numbers = np.full(len(clues.points), np.nan), []
     for setting in range(spacing.size):
         x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        found = None if x is None or n is None else counted_steps(x, n)
-        if found is not None:
-            spacing[setting] = found[0]
-            numbers.append(found[1])
+        counted = None if x is None or n is None else counted_steps(x, n)
+        if counted is not None:
+            spacing[setting] = counted[0]
+            numbers.append(counted[1])
     return _grown(effect, clues, spacing, [float(np.median(numbers))]) if numbers else []
 
 

@@ -28,8 +28,8 @@ def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
     shortest exposures.
     """
     waits = _waits(clues) if shows(clues, ("shading_0_1", "pattern_rows_0_0.02")) else None
-    found: dict[str, Any] = clip(effect, **(waits or {}))
-    return [*_surfaces(effect, clues), *([effect(**found)] if found else [])]
+    ramp: dict[str, Any] = clip(effect, **(waits or {}))
+    return [*_surfaces(effect, clues), *([effect(**ramp)] if ramp else [])]
 
 
 def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
@@ -84,9 +84,9 @@ def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
         np.outer(one_r, qx), np.outer(qy, one_c), np.outer(py, px),
     ]  # fmt: skip
     design = np.stack([b.ravel() for b in basis], 1)
-    found = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
-    rest = blocks.ravel() - design @ found
-    return found[1:], float(np.std(rest)) / math.sqrt(blocks.size)
+    coefficients = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
+    rest = blocks.ravel() - design @ coefficients
+    return coefficients[1:], float(np.std(rest)) / math.sqrt(blocks.size)
 
 
 def _waits(clues: Clues) -> dict[str, float] | None:

@@ -19,11 +19,11 @@ def guess(effect: type[DefectLines], clues: Clues) -> list[Effect]:
     Where no profile is at hand, their share from the count of outlying lines, and their offset
     from the farthest one.
     """
-    found: list[Effect] = []
+    guesses: list[Effect] = []
     for axis, line, across in (("columns", "column", 1), ("rows", "row", 0)):
         named = _measured(clues, axis)
         if named is not None:
-            found.append(named)
+            guesses.append(named)
             continue
         if not shows(clues, [f"{line}_{k}" for k in ("outliers", "extreme", "kurtosis")]):
             continue
@@ -34,8 +34,8 @@ def guess(effect: type[DefectLines], clues: Clues) -> list[Effect]:
         spread = math.sqrt(typical_positive(power) / length) or 1.0
         beyond = math.sqrt(1.0 + 2.0 * math.log(count))  # of the largest of so many Gaussians
         sigma = bounded(effect, "sigma", farthest * spread / beyond)
-        found.append(effect(bounded(effect, "fraction", count / lines), sigma, axis))
-    return found
+        guesses.append(effect(bounded(effect, "fraction", count / lines), sigma, axis))
+    return guesses
 
 
 def _measured(clues: Clues, axis: str) -> DefectLines | None:

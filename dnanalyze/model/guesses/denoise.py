@@ -79,8 +79,8 @@ def _space(lag1: float) -> float:
     """Sigma of the kernel after which neighbours of white noise have this correlation."""
     tried = np.linspace(0.2, 2.0, 181)
     lines = [kernel_line(float(s)) for s in tried]
-    found = [float(np.sum(x[1:] * x[:-1]) / np.sum(x * x)) for x in lines]
-    return float(np.interp(lag1, found, tried))
+    correlations = [float(np.sum(x[1:] * x[:-1]) / np.sum(x * x)) for x in lines]
+    return float(np.interp(lag1, correlations, tried))
 
 
 def _least(clues: Clues) -> tuple[float, int]:

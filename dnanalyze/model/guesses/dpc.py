@@ -36,31 +36,31 @@ def guess(effect: type[Dpc], clues: Clues) -> list[Effect]:
     usual = bounded(effect, "threshold", (rare[0] if rare else 4.0) * noise)
     threshold = bounded(effect, "threshold", _threshold(clues) or usual)
     near = min(threshold, usual)
-    found: list[Dpc] = []
+    guesses: list[Dpc] = []
     standing = bool(rare or ranks or tied)
     if standing:
-        found.append(effect(threshold, kind="excess"))
-        found.append(effect(near, kind="median"))
+        guesses.append(effect(threshold, kind="excess"))
+        guesses.append(effect(near, kind="median"))
     # the fit without it has made the tail as short as the correction leaves it: then few are
     # missing where it begins
     low, high = (bounded(effect, "threshold", k * noise) for k in _LEAST)
     if rare:
-        found += [effect(high, kind="multiple"), effect(low, kind="multiple")]
+        guesses += [effect(high, kind="multiple"), effect(low, kind="multiple")]
     if standing:
-        found.append(effect(bounded(effect, "threshold", 0.2 * noise), kind="clamp"))
+        guesses.append(effect(bounded(effect, "threshold", 0.2 * noise), kind="clamp"))
     if sparse or cut:
-        found.append(effect(kind="static"))
+        guesses.append(effect(kind="static"))
     if standing and threshold > FAR * usual:
-        found.append(effect(usual, kind="excess"))
+        guesses.append(effect(usual, kind="excess"))
     if rare:
-        found.append(effect(low, kind="ratio"))
+        guesses.append(effect(low, kind="ratio"))
     if standing:
-        found.append(effect(near, kind="excess", sides="both"))
-        found.append(effect(threshold, kind="clamp"))
+        guesses.append(effect(near, kind="excess", sides="both"))
+        guesses.append(effect(threshold, kind="clamp"))
     # idle in most kinds, but at hand should it turn out to be another
     share, warmer = bounded(effect, "fraction", _listed(clues)), _hottest(clues)
     black = _darkest(clues)
-    return [replace(kind, black=black, fraction=share, warmer=warmer) for kind in found]
+    return [replace(kind, black=black, fraction=share, warmer=warmer) for kind in guesses]
 
 
 def _darkest(clues: Clues) -> float:

@@ -68,8 +68,8 @@ def known(values: np.ndarray) -> np.ndarray:
 
 def typical(values: np.ndarray) -> float:
     """Median of what is known; 0 where nothing is."""
-    found = known(values)
-    return float(np.median(found)) if found.size else 0.0
+    told = known(values)
+    return float(np.median(told)) if told.size else 0.0
 
 
 def typical_positive(values: np.ndarray) -> float:
@@ -92,10 +92,10 @@ def line_sigma(clues: Clues, prefix: str, length: int) -> float:
 def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
     """A measured curve, or None where these captures have none."""
     try:
-        found = clues.curve(name, setting)
+        values = clues.curve(name, setting)
     except (KeyError, IndexError):
         return None
-    return None if found is None or np.size(found) == 0 else np.asarray(found)
+    return None if values is None or np.size(values) == 0 else np.asarray(values)
 
 
 def strongest(clues: Clues, names: Iterable[str]) -> int | None:

@@ -24,15 +24,17 @@ def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
         return []
     excess = band_excess(clues, prefix, BANDS)
     seen = np.array([shows(clues, [name], 1, 1.5) for name in named(prefix, BANDS)], float)
-    found: list[Effect] = []
+    guesses: list[Effect] = []
     offset = _law(np.array([typical(row) for row in excess]), seen, clues.shape)
     if offset is not None:
-        found.append(effect(bounded(effect, "rms", offset[0]), bounded(effect, "alpha", offset[1])))
+        guesses.append(
+            effect(bounded(effect, "rms", offset[0]), bounded(effect, "alpha", offset[1]))
+        )
     share = _law(_shares(np.asarray(clues.measured("mean"), float), excess), seen, clues.shape)
     if share is not None and share[0] < 1.0:
         rms, alpha = bounded(effect, "rms", share[0]), bounded(effect, "alpha", share[1])
-        found.append(effect(rms, alpha, "scaled"))
-    return found
+        guesses.append(effect(rms, alpha, "scaled"))
+    return guesses
 
 
 def _shares(level: np.ndarray, excess: np.ndarray) -> np.ndarray:

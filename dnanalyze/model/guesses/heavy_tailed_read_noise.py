@@ -30,12 +30,12 @@ def guess(effect: type[HeavyTailedReadNoise], clues: Clues) -> list[Effect]:
     tail = _tail_of(typical_positive(ratio) or 4.5)
     noise = typical_positive(core) or 1.0
     whole, part = (bounded(effect, "sigma", share * noise) for share in (0.9, 0.5))
-    found: list[Effect] = [effect(whole, tail), effect(part, bounded(effect, "tail", tail - 0.2))]
+    guesses: list[Effect] = [effect(whole, tail), effect(part, bounded(effect, "tail", tail - 0.2))]
     good = np.isfinite(ratio) & (core > 0)
     if good.any():
         i = int(np.argmin(np.where(good, core, np.inf)))
-        found.insert(0, effect(bounded(effect, "sigma", 0.9 * core[i]), _tail_of(ratio[i])))
-    return list(dict.fromkeys(found))
+        guesses.insert(0, effect(bounded(effect, "sigma", 0.9 * core[i]), _tail_of(ratio[i])))
+    return list(dict.fromkeys(guesses))
 
 
 def _tail_of(ratio: float) -> float:

@@ -13,4 +13,4 @@ def guess(effect: type[HotClusters], clues: Clues) -> list[Effect]:
     """The tail of the unexplained hot pixels, split into small and large clusters."""
     if not shows(clues, ("hot_pairs", "hot_halo_2")):
         return []
-    return [e for found in hot_signals(clues) for e in effect.of_hot_signal(found)]
+    return [e for hot in hot_signals(clues) for e in effect.of_hot_signal(hot)]

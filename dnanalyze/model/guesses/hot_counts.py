@@ -26,7 +26,7 @@ def hot_signals(clues: Clues) -> list[HotSignal]:
     that are left (neighbours of each other) tell nothing of the rest: as many as are usual.
     """
     readings = _of_all(clues), _of_each(clues), _typical(clues)
-    return [found for found in readings if found is not None]
+    return [hot for hot in readings if hot is not None]
 
 
 def _of_all(clues: Clues) -> HotSignal | None:

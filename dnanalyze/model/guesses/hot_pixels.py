@@ -13,4 +13,4 @@ def guess(effect: type[HotPixels], clues: Clues) -> list[Effect]:
     """What the counts over thresholds tell, of all settings together and of each."""
     if not shows(clues, [n for n in effect.fingerprint if n != "hot_repeat"]):
         return []
-    return [e for found in hot_signals(clues) for e in effect.of_hot_signal(found)]
+    return [e for hot in hot_signals(clues) for e in effect.of_hot_signal(hot)]

@@ -26,10 +26,10 @@ def guess(effect: type[MissingCodes], clues: Clues) -> list[Effect]:
     base = np.nan_to_num(np.asarray(clues.simulated("code_roughness"), float))
     sigma = math.sqrt(typical_positive(rough**2 - base**2))
     sigma = bounded(effect, "sigma", sigma or 0.1)
-    found: list[Effect] = [effect(sigma)]
+    guesses: list[Effect] = [effect(sigma)]
     if shows(clues, ["code_comb"]):
-        found = [*_periodic(clues, sigma), *found]
-    return found
+        guesses = [*_periodic(clues, sigma), *guesses]
+    return guesses
 
 
 def _periodic(clues: Clues, sigma: float) -> list[Effect]:
@@ -66,10 +66,10 @@ def _with_widths(d: np.ndarray) -> MissingCodes:
 
 def _histograms(clues: Clues) -> list[tuple[np.ndarray, np.ndarray]]:
     """Codes and counts of the settings that have whole codes, and not too many."""
-    found = []
+    histograms = []
     for setting in range(len(clues.points)):
         codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
         if codes is None or counts is None or np.any(codes % 1) or np.ptp(codes) > _MOST_CODES:
             continue
-        found.append((codes, counts))
-    return found
+        histograms.append((codes, counts))
+    return histograms

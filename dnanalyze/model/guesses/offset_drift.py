@@ -26,17 +26,17 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     frames = max([len(m) for m in means if m is not None], default=4)
     frames = max(frames, 2)
     step = math.sqrt(typical_positive(spread2) * 6.0 * frames / (frames**2 - 1.0))
-    found: list[Effect] = [effect(bounded(effect, "step", step))]
+    guesses: list[Effect] = [effect(bounded(effect, "step", step))]
     jumps = np.array([_jump(m) for m in means if m is not None and len(m) >= 4])
     if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
         small = bounded(effect, "step", 0.1 * step)
-        found.insert(0, effect(small, bounded(effect, "transient", float(np.median(jumps)))))
+        guesses.insert(0, effect(small, bounded(effect, "transient", float(np.median(jumps)))))
     share = _share(np.asarray(clues.measured("mean"), float), means)
     if share is not None:
         step = bounded(effect, "step", 0.1 * abs(share))
         start = share / (1.0 - math.exp(-1.0 / effect.settling))
-        found.append(effect(step, bounded(effect, "transient", start), form="scaled"))
-    return found
+        guesses.append(effect(step, bounded(effect, "transient", start), form="scaled"))
+    return guesses
 
 
 def _share(level: np.ndarray, means: Sequence[np.ndarray | None]) -> float | None:

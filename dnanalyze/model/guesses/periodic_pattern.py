@@ -13,13 +13,13 @@ from dnanalyze.model.wave import Wave, strongest_wave
 
 def guess(effect: type[PeriodicPattern], clues: Clues) -> list[Effect]:
     """The line of the spectrum that stands highest over its floor, off or on its axes."""
-    found: list[Effect] = []
+    guesses: list[Effect] = []
     for part, phase in PARTS.items():
         line = strongest_wave([w for w in clues.waves(part) if _seen(clues, part, w)])
         if line is not None and beats(line.v, line.u, clues.field) >= PERIODS:
             amplitude = bounded(effect, "amplitude", line.amplitude)
-            found.append(effect(amplitude, line.u, line.v, phase))
-    return found
+            guesses.append(effect(amplitude, line.u, line.v, phase))
+    return guesses
 
 
 def _seen(clues: Clues, part: str, wave: Wave) -> bool:
