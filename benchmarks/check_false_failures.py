@@ -18,9 +18,9 @@ from unittest.mock import patch
 
 import numpy as np
 
-from dnanalyze.comparator.check import check
-from dnanalyze.comparator.check_bench import CheckBench
-from dnanalyze.comparator.margins import propose
+from dnanalyze.checking.check import check
+from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.margins import propose
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.pixel_fpn import PixelFpn

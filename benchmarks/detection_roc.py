@@ -134,12 +134,12 @@ def false_alarms(count: int, largest: int, first: int) -> None:
     print(f"  all: {_share(sum(wrong.values()), each * len(KINDS))}; {seconds:.1f} s each")
 
 
-def _share(found: int, tried: int) -> str:
+def _share(flagged: int, tried: int) -> str:
     """With Wilson's interval."""
     z = 1.96
-    middle = (found + z**2 / 2) / (tried + z**2)
-    half = z / (tried + z**2) * np.sqrt(found * (tried - found) / tried + z**2 / 4)
-    return f"{found} of {tried} ({max(0.0, middle - half):.2%} to {middle + half:.2%})"
+    middle = (flagged + z**2 / 2) / (tried + z**2)
+    half = z / (tried + z**2) * np.sqrt(flagged * (tried - flagged) / tried + z**2 / 4)
+    return f"{flagged} of {tried} ({max(0.0, middle - half):.2%} to {middle + half:.2%})"
 
 
 if __name__ == "__main__":

@@ -62,11 +62,11 @@ def begin(model: NoiseModel, number: int, frozen: Sequence[str] = ()) -> NoiseMo
     return replace(turned(model, knobs, here + off * np.array(reach)), seed=10**6 + 1000 * number)
 
 
-def pulls(found: Fit, true: NoiseModel, frozen: Sequence[str] = ()) -> dict[str, float]:
+def pulls(fitted: Fit, true: NoiseModel, frozen: Sequence[str] = ()) -> dict[str, float]:
     """(fitted - true) / se of each parameter on its own scale."""
     knobs = knobs_of(true, frozen)
-    there, here = positions(found.model, knobs), positions(true, knobs)
-    told = {p.name: p for p in found.parameters}
+    there, here = positions(fitted.model, knobs), positions(true, knobs)
+    told = {p.name: p for p in fitted.parameters}
     out = {}
     for knob, a, b in zip(knobs, there, here, strict=True):
         p = told[knob.name]
@@ -80,8 +80,8 @@ def one(
 ) -> tuple[dict[str, float], Fit]:
     """Simulate a sensor, fit it, hold it against the truth."""
     true = truth(seed, number)
-    found = fit(captures(true, shape, frames), begin(true, number), replicates=replicates)
-    return pulls(found, true), found
+    fitted = fit(captures(true, shape, frames), begin(true, number), replicates=replicates)
+    return pulls(fitted, true), fitted
 
 
 def table(rows: Sequence[dict[str, float]]) -> str:
@@ -105,9 +105,9 @@ if __name__ == "__main__":
     options = parser.parse_args()
     rows = []
     for number in range(options.first, options.first + options.fits):
-        found, _ = one(options.seed, number, (options.size, options.size), options.frames,
+        pull, _ = one(options.seed, number, (options.size, options.size), options.frames,
                        options.replicates)  # fmt: skip
-        rows.append(found)
+        rows.append(pull)
         if options.json:
             options.json.write_text(json.dumps(rows, indent=1))
         print(f"{len(rows)} of {options.fits} fits", file=sys.stderr, flush=True)

@@ -301,7 +301,7 @@ def _read_table(path: Path) -> None:
 
 
 def _read_targets(path: Path) -> None:
-    from dnanalyze.comparator.targets import load_targets
+    from dnanalyze.checking.targets import load_targets
 
     load_targets(path)
 
@@ -380,10 +380,10 @@ def _integer(data: bytes, rng: np.random.Generator) -> bytes:
 
 def _number(data: bytes, rng: np.random.Generator) -> bytes:
     """A number in text made absurd; where columns are fixed (FITS), they stay."""
-    found = list(_NUMBER.finditer(data[:20000]))
-    if not found:
+    numbers = list(_NUMBER.finditer(data[:20000]))
+    if not numbers:
         return data
-    match = found[rng.integers(len(found))]
+    match = numbers[rng.integers(len(numbers))]
     token = _TOKENS[rng.integers(len(_TOKENS))]
     end = match.end()
     if rng.random() < 0.5 and len(token) <= 20:

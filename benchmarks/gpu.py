@@ -96,7 +96,7 @@ def bounds(device: Cuda, bytes_: int = 1 << 31, blocks: int = 1 << 15) -> dict[s
     b = device.empty((bytes_,), np.uint8)
     a.fill(1)
     copy = seconds(device, lambda: b.data.copy_from_device_async(a.data, bytes_), 10)
-    found = {"copy": 2 * bytes_ / copy}
+    rates = {"copy": 2 * bytes_ / copy}
     kernels = (
         BARE.format(name=name, type=kind, draw=draw, each=EACH)
         for name, (kind, draw) in DRAWS.items()
@@ -106,8 +106,8 @@ def bounds(device: Cuda, bytes_: int = 1 << 31, blocks: int = 1 << 15) -> dict[s
     for name in DRAWS:
         kernel = program.get_function(f"bare_{name}")
         taken = seconds(device, lambda k=kernel: k((blocks,), (256,), (np.uint64(1), out)), 5)
-        found[name] = blocks * 256 * EACH / taken
-    return found
+        rates[name] = blocks * 256 * EACH / taken
+    return rates
 
 
 def model(names: tuple[str, ...]) -> NoiseModel:
@@ -210,15 +210,16 @@ def getframes(count: int = 50) -> Any:
     return {"frames_per_s": count / (time.perf_counter() - begun)}
 
 
-def printed(found: dict[str, Any]) -> str:
+def printed(results: dict[str, Any]) -> str:
     """Markdown."""
     lines = [
-        f"{found['device']}, CuPy {found['cupy']}, 3840 x 2160, batches of {found['batch']}\n",
+        f"{results['device']}, CuPy {results['cupy']}, 3840 x 2160, "
+        f"batches of {results['batch']}\n",
         "| | frames/s | kernel µs | to write µs | words µs | deviates µs "
         "| ratio to words | ratio to deviates | recording µs | pixels off |",
         "|" + " --- |" * 10,
     ]
-    for name, run in found["models"].items():
+    for name, run in results["models"].items():
         floor = run["floor_s"]
         micro = [1e6 * x for x in (run["kernel_s"], *floor.values())]
         ratios = run["ratio_to_words_and_bytes"], run["ratio_to_deviates_and_bytes"]
@@ -229,9 +230,9 @@ def printed(found: dict[str, Any]) -> str:
             f"| {run['pixels_off']} of {run['pixels_compared']} |"
         )
     for name in ("getframes", "dlpack"):
-        run = found[name]
+        run = results[name]
         lines.append(f"\n{name}: " + ", ".join(f"{k} {v}" for k, v in run.items()))
-    rates = ", ".join(f"{k} {v:.3g}/s" for k, v in found["bounds"].items())
+    rates = ", ".join(f"{k} {v:.3g}/s" for k, v in results["bounds"].items())
     return "\n".join([*lines, f"\nmeasured bounds: {rates}"])
 
 
@@ -248,7 +249,7 @@ def main() -> int:
         return 2
     name = device.cupy.cuda.runtime.getDeviceProperties(0)["name"]
     limit = bounds(device)
-    found = {
+    results = {
         "device": name.decode() if isinstance(name, bytes) else name,
         "cupy": device.cupy.__version__,
         "batch": asked.batch,
@@ -260,9 +261,9 @@ def main() -> int:
         "getframes": getframes(),
         "dlpack": handed_over(asked.batch),
     }
-    print(printed(found))
+    print(printed(results))
     if asked.json:
-        asked.json.write_text(json.dumps(found, indent=1))
+        asked.json.write_text(json.dumps(results, indent=1))
     return 0
 
 

@@ -95,14 +95,14 @@ def cases(
     effects: Sequence[str], levels: Sequence[str], sensors: int, ordinary: int, **more: Any
 ) -> list[Case]:
     """Sensor by sensor, so that an unfinished run has seen every effect."""
-    found = []
+    chosen = []
     for n in range(max(sensors, ordinary)):
         for effect in effects:
             if effect == ORDINARY:
-                found += [Case(ORDINARY, "none", n, **more)] if n < ordinary else []
+                chosen += [Case(ORDINARY, "none", n, **more)] if n < ordinary else []
             elif n < sensors:
-                found += [Case(effect, level, n, **more) for level in levels]
-    return found
+                chosen += [Case(effect, level, n, **more) for level in levels]
+    return chosen
 
 
 def outcome(result: Any) -> dict[str, Any]:

@@ -217,8 +217,8 @@ def _closed_form(mu: float, delta: float, phi: float, sigma: float, f: np.ndarra
 
 def _radial(captures: CaptureSet) -> list[Curve]:
     """Axis-masked radial spectrum of the single frame at each setting: c/px, DN^2."""
-    found = dnanalyze.analyze(captures).settings
-    curves = [(s.curves["frame_radial_f"], s.curves["frame_radial_s"]) for s in found]
+    measured = dnanalyze.analyze(captures).settings
+    curves = [(s.curves["frame_radial_f"], s.curves["frame_radial_s"]) for s in measured]
     return [_pooled(f, s) for f, s in curves]
 
 

@@ -46,10 +46,10 @@ def refined(folder: Path, way: str, compiled: Path) -> Answer:
     )
     if done.returncode:
         return {"failed": (done.stderr.strip().splitlines() or ["died"])[-1]}
-    found = json.loads(out.read_text())
-    names = [s["added"] or f"-{s.get('removed', '')}" for s in found["steps"][1:]]
-    errors = [s["error"] for s in found["steps"]]
-    return {"names": names, "verdict": found["verdict"], "errors": errors}
+    answer = json.loads(out.read_text())
+    names = [s["added"] or f"-{s.get('removed', '')}" for s in answer["steps"][1:]]
+    errors = [s["error"] for s in answer["steps"]]
+    return {"names": names, "verdict": answer["verdict"], "errors": errors}
 
 
 def apart(one: Answer, other: Answer) -> float | None:

@@ -52,8 +52,8 @@ def run(case: str, python: str = sys.executable, **arguments: Any) -> Result:
         return {"failed": f"more than {TIMEOUT} s"}
     if done.returncode:
         return {"failed": (done.stderr.strip().splitlines() or ["died"])[-1][:120]}
-    found: Result = json.loads(done.stdout.strip().splitlines()[-1])
-    return found
+    result: Result = json.loads(done.stdout.strip().splitlines()[-1])
+    return result
 
 
 def environment(name: str, folder: Path) -> str | None:
@@ -82,11 +82,11 @@ def table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])
 
 
-def timed(label: str, found: Result, each: str = "seconds") -> list[str]:
+def timed(label: str, result: Result, each: str = "seconds") -> list[str]:
     """A row: label, wall, CPU, peak memory."""
-    if "failed" in found:
-        return [label, found["failed"], "", ""]
-    return [label, f"{found['seconds']:.3g}", f"{found['cpu']:.3g}", f"{found['peak_mib']:.0f}"]
+    if "failed" in result:
+        return [label, result["failed"], "", ""]
+    return [label, f"{result['seconds']:.3g}", f"{result['cpu']:.3g}", f"{result['peak_mib']:.0f}"]
 
 
 def exponent(sizes: Sequence[float], results: Sequence[Result]) -> str:
@@ -190,7 +190,7 @@ def main() -> None:
     print(table("20 frames of 2048 x 2048, uint16", head, [timed(*r) for r in read.items()]))
     grown = scaling(cores, asked.quick)
     for title, sizes, results in grown:
-        rows = [timed(f"{size:g}", found) for size, found in zip(sizes, results, strict=True)]
+        rows = [timed(f"{size:g}", result) for size, result in zip(sizes, results, strict=True)]
         print(table(f"Time against {title}", ("size", *head[1:]), rows))
         if not title.startswith("workers"):
             print(f"\nCPU time grows with the power {exponent(sizes, results)}.")

@@ -264,5 +264,5 @@ def peak_mib() -> float:
 
 
 if __name__ == "__main__":
-    found = globals()[sys.argv[1]](**json.loads(sys.argv[2]))
-    print(json.dumps(found | {"peak_mib": peak_mib()}))
+    result = globals()[sys.argv[1]](**json.loads(sys.argv[2]))
+    print(json.dumps(result | {"peak_mib": peak_mib()}))

@@ -31,7 +31,7 @@ def main() -> None:
     print(f"written: {OUT}")
 
 
-def draw(captures: CaptureSet, found: Refinement) -> None:
+def draw(captures: CaptureSet, refined: Refinement) -> None:
     """Frame, error by step, column spectrum."""
     from matplotlib.figure import Figure
 
@@ -48,8 +48,8 @@ def draw(captures: CaptureSet, found: Refinement) -> None:
         image.set_xlabel(f"mean of {len(coldest.frames)}, a crop")
         image.grid(False)
 
-        names = ["paper's model", *(f"+ {s.added}" for s in found.steps[1:])]
-        errors = [s.error for s in found.steps]
+        names = ["paper's model", *(f"+ {s.added}" for s in refined.steps[1:])]
+        errors = [s.error for s in refined.steps]
         colours = [ACCENT if HIDDEN in n else QUIET for n in names]
         steps.barh(range(len(names)), errors, color=colours, height=0.62)
         for row, error in enumerate(errors):
@@ -64,7 +64,7 @@ def draw(captures: CaptureSet, found: Refinement) -> None:
         steps.grid(False)
         steps.spines["left"].set_visible(False)
 
-        _spectra(spectrum, captures, found.model, (INK, GAUSSIAN, MODEL))
+        _spectra(spectrum, captures, refined.model, (INK, GAUSSIAN, MODEL))
         log_axis(spectrum.yaxis)
         fig.savefig(OUT, dpi=130, facecolor="white")
 

@@ -18,7 +18,7 @@ Tell = Callable[[str], None]
 
 def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
     """A row for every channel in what belongs to the readout, where the model has one for all."""
-    from dnanalyze.model.channels import channel_model, channels_of, merged
+    from dnanalyze.model.channel_models import channel_model, channels_of, merged
 
     if channels_of(model) or len(found.channels) < 2:
         return model
@@ -30,7 +30,7 @@ def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
 def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRefinement]) -> None:
     """Run, show and write what completes the model of every channel."""
     from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report import channels, tables
+    from dnanalyze.report import channel_results, tables
 
     with session.progress("Reading") as progress:
         result = run(progress.now)
@@ -38,7 +38,7 @@ def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRef
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare
-        from dnanalyze.report.pages.channels import refinement_page
+        from dnanalyze.report.pages.hdr_channels import refinement_page
 
         with session.progress("Comparing"):
             comparison = compare(found, result.model, held=result.bench)
@@ -46,7 +46,7 @@ def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRef
 
     where = str(session.captures)
     session.write(
-        channels.refinement(where, session.command, result, session.output),
+        channel_results.refinement(where, session.command, result, session.output),
         page,
         lambda: tables.steps(result),
         lambda: dump_model(result.model),
@@ -58,7 +58,7 @@ def diagnose(
 ) -> None:
     """Run, show and write the diagnosis of every channel."""
     from dnanalyze.diagnosis.channels import diagnose_channels, worst_verdict
-    from dnanalyze.report import channels, tables
+    from dnanalyze.report import channel_results, tables
 
     with session.progress("Reading") as progress:
         made = diagnose_channels(found, model, known=known, tell=progress.now)
@@ -66,7 +66,7 @@ def diagnose(
     show_channels.diagnosis(session.console, found, made, verdict)
 
     def page() -> str:
-        from dnanalyze.report.pages.channels import diagnosis_page
+        from dnanalyze.report.pages.hdr_channels import diagnosis_page
 
         return diagnosis_page(found, made, verdict)
 
@@ -76,4 +76,4 @@ def diagnose(
         parts = [tables.candidates(d).assign(channel=name) for name, d in made.items()]
         return pd.concat(parts, ignore_index=True)
 
-    session.write(channels.diagnosis(str(session.captures), made, verdict), page, table)
+    session.write(channel_results.diagnosis(str(session.captures), made, verdict), page, table)

@@ -116,7 +116,7 @@ class Session:
         channel: str | None = None,
     ) -> CaptureSet:
         """The captures, or one channel of them; what had to be assumed is said on stderr."""
-        from dnanalyze.analyzers.cache import default_folder
+        from dnanalyze.analyzers.streaming.cache import default_folder
         from dnanalyze.loaders import load
 
         assert self.captures is not None
@@ -155,7 +155,7 @@ class Session:
             Captures of a channel that the model does not know.
         """
         if model is not None:
-            from dnanalyze.model.channels import require
+            from dnanalyze.model.channel_models import require
 
             require(model, captures.channels)
         if seed is None:

@@ -109,7 +109,7 @@ _OVERVIEW = {
 
 def statistics(console: Console, captures: Any, measured: Any) -> None:
     """Level and noise at every operating point, then the trends."""
-    from dnanalyze.analyzers.trends import law_doubts
+    from dnanalyze.analyzers.families.trends import law_doubts
     from dnanalyze.report.pages.analyze import headline
 
     _verdict(console, capture.one_line(captures), headline(measured))

@@ -12,17 +12,17 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from dnanalyze.report import capture, channels
+from dnanalyze.report import capture, channel_results
 from dnanalyze.report.words import leading, naming, number, percent, sentence
 
 
 def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
     """What belongs where, and the error of each channel and of the one model."""
-    _head(console, captures, channels.headline(result))
+    _head(console, captures, channel_results.headline(result))
     for finding in result.findings:
         console.print(Padding(Text(sentence(finding)), (0, 0, 0, 2)))
     console.print()
-    _table(console, channels.COLUMNS, channels.rows(result), words=3)
+    _table(console, channel_results.COLUMNS, channel_results.rows(result), words=3)
     console.print(f"The model holds all channels: error {number(result.error)}.")
     if output is None:
         console.print("It was not kept; name a file with -o to keep it.", style="dim")

@@ -10,14 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers import cache, spectrum
+from dnanalyze.analyzers.accumulators.accumulated import Accumulated
 from dnanalyze.analyzers.catalogue import FAMILIES
-from dnanalyze.analyzers.family import Accumulated
-from dnanalyze.analyzers.saturation import of_maps
+from dnanalyze.analyzers.estimators.saturation import of_maps
+from dnanalyze.analyzers.estimators.wave_errors import widened
+from dnanalyze.analyzers.families import spectrum
+from dnanalyze.analyzers.families.trends import trends
 from dnanalyze.analyzers.statistics import SATURATION, SettingStatistics, Statistics
-from dnanalyze.analyzers.streaming import Accumulation, make_plan, read_ahead
-from dnanalyze.analyzers.trends import trends
-from dnanalyze.analyzers.wave import widened
+from dnanalyze.analyzers.streaming import cache
+from dnanalyze.analyzers.streaming.accumulation import Accumulation, make_plan, read_ahead
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 
@@ -87,11 +88,11 @@ def analyze_windows(
     placed = [_placed(window, captures.sensor) for window in windows]
     wanted = _known(families)
     entry = cache.held(captures, placed, errors, wanted)
-    found = entry.get(captures) if entry else None
-    if found is not None:
+    statistics = entry.get(captures) if entry else None
+    if statistics is not None:
         if progress is not None:
             progress(captures.frame_count, captures.frame_count)
-        return found
+        return statistics
     parts = [
         _Part(w, plane, errors, wanted) for w in placed for plane in _planes(w, captures.sensor)
     ]
@@ -99,10 +100,10 @@ def analyze_windows(
         settings = _here(captures, parts, workers, progress)
     else:
         settings = _on_cluster(captures, parts, scheduler, progress, entry)
-    found = _by_window(captures, placed, parts, settings)
+    statistics = _by_window(captures, placed, parts, settings)
     if entry:
-        entry.put(found)
-    return found
+        entry.put(statistics)
+    return statistics
 
 
 def _known(families: Sequence[str]) -> tuple[str, ...]:
@@ -142,7 +143,7 @@ def _on_cluster(
     entry: cache.Entry | None,
 ) -> list[list[SettingStatistics]]:
     """As `_here`, by the workers of a Dask cluster."""
-    from dnanalyze.analyzers import distributed
+    from dnanalyze.analyzers.streaming import distributed
 
     cut = distributed.Cut(_outer([part.window for part in parts]), parts)
     out: list[list[SettingStatistics]] = []

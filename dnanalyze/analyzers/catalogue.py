@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from functools import cache
 
-from dnanalyze.analyzers import (
+from dnanalyze.analyzers.families import (
     codes,
     distribution,
     level,
@@ -17,7 +17,7 @@ from dnanalyze.analyzers import (
     time,
     trends,
 )
-from dnanalyze.analyzers.family import Family
+from dnanalyze.analyzers.families.family import Family
 from dnanalyze.analyzers.statistics import StatisticInfo
 from dnanalyze.errors import InputError
 

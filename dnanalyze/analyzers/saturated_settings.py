@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import Saturation, saturation
+from dnanalyze.analyzers.estimators.saturation import Saturation, saturation
 from dnanalyze.loaders.captures import CaptureSet, Setting
 
 LOOKS = 4  # frames of a setting: each doubles what the variance of a pixel tells, 4 are plenty
@@ -21,14 +21,14 @@ def saturated_settings(captures: CaptureSet) -> list[Saturation]:
     and channel, whose frames may be too few to show it.
     """
     stacks = [_some(s) for s in captures.settings]
-    found = [saturation(stack) for stack in stacks]
+    own = [saturation(stack) for stack in stacks]
     wells: dict[object, float] = {}
-    for setting, seen in zip(captures.settings, found, strict=True):
+    for setting, seen in zip(captures.settings, own, strict=True):
         if seen.plateau:
             key = (setting.point.gain, setting.point.channel)
             wells[key] = min(seen.high, wells.get(key, np.inf))
     out = []
-    for setting, stack, seen in zip(captures.settings, stacks, found, strict=True):
+    for setting, stack, seen in zip(captures.settings, stacks, own, strict=True):
         well = wells.get((setting.point.gain, setting.point.channel), np.inf)
         share = float(np.mean(stack >= well))
         held = replace(seen, high=well, high_share=share, plateau=True)
@@ -36,12 +36,12 @@ def saturated_settings(captures: CaptureSet) -> list[Saturation]:
     return out
 
 
-def notes(captures: CaptureSet, found: list[Saturation]) -> list[str]:
+def notes(captures: CaptureSet, ends: list[Saturation]) -> list[str]:
     """A sentence for each setting of which a tenth of the pixels, or more, are saturated."""
     return [
         f"{setting.point.label()}: {seen.words()}"
         + ("; its level and noise are not the sensor's." if seen.most else ".")
-        for setting, seen in zip(captures.settings, found, strict=True)
+        for setting, seen in zip(captures.settings, ends, strict=True)
         if seen.share >= SPOKEN_OF
     ]
 
@@ -51,9 +51,9 @@ def unsaturated(captures: CaptureSet) -> tuple[CaptureSet, list[str]]:
 
     As given where that would leave none.
     """
-    found = saturated_settings(captures)
-    kept = tuple(s for s, seen in zip(captures.settings, found, strict=True) if not seen.most)
-    said = notes(captures, found)
+    ends = saturated_settings(captures)
+    kept = tuple(s for s, seen in zip(captures.settings, ends, strict=True) if not seen.most)
+    said = notes(captures, ends)
     return (replace(captures, settings=kept) if kept else captures), said
 
 

@@ -17,7 +17,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 
 ELECTRON = 1.602176634e-19  # C
-CLEAR = 5.0  # standard errors from which the slope of variance over mean counts as the gain
+LEAST_SLOPE = 5.0  # standard errors from which the slope of variance over mean counts as the gain
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def record(
         Called with a line of progress.
     """
     from dnanalyze.analyzers.analyze import analyze
-    from dnanalyze.analyzers.trends import law_doubts
+    from dnanalyze.analyzers.families.trends import law_doubts
 
     tell(f"{name}: statistics")
     statistics = analyze(captures)
@@ -204,8 +204,8 @@ def _gain_of_model(result: Any) -> Figure:
     from dnanalyze.fitting.fit import with_uncertainties
 
     fitted = with_uncertainties(result.bench, result.state, 8)
-    found = {p.name: p for p in fitted.parameters}
-    gain = found.get("dark_shot_noise.dn_per_e")
+    estimates = {p.name: p for p in fitted.parameters}
+    gain = estimates.get("dark_shot_noise.dn_per_e")
     if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
         return ABSENT
     return Figure(gain.value, gain.se, "from the shot noise of the refined model")
@@ -218,11 +218,11 @@ def _filtered(
 
     tell(f"{name}: hidden filters")
     try:
-        found = detect(captures)
+        detection = detect(captures)
     except InputError as error:
         notes.append(f"it could not be tested for hidden filters: {error}")
         return None, ""
-    return found.filtered, found.kind
+    return detection.filtered, detection.kind
 
 
 def _longest(statistics: Statistics) -> list[SettingStatistics]:
@@ -247,13 +247,13 @@ def _longest(statistics: Statistics) -> list[SettingStatistics]:
 def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> Figure:
     """Mean over colour planes of the first statistic that they tell; error in plain units."""
     for name in names:
-        found = [s.values[name] for s in settings if name in s.values]
-        if not found:
+        values = [s.values[name] for s in settings if name in s.values]
+        if not values:
             continue
         scale = infos()[name].scale
-        plain = [scale.plain(scale.coordinate(v.value) + v.se) - v.value for v in found]
-        mean = float(np.mean([v.value for v in found]))
-        return Figure(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(found), name)
+        plain = [scale.plain(scale.coordinate(v.value) + v.se) - v.value for v in values]
+        mean = float(np.mean([v.value for v in values]))
+        return Figure(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(values), name)
     return ABSENT
 
 
@@ -333,6 +333,6 @@ def gain_of(statistics: Statistics) -> Figure:
     pulls = y / sigma - a @ solution
     scale = max(1.0, math.sqrt(float(pulls @ pulls) / (x.size - 2)))
     slope, se = float(solution[1]), math.sqrt(float(covariance[1, 1])) * scale
-    if slope < CLEAR * se:
+    if slope < LEAST_SLOPE * se:
         return Figure(math.nan, math.nan, "the dark series does not tell the gain")
     return Figure(slope, se, "slope of temporal variance over mean")

@@ -179,20 +179,20 @@ def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
     if there:
         nearest = min(there, key=lambda r: abs(r.temperature_c - celsius))
         return Figure(nearest.value, nearest.se, "measured there", one_frame)
-    found = estimate(readings, celsius, criterion.floor)
-    if found is None:
+    estimated = estimate(readings, celsius, criterion.floor)
+    if estimated is None:
         why = "one temperature tells no law" if readings else "these captures do not tell it"
         return Figure(math.nan, math.nan, why)
     low, high = readings[0].temperature_c, readings[-1].temperature_c
-    if found.outside_c > REACH * (high - low):
+    if estimated.outside_c > REACH * (high - low):
         why = f"measured from {low:g} to {high:g} C alone, too far away for its law"
         return Figure(math.nan, math.nan, why)
     note = "by its law"
-    if found.outside_c > 0.5:
-        note = f"extrapolated by {found.outside_c:.0f} C"
-    if found.cost > 1.5:
-        note += f"; the error is {found.cost:.1f} times that of its own nearest measurement"
-    return Figure(found.value, found.se, note, one_frame)
+    if estimated.outside_c > 0.5:
+        note = f"extrapolated by {estimated.outside_c:.0f} C"
+    if estimated.cost > 1.5:
+        note += f"; the error is {estimated.cost:.1f} times that of its own nearest measurement"
+    return Figure(estimated.value, estimated.se, note, one_frame)
 
 
 def _forms(

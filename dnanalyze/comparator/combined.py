@@ -49,7 +49,7 @@ def compare_combined(
     captures : CaptureSet
         Combined frames, as the sensor puts them out; no channel in their operating points.
     model : NoiseModel
-        Tables over channels; see `dnanalyze.model.channels.merged`.
+        Tables over channels; see `dnanalyze.model.channel_models.merged`.
     how : Combination
     light : float
         Uniform light on the frames, DN of the first channel.

@@ -4,8 +4,8 @@ Nothing here uses ``dnanalyze.model``: where the two agree, they agree by physic
 code. It feeds the ``demo`` command, the hidden-effect tests and the benchmark.
 """
 
-from dnanalyze.demo.channels import Channel, generate_channels
 from dnanalyze.demo.folder import write_folder
+from dnanalyze.demo.hdr_sensor import Channel, generate_channels
 from dnanalyze.demo.hidden import LEVELS
 from dnanalyze.demo.sensor import VirtualSensor, draw_sensor
 from dnanalyze.demo.virtual_sensor import CATALOGUED, EFFECTS, OUTSIDE, generate, resolve, truth

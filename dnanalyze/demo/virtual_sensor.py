@@ -87,7 +87,7 @@ def resolve(
     sensor: VirtualSensor, effects: Hidden | None, seed: int = 0
 ) -> dict[str, dict[str, Any]]:
     """The parameters that `generate` will use, in plain numbers."""
-    found = {}
+    resolved = {}
     for name, wanted in (effects or {}).items():
         if name not in EFFECTS:
             raise InputError(f"unknown effect {name!r}; valid names: {', '.join(sorted(EFFECTS))}")
@@ -102,8 +102,8 @@ def resolve(
             if key not in parameters:
                 valid = ", ".join(parameters)
                 raise InputError(f"{name}: unknown parameter {key!r}; valid: {valid}")
-        found[name] = parameters | given
-    return found
+        resolved[name] = parameters | given
+    return resolved
 
 
 def truth(sensor: VirtualSensor, effects: Hidden | None, seed: int = 0) -> dict[str, Any]:

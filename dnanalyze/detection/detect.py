@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import saturation
+from dnanalyze.analyzers.estimators.saturation import saturation
 from dnanalyze.detection import kept
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
@@ -55,26 +55,28 @@ def detect(
             kept.put(entry, evidence)
     answers = ask(evidence, alpha)
     kind, flags = decide(answers)
-    found = estimate(kind, flags, evidence) if flags else None
+    filter_estimate = estimate(kind, flags, evidence) if flags else None
     series = _series(evidence)
     also = _also(kind, answers)
     return Detection(
         filtered=kind != "none",
         kind=kind,
         confidence=_confidence(flags, evidence),
-        estimate=found,
+        estimate=filter_estimate,
         also=also,
         findings=tuple(_finding(a, kind, a in flags, also, alpha) for a in answers),
         evidence=_words(flags),
         ambiguous=_ambiguous(kind, answers, evidence, alpha),
-        tail=tail_bounds(found, evidence) if found and kind == "dpc" else (),
-        effect=effect_of(kind, found, evidence) if found else {},
+        tail=tail_bounds(filter_estimate, evidence) if filter_estimate and kind == "dpc" else (),
+        effect=effect_of(kind, filter_estimate, evidence) if filter_estimate else {},
         series=series,
         answers=tuple(answers),
     )
 
 
-def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> list[ViewEvidence]:
+def _gather(
+    frame_groups: list[Group], progress: Callable[[int, int], None] | None
+) -> list[ViewEvidence]:
     done = 0
 
     def one(group: Group) -> list[ViewEvidence]:
@@ -85,11 +87,11 @@ def _gather(found: list[Group], progress: Callable[[int, int], None] | None) -> 
 
     evidence: list[ViewEvidence] = []
     with ThreadPoolExecutor(WORKERS) as pool:
-        for part in pool.map(one, found):
+        for part in pool.map(one, frame_groups):
             evidence += part
             done += 1
             if progress is not None:
-                progress(done, len(found))
+                progress(done, len(frame_groups))
     return evidence
 
 

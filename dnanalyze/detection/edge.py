@@ -35,9 +35,9 @@ def tightest_line(pairs: np.ndarray, least: float, most: float) -> tuple[float, 
     if not len(pairs):
         return None
     slopes = np.linspace(least, most, CANDIDATES)
-    found = [bound_at(pairs, a) for a in slopes]
-    score = np.array([s for _, s in found])
+    bounds = [bound_at(pairs, a) for a in slopes]
+    score = np.array([s for _, s in bounds])
     if not score.max() > 0:
         return None
     best = int(np.median(np.flatnonzero(score == score.max())))
-    return float(slopes[best]), found[best][0]
+    return float(slopes[best]), bounds[best][0]

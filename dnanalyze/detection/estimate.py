@@ -52,7 +52,7 @@ def _correction(
 ) -> FilterEstimate:
     mine = [a for a in flags if a.asked.evidence.view == view and a.asked.test in CAUSES] or flags
     tests = {t: [a.asked for a in mine if a.asked.test == t] for t in CAUSES}
-    found = [e.replaced for e in evidence if e.view == view and e.replaced is not None]
+    replaced = [e.replaced for e in evidence if e.view == view and e.replaced is not None]
     rule, ppm = None, None
     if tests["static_replacement"]:
         rule = RULES[int(np.bincount([int(a.at) for a in tests["static_replacement"]]).argmax())]
@@ -72,7 +72,7 @@ def _correction(
     known = [(line, noise, out) for line, noise, out in lines if line is not None]
     if cut or 2 * len(known) > len(seen):
         return _cut(replace(base, neighbours=neighbours), known, tests["dynamic_threshold"])
-    if tests["static_replacement"] and _grows(found, rule):
+    if tests["static_replacement"] and _grows(replaced, rule):
         bound, noise = min((_highest(e, neighbours), e.noise) for e in seen)
         return replace(
             base, subkind="dynamic", threshold_dn=bound, threshold_sigma=bound / noise,
@@ -142,11 +142,11 @@ def _highest(e: ViewEvidence, neighbours: int) -> float:
     return max(float(top.bounds[empty[0] if empty.size else -1]), e.step)
 
 
-def _grows(found: list[Any], rule: str | None) -> bool:
+def _grows(replaced: list[Any], rule: str | None) -> bool:
     """Replaced sites differ between settings beyond chance: a list would not."""
-    if rule is None or len(found) < 2:
+    if rule is None or len(replaced) < 2:
         return False
-    counts = np.array([f.own[RULES.index(rule)] for f in found], float)
+    counts = np.array([f.own[RULES.index(rule)] for f in replaced], float)
     low, high = counts.min(), counts.max()
     return bool(high > 2 * low + 10)
 
@@ -179,15 +179,15 @@ def _denoise(
     return FilterEstimate(subkind, e.view, strength=removed, from_temperature_c=coldest)
 
 
-def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) -> dict[str, Any]:
+def effect_of(kind: str, estimated: FilterEstimate, evidence: list[ViewEvidence]) -> dict[str, Any]:
     """The model effect and parameters that mimic the filter, as plain values."""
-    spacing = 2 if found.view == "planes" else 1
+    spacing = 2 if estimated.view == "planes" else 1
     if kind == "temporal_denoise":
-        return {"temporal_denoise": {"share": round(min(found.strength or 0.0, 0.7), 3)}}
+        return {"temporal_denoise": {"share": round(min(estimated.strength or 0.0, 0.7), 3)}}
     if kind == "denoise":
         kinds = {"gaussian": "gaussian", "median": "median"}
-        model_kind = kinds.get(found.subkind, "bilateral")
-        strength = float(np.clip(found.strength or 0.5, 0.05, 1.0))
+        model_kind = kinds.get(estimated.subkind, "bilateral")
+        strength = float(np.clip(estimated.strength or 0.5, 0.05, 1.0))
         plain: dict[str, Any] = {
             "kind": model_kind,
             "strength": round(strength, 3),
@@ -197,32 +197,32 @@ def effect_of(kind: str, found: FilterEstimate, evidence: list[ViewEvidence]) ->
             plain["range"] = round(3 * min(e.noise for e in evidence), 3)
         return {"denoise": plain}
     plain = {"spacing": spacing}
-    replacement = REPLACEMENTS.get((found.replacement or "").split(" of")[0], "median")
-    if found.subkind == "clamp":
-        plain |= {"kind": "clamp", "threshold": 0.01, "neighbours": found.neighbours or 8}
-    elif found.subkind == "ratio":
+    replacement = REPLACEMENTS.get((estimated.replacement or "").split(" of")[0], "median")
+    if estimated.subkind == "clamp":
+        plain |= {"kind": "clamp", "threshold": 0.01, "neighbours": estimated.neighbours or 8}
+    elif estimated.subkind == "ratio":
         plain |= {
-            "kind": "ratio", "factor": round(found.ratio or 2.0, 3),
-            "threshold": round(max(found.threshold_dn or 0.0, 0.01), 3),
-            "black": round(found.level_dn or 0.0, 3),
-            "neighbours": found.neighbours or 8, "replacement": replacement,
+            "kind": "ratio", "factor": round(estimated.ratio or 2.0, 3),
+            "threshold": round(max(estimated.threshold_dn or 0.0, 0.01), 3),
+            "black": round(estimated.level_dn or 0.0, 3),
+            "neighbours": estimated.neighbours or 8, "replacement": replacement,
         }  # fmt: skip
-    elif found.subkind == "static":
+    elif estimated.subkind == "static":
         plain |= {
             "kind": "static",
-            "fraction": float(np.clip((found.site_ppm or 500) * 1e-6, 1e-6, 0.05)),
+            "fraction": float(np.clip((estimated.site_ppm or 500) * 1e-6, 1e-6, 0.05)),
             "replacement": replacement,
         }  # fmt: skip
     else:
-        threshold = found.threshold_dn or 4 * float(np.median([e.noise for e in evidence]))
+        threshold = estimated.threshold_dn or 4 * float(np.median([e.noise for e in evidence]))
         plain |= {
             "kind": "excess", "threshold": round(threshold, 3),
-            "neighbours": found.neighbours or 8, "replacement": replacement,
+            "neighbours": estimated.neighbours or 8, "replacement": replacement,
         }  # fmt: skip
     return {"dpc": plain}
 
 
-def tail_bounds(found: FilterEstimate, evidence: list[ViewEvidence]) -> tuple[TailBound, ...]:
+def tail_bounds(estimated: FilterEstimate, evidence: list[ViewEvidence]) -> tuple[TailBound, ...]:
     """Pixels that stood out by more than the threshold before the correction, in parts per million.
 
     Lower: those still seen. Upper: with every site that was replaced, each of which may have been
@@ -230,9 +230,9 @@ def tail_bounds(found: FilterEstimate, evidence: list[ViewEvidence]) -> tuple[Ta
     """
     bounds = []
     for e in evidence:
-        if e.view != found.view or e.replaced is None or not e.replaced.tried:
+        if e.view != estimated.view or e.replaced is None or not e.replaced.tried:
             continue
-        level = found.threshold_dn or 4 * e.noise
+        level = estimated.threshold_dn or 4 * e.noise
         top = e.above8.difference
         k = min(int(np.searchsorted(top.bounds, level)), top.bounds.size - 1)
         seen = 1e6 * top.own[k] / (top.frames * e.replaced.tried)

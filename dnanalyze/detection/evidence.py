@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers.saturation import MAJORITY, Saturation, saturation
+from dnanalyze.analyzers.estimators.saturation import MAJORITY, Saturation, saturation
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
 from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
 from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading
@@ -124,7 +124,7 @@ def gather(
     clipped = max(_clipped_share(stack), ends.share)
     ceiling = ends.high if ends.plateau else _ceiling(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
-    found = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
+    counted = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
 
     return ViewEvidence(
         view,
@@ -142,9 +142,9 @@ def gather(
         octave_spectrum(images),
         lag_correlation(images),
         texture(images),
-        _standing_out(clean, 1, noise, ceiling, found),
-        _standing_out(clean, 2, noise, ceiling, found),
-        sum(found[1:], found[0]) if found else None,
+        _standing_out(clean, 1, noise, ceiling, counted),
+        _standing_out(clean, 2, noise, ceiling, counted),
+        sum(counted[1:], counted[0]) if counted else None,
         None,
         _memory(parts) if group.repeats else None,
         equal_neighbours(parts[0].raw),
@@ -159,8 +159,8 @@ def listed(stack: np.ndarray, view: str) -> Replaced | None:
     if len(stack) < 3 or not parts:
         return None
     noise = _noise([without_shading(p.dithered()[0])[None] for p in parts], parts[0].step)
-    found = _replaced(parts, noise, saturation(stack[:1]))
-    return sum(found[1:], found[0])
+    counted = _replaced(parts, noise, saturation(stack[:1]))
+    return sum(counted[1:], counted[0])
 
 
 def _parts(stack: np.ndarray, view: str) -> list[Plane]:
@@ -191,11 +191,11 @@ def _recorded(parts: list[Plane]) -> Exceedance:
 def _standing_out(
     stacks: list[np.ndarray], reach: int, noise: float, ceiling: float, sites: list[Replaced]
 ) -> StandingOut:
-    found = [
+    drawn = [
         standing_out(s, reach, noise, ceiling, sites[k].sites[:, 1:] if sites else None)
         for k, s in enumerate(stacks)
     ]
-    return sum(found[1:], found[0])
+    return sum(drawn[1:], drawn[0])
 
 
 def _ceiling(stack: np.ndarray) -> float:
@@ -214,12 +214,12 @@ def _replaced(parts: list[Plane], noise: float, ends: Saturation) -> list[Replac
 
 
 def _memory(parts: list[Plane]) -> Autocorrelation | None:
-    found = [m for m in (autocorrelation(p.raw) for p in parts) if m is not None]
-    if not found:
+    measured = [m for m in (autocorrelation(p.raw) for p in parts) if m is not None]
+    if not measured:
         return None
     mean = {
-        name: float(np.mean([getattr(m, name) for m in found]))
+        name: float(np.mean([getattr(m, name) for m in measured]))
         for name in ("excess", "shared_se", "freedom", "everywhere", "without_trend", "memory")
     }
-    se = float(np.sqrt(np.sum([m.se**2 for m in found])) / len(found))
-    return Autocorrelation(se=se, frames=found[0].frames, **mean)
+    se = float(np.sqrt(np.sum([m.se**2 for m in measured])) / len(measured))
+    return Autocorrelation(se=se, frames=measured[0].frames, **mean)

@@ -65,7 +65,7 @@ def _survival(
     ``base``; ``RATIO`` stands for x / max.
     """
     h, w = frame.shape
-    found = np.zeros((rules.size, 2, bounds.shape[1] + 1), np.float64)
+    counts = np.zeros((rules.size, 2, bounds.shape[1] + 1), np.float64)
     margin = reach + np.abs(shifts).max()
     weight = 1.0 / shifts.shape[0]
     for y in range(margin, h - margin):
@@ -84,8 +84,8 @@ def _survival(
                     e = v / max(m, floor / 4) if rules[k] == RATIO else v - rules[k] * m
                     if e > bounds[k, 0]:  # bounds below e: 0 .. n - 1
                         n = np.searchsorted(bounds[k], e)
-                        found[k, min(s + 1, 1), n] += 1.0 if s < 0 else weight
-    return found
+                        counts[k, min(s + 1, 1), n] += 1.0 if s < 0 else weight
+    return counts
 
 
 def _pairs(
@@ -205,16 +205,16 @@ def standing_out(
                 rules, bounds, bases[-1], floor, ceiling,
             )  # fmt: skip
     above = [count[..., ::-1].cumsum(axis=-1)[..., ::-1][..., 1:] for count in counts]
-    found = [
+    sums = [
         Excess(bounds[k], own_and_control[k, 0], own_and_control[k, 1], len(stack))
         for own_and_control, (rules, bounds, _) in zip(above, (plain, hot), strict=True)
         for k in range(rules.size)
     ]
     return StandingOut(
         (2 * reach + 1) ** 2 - 1,
-        found[0],
-        found[1],
-        tuple(found[2:]),
+        sums[0],
+        sums[1],
+        tuple(sums[2:]),
         float(np.median(bases)),
         np.concatenate([p[:: -(-len(stack) * len(p) // MOST_PAIRS) or 1] for p in pairs]),
     )

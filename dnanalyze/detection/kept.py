@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers import cache
-from dnanalyze.analyzers.saturation import Saturation
+from dnanalyze.analyzers.estimators.saturation import Saturation
+from dnanalyze.analyzers.streaming import cache
 from dnanalyze.detection.correlation import LagCorrelation
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut

@@ -243,16 +243,16 @@ def _always(e: ViewEvidence, seen: Replaced, where: str) -> Asked:
     own, control = seen.own, seen.control
     p = stats.poisson.sf(own - 1, 3 * control + 1)
     j = int(np.argmax(own / (control + 3)))
-    found = int(own[j])
+    matches = int(own[j])
     return Asked(
         "static_replacement",
         "dpc",
         e,
         min(1.0, float(p[j]) * len(RULES)),
-        float(found / (control[j] + 1)) if found >= LEAST_REPLACED else 0.0,
+        float(matches / (control[j] + 1)) if matches >= LEAST_REPLACED else 0.0,
         5.0 * _by_chance(e, seen, j),
-        f"{found} sites are {where} the {RULES[j]} of their neighbours, {control[j]:.0f} of a ring "
-        "elsewhere",
+        f"{matches} sites are {where} the {RULES[j]} of their neighbours, {control[j]:.0f} of a "
+        "ring elsewhere",
         j,
         sites=seen,
     )

@@ -121,7 +121,7 @@ def _match(
     rules = 10
     counts = np.zeros((2, shifts.shape[0], rules), np.int64)
     sites = np.empty((limit, 3), np.int64)
-    found = 0
+    kept = 0
     low = np.empty(rules)
     high = np.empty(rules)
     misses = np.empty(rules, np.int64)
@@ -180,12 +180,12 @@ def _match(
                 for r in range(rules):
                     if misses[r] < 2:
                         counts[misses[r], s, r] += 1
-                        if misses[r] == 0 and s == 0 and found < limit:
-                            sites[found, 0] = r
-                            sites[found, 1] = y
-                            sites[found, 2] = x
-                            found += 1
-    return counts, sites[:found], tried
+                        if misses[r] == 0 and s == 0 and kept < limit:
+                            sites[kept, 0] = r
+                            sites[kept, 1] = y
+                            sites[kept, 2] = x
+                            kept += 1
+    return counts, sites[:kept], tried
 
 
 @njit(cache=True, nogil=True)

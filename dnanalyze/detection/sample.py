@@ -36,19 +36,19 @@ class Group:
 
 def groups(captures: CaptureSet) -> list[Group]:
     """The settings; those of a single frame at neighbouring temperatures are put together."""
-    found: list[Group] = []
+    chosen: list[Group] = []
     single: list[tuple[OperatingPoint, Frame]] = []
 
     def close() -> None:
         if single:
             frames = tuple(f for _, f in single)
-            found.append(Group(single[0][0], frames, repeats=False))
+            chosen.append(Group(single[0][0], frames, repeats=False))
             single.clear()
 
     for setting in captures.settings:
         if len(setting.frames) > 1:
             close()
-            found.append(Group(setting.point, setting.frames[:MAX_FRAMES], repeats=True))
+            chosen.append(Group(setting.point, setting.frames[:MAX_FRAMES], repeats=True))
         elif setting.frames:
             if single and not _near(single[0][0], setting.point):
                 close()
@@ -56,7 +56,7 @@ def groups(captures: CaptureSet) -> list[Group]:
             if len(single) == 8:
                 close()
     close()
-    return found
+    return chosen
 
 
 def across(captures: CaptureSet) -> Group | None:

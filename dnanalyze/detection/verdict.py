@@ -79,12 +79,12 @@ def _coloured(evidence: list[ViewEvidence]) -> set[OperatingPoint]:
 
     No filter makes that, and sampled every second pixel it looks like smoothing.
     """
-    found = set()
+    points = set()
     for e in evidence:
         ratio, se = e.spectrum.suppression
         if e.view == "frame" and np.isfinite(ratio) and ratio > 0.1 + 4 * se:
-            found.add(e.point)
-    return found
+            points.add(e.point)
+    return points
 
 
 def _round(e: ViewEvidence) -> bool:

@@ -18,7 +18,7 @@ from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State, converge, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Stage
-from dnanalyze.model.evidence import quietest
+from dnanalyze.model.guesses.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY
 

@@ -19,7 +19,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
-from dnanalyze.model.channels import channel_model, merged, of_pixel
+from dnanalyze.model.channel_models import channel_model, merged, of_pixel
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
@@ -55,7 +55,7 @@ class ChannelRefinement:
         The first entry is the starting model, the last the one model, refitted; errors over all
         channels.
     model : NoiseModel
-        Of all channels; see `dnanalyze.model.channels.merged`.
+        Of all channels; see `dnanalyze.model.channel_models.merged`.
     bench : Bench
     state : State
     """

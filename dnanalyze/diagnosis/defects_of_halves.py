@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dnanalyze.analyzers.line_defects import standing_out
+from dnanalyze.analyzers.estimators.line_defects import standing_out
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import Window
 

@@ -15,8 +15,8 @@ from dnanalyze.fitting.located import Measured
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.hints import gains
-from dnanalyze.model.line_profile import line_profile
+from dnanalyze.model.guesses.hints import gains
+from dnanalyze.model.guesses.line_profile import line_profile
 from dnanalyze.model.wave import Wave
 
 

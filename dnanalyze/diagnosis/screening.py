@@ -16,7 +16,7 @@ from dnanalyze.fitting.from_part import carried, part_for
 from dnanalyze.fitting.least_squares import State, evened, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Placing
-from dnanalyze.model.evidence import SIGN
+from dnanalyze.model.guesses.evidence import SIGN
 from dnanalyze.model.noise_model import NoiseModel
 
 LEAST = 6.0  # promise below which a refit is not worth it; what chance promises is several times

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers.arrhenius import USUAL_EV, unusual
+from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import (

@@ -15,8 +15,8 @@ from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, room
 from dnanalyze.fitting.vectors import Target, prediction, target
 from dnanalyze.model.effect import Placing
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from typing import Any
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.fitting.simulated import THREADS, Job, Part, room, shared
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
-from dnanalyze.model.simulate import Memo
 
 MOST = 7  # helpers
 PATIENCE_S = 5.0  # with a helper at the end

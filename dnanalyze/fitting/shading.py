@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from dnanalyze.analyzers.shading import NOISE, NOISE_ORDERS
+from dnanalyze.analyzers.families.shading import NOISE, NOISE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 
 ORDER = 4

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo, simulate
+from dnanalyze.model.simulate import simulate
 
 THREADS = 2  # parts taken at a time
 FIELD_BYTES = 1 << 30

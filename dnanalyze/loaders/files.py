@@ -130,7 +130,7 @@ def _below(root: Path) -> tuple[Path, ...]:
     def refuse(error: OSError) -> None:
         raise unreadable(str(error.filename), error)
 
-    found: list[Path] = []
+    paths: list[Path] = []
     for folder, folders, names in os.walk(root, onerror=refuse):
         folders[:] = [f for f in folders if not f.startswith(".")]
         for name in [*names, *(f for f in folders if Path(folder, f).is_symlink())]:
@@ -140,10 +140,10 @@ def _below(root: Path) -> tuple[Path, ...]:
             if path.is_symlink():
                 inside(root, path, str(path))
             if not path.is_dir():
-                found.append(path)
-        if len(found) > MAX_FILES:
+                paths.append(path)
+        if len(paths) > MAX_FILES:
             raise InputError(f"{root}: more than {MAX_FILES} files; give the folder of one capture")
-    return tuple(sorted(found, key=lambda p: natural_key(p.relative_to(root).as_posix())))
+    return tuple(sorted(paths, key=lambda p: natural_key(p.relative_to(root).as_posix())))
 
 
 def _fetched(url: str) -> Place:

@@ -115,7 +115,7 @@ def _frame_files(
 def _recordings(
     place: Place, files: list[Path], config: Config, notes: list[str]
 ) -> list[tuple[Path, Recording]]:
-    found: list[tuple[Path, Recording]] = []
+    recordings: list[tuple[Path, Recording]] = []
     left_out: Counter[str] = Counter()
     previous = None
     for file in files:
@@ -125,36 +125,38 @@ def _recordings(
         else:
             if place.origin is not None:
                 recording = replace(recording, read=Fetched(recording.read, file, place.origin))
-            found.append((file, recording))
+            recordings.append((file, recording))
     notes += [f"{n} files are left out: {reason}." for reason, n in left_out.items()]
-    if not found:
+    if not recordings:
         raise InputError(f"{place.name}: no dark frames; {next(iter(left_out))} in every file")
-    return _one_camera(place, found, notes)
+    return _one_camera(place, recordings, notes)
 
 
 def _one_camera(
-    place: Place, found: list[tuple[Path, Recording]], notes: list[str]
+    place: Place, recordings: list[tuple[Path, Recording]], notes: list[str]
 ) -> list[tuple[Path, Recording]]:
     """Camera raw files of the commonest camera; any other mixture of shapes is refused.
 
     The readout of a camera's raw files has one size, so two sizes are two cameras, and each
     file's own format and size tell which.
     """
-    first_file, first = found[0]
-    if all((r.shape, r.dtype) == (first.shape, first.dtype) for _, r in found):
-        return found
-    if all(suffix_of(f) in _CAMERA_RAW for f, _ in found):
-        counts = Counter((r.format, r.shape) for _, r in found)
+    first_file, first = recordings[0]
+    if all((r.shape, r.dtype) == (first.shape, first.dtype) for _, r in recordings):
+        return recordings
+    if all(suffix_of(f) in _CAMERA_RAW for f, _ in recordings):
+        counts = Counter((r.format, r.shape) for _, r in recordings)
         (kind, shape), count = counts.most_common(1)[0]
-        others = [f for f, r in found if (r.format, r.shape) != (kind, shape)]
+        others = [f for f, r in recordings if (r.format, r.shape) != (kind, shape)]
         notes.append(
             f"The folder holds raw files of {len(counts)} cameras; taken: {count} {kind} of "
             f"{shape[0]} x {shape[1]}; left out: {printable(place.relative(others[0]))}"
             + (f" and {len(others) - 1} more" if len(others) > 1 else "")
             + ", to be loaded by itself."
         )
-        return [(f, r) for f, r in found if (r.format, r.shape) == (kind, shape)]
-    file, other = next((f, r) for f, r in found if (r.shape, r.dtype) != (first.shape, first.dtype))
+        return [(f, r) for f, r in recordings if (r.format, r.shape) == (kind, shape)]
+    file, other = next(
+        (f, r) for f, r in recordings if (r.shape, r.dtype) != (first.shape, first.dtype)
+    )
     raise InputError(
         f"{place.relative(file)}: has {other.shape[0]} x {other.shape[1]} pixels of {other.dtype}, "
         f"{place.relative(first_file)} has {first.shape[0]} x {first.shape[1]} of {first.dtype}; "

@@ -42,10 +42,10 @@ def from_header(values: Mapping[str, Any], comments: Mapping[str, str] | None = 
 
     def first(names: tuple[str, ...]) -> tuple[float, str] | None:
         for name in names:
-            found = _number(upper.get(name))
-            if found is not None:
+            value = _number(upper.get(name))
+            if value is not None:
                 comment = re.match(r"\s*[\[(]([^\])]*)[\])]", units.get(name, ""))
-                return found[0], (found[1] or (comment[1] if comment else "")).strip()
+                return value[0], (value[1] or (comment[1] if comment else "")).strip()
         return None
 
     temperature, exposure, gain = first(TEMPERATURE), first(EXPOSURE), first(GAIN)

@@ -26,7 +26,7 @@ AT_ONCE = 16  # samples in memory
 ALONE = 0.99  # share of the pixels at one code from which the others tell no noise
 FROZEN = 1 / 3  # of the usual difference of neighbours: a ninth of its variance
 MOVED = 0.02  # share of the temporal variance that a moving level adds: 1 % of the noise
-CLEAR = 8.0  # standard errors by which the level must move; the range of 1000 frames takes 6.5
+LEAST_MOVE = 8.0  # standard errors by which the level must move; the range of 1000 frames takes 6.5
 TREND = 1e-3  # chance of a slope over time as steep as one that is called a drift
 CAP = 5.0  # 90 % quantiles: what differs by more is a hit or a blinking pixel, and counts so much
 OF_TWO = 2 / np.sqrt(np.pi)  # mean |difference| of two frames over their noise, if it is normal
@@ -48,7 +48,7 @@ def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[st
     most = _most_frames(settings)
     known: dict[bytes, Frame] = {}
     seen, kept = [], []
-    found = _Found()
+    findings = _Found()
     for setting in settings:
         view, own, copies = _View(setting), dict[bytes, Frame](), set[int]()
         for frame, sample in _samples(setting.frames[:most]):
@@ -57,21 +57,21 @@ def examined(settings: Sequence[Setting]) -> tuple[tuple[Setting, ...], tuple[st
             digest = hashlib.blake2b(sample.tobytes(), digest_size=16).digest()
             first = own.setdefault(digest, frame)
             if first is not frame and _identical(first, frame):
-                found.copies.append((frame, first))
+                findings.copies.append((frame, first))
                 copies.add(id(frame))
                 continue
             view.add(frame, sample)
             other = known.setdefault(digest, frame)
             # where nearly all pixels have one code, two frames may well be equal
             if other is not frame and view.code is None and _identical(other, frame):
-                found.elsewhere.append((frame, other))
+                findings.elsewhere.append((frame, other))
         frames = tuple(f for f in setting.frames if id(f) not in copies)
         kept.append(replace(setting, frames=frames))
         seen.append(view)
-    found.frozen = [pair for view in seen for pair in view.frozen()]
-    found.alone = [(v, code) for v in seen if (code := v.code) is not None]
-    found.moving = [(v, *moved) for v in seen if (moved := v.moved()) is not None]
-    return tuple(kept), found.notes(len(seen))
+    findings.frozen = [pair for view in seen for pair in view.frozen()]
+    findings.alone = [(v, code) for v in seen if (code := v.code) is not None]
+    findings.moving = [(v, *moved) for v in seen if (moved := v.moved()) is not None]
+    return tuple(kept), findings.notes(len(seen))
 
 
 @dataclass
@@ -116,7 +116,7 @@ class _View:
             return None
         noise = float(np.median(self.steps)) / OF_TWO
         span, error = float(np.ptp(self.levels)), float(np.median(self.errors))
-        if span <= CLEAR * error:
+        if span <= LEAST_MOVE * error:
             return None
         told = (
             np.var(self.levels, ddof=1) > MOVED * noise**2 or _chance_of_slope(self.levels) < TREND

@@ -36,7 +36,7 @@ def read_manifest(place: Place) -> dict[Path, Metadata] | None:
         return None
     rows = _csv_rows(path) if path.suffix == ".csv" else _yaml_rows(path)
     known = {place.relative(f): f for f in place.files}
-    found: dict[Path, Metadata] = {}
+    by_file: dict[Path, Metadata] = {}
     count = globbed = 0
     for number, row in rows:
         count += 1
@@ -49,10 +49,10 @@ def read_manifest(place: Place) -> dict[Path, Metadata] | None:
         if globbed > MAX_GLOBBED:
             raise InputError(f"{where}: too many globs for {len(known)} files; name files or fewer")
         for file in _matches(place, known, pattern, where):
-            found[file] = found[file].or_else(metadata) if file in found else metadata
+            by_file[file] = by_file[file].or_else(metadata) if file in by_file else metadata
     if not count:
         raise InputError(f"{path}: has no rows; name the frames, or remove the manifest")
-    return found
+    return by_file
 
 
 def _matches(place: Place, known: dict[str, Path], pattern: str, where: str) -> list[Path]:

@@ -74,12 +74,12 @@ def from_names(parts: Sequence[str]) -> Metadata:
     >>> from_names(["dark_exp_0.05s_003", "T+065C"])
     Metadata(temperature_c=65.0, exposure_s=0.05, gain=None, channel=None, frame=None)
     """
-    found = Metadata()
+    metadata = Metadata()
     for part in parts:
-        found = found.or_else(
+        metadata = metadata.or_else(
             Metadata(_temperature(part), _exposure(part), _gain(part), _channel(part))
         )
-    return found
+    return metadata
 
 
 def from_regex(pattern: str, paths: Sequence[str]) -> list[Metadata]:

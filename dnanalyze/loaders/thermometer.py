@@ -43,7 +43,7 @@ def clusters(readings: np.ndarray, tolerance_c: float | None = None) -> list[tup
         First and one past the last, in order.
     """
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
-    found, waiting = [], [(0, len(readings))] if len(readings) else []
+    runs, waiting = [], [(0, len(readings))] if len(readings) else []
     while waiting:
         first, last = waiting.pop()
         part = readings[first:last]
@@ -52,8 +52,8 @@ def clusters(readings: np.ndarray, tolerance_c: float | None = None) -> list[tup
         if apart or part[-1] - part[0] > span + ALIKE:
             waiting += [(first + at, last), (first, first + at)]
         else:
-            found.append((first, last))
-    return found
+            runs.append((first, last))
+    return runs
 
 
 def isolated(readings: np.ndarray, first: int, last: int) -> bool:

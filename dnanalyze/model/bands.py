@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.noise_model import NoiseModel
-
-if TYPE_CHECKING:
-    from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 
 BAND_PIXELS = 1 << 19
 REACHES = 8  # a band has this many times the rows that its effects look beyond it

@@ -261,9 +261,13 @@ class Effect:
     def guess(cls, clues: Clues) -> list[Effect]:
         """First guesses of this effect from what the model leaves unexplained; empty: no sign.
 
-        Several where the effect has kinds (each is tried).
+        Several where the effect has kinds (each is tried). Those of the catalogue's effects are
+        made in ``guesses``; another effect may have a ``guess`` of its own.
         """
-        return [cls()]
+        from dnanalyze.model.guesses import guess_of
+
+        make = guess_of(cls)
+        return [cls()] if make is None else make(cls, clues)
 
     def told(self, measured: Located) -> dict[str, Told]:
         """Its "held" numbers as these captures tell them, where a statistic does, by name.
@@ -310,7 +314,7 @@ class Effect:
         return None
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """This effect with such an extra dark signal; several where it has kinds."""
         return []
 

@@ -19,7 +19,7 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 
 # Smallest and largest, DN, DN a DN, times: as for codes, what single precision holds exactly.
 _DN = (-float(1 << 24), float(1 << 24))

@@ -23,21 +23,21 @@ def built_in() -> dict[str, type[Effect]]:
     """The catalogue: every file in ``effects`` and every ``dnanalyze.effects`` entry point."""
     from dnanalyze.model import effects
 
-    found: dict[str, type[Effect]] = {}
+    effects_by_name: dict[str, type[Effect]] = {}
     for module in pkgutil.iter_modules(effects.__path__):
-        found |= _effects_of(importlib.import_module(f"{effects.__name__}.{module.name}"))
+        effects_by_name |= _effects_of(importlib.import_module(f"{effects.__name__}.{module.name}"))
     for entry in entry_points(group="dnanalyze.effects"):
         effect = entry.load()
-        found[effect.name] = effect
-    return found
+        effects_by_name[effect.name] = effect
+    return effects_by_name
 
 
 def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
     """The built-in catalogue with the effects of the user's own Python files."""
-    found = dict(built_in())
+    effects_by_name = dict(built_in())
     for path in files:
-        found |= _load_file(path)
-    return found
+        effects_by_name |= _load_file(path)
+    return effects_by_name
 
 
 def find(name: str, known: dict[str, type[Effect]]) -> type[Effect]:
@@ -64,10 +64,10 @@ def _load_file(path: Path) -> dict[str, type[Effect]]:
         raise
     except BaseException as error:  # whatever the user's code raises, SystemExit too
         raise own_error(f"--effects {path}", error) from error
-    found = _effects_of(module)
-    if not found:
+    effects_of_file = _effects_of(module)
+    if not effects_of_file:
         raise InputError(f"--effects {path}: no class derived from dnanalyze.Effect with a name")
-    return {name: guarded(kind, path) for name, kind in found.items()}
+    return {name: guarded(kind, path) for name, kind in effects_of_file.items()}
 
 
 def _effects_of(module: object) -> dict[str, type[Effect]]:

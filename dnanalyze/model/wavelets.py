@@ -155,8 +155,8 @@ def _coefficients(a: np.ndarray, taps: np.ndarray, axis: int) -> np.ndarray:
     """Every second value of the correlation with the taps, around the end."""
     a = np.moveaxis(a, axis, 0)
     longer = np.concatenate([a, a[: len(taps) - 2]])
-    found = sum(t * longer[k : k + len(a) : 2] for k, t in enumerate(taps))
-    return np.moveaxis(np.asarray(found), 0, axis)
+    coefficients = sum(t * longer[k : k + len(a) : 2] for k, t in enumerate(taps))
+    return np.moveaxis(np.asarray(coefficients), 0, axis)
 
 
 def _signal(

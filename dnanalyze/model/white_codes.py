@@ -53,12 +53,12 @@ def reached(level: float, rise: Callable[[float], float], tried: Sequence[float]
 
     The last of them where it does not; it is not asked of any beyond.
     """
-    found: list[float] = []
+    rises: list[float] = []
     for x in tried:
-        found.append(rise(x))
-        if found[-1] > level:
+        rises.append(rise(x))
+        if rises[-1] > level:
             break
-    return float(np.interp(level, np.maximum.accumulate(found), tried[: len(found)]))
+    return float(np.interp(level, np.maximum.accumulate(rises), tried[: len(rises)]))
 
 
 def likeness(field: np.ndarray) -> float:

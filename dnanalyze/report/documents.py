@@ -23,7 +23,7 @@ def inspection(where: str, found: dict[str, Any]) -> Document:
 
 def statistics(where: str, measured: Any) -> Document:
     """Every statistic with its standard error."""
-    from dnanalyze.analyzers.trends import channel_trends, law_doubts
+    from dnanalyze.analyzers.families.trends import channel_trends, law_doubts
     from dnanalyze.report.tables import info
 
     rows = []

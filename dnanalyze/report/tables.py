@@ -82,7 +82,7 @@ def candidates(result: Any) -> pd.DataFrame:
 
 def laws(measured: Any) -> tuple[list[str], list[tuple[str, list[Any], str]]]:
     """Laws over temperature: columns (each channel, or one), rows (title, values, unit)."""
-    from dnanalyze.analyzers.trends import channel_trends
+    from dnanalyze.analyzers.families.trends import channel_trends
 
     found = channel_trends(measured) or {"value": measured.trends}
     names = dict.fromkeys(name for own in found.values() for name in own)

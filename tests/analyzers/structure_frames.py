@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.analyzers.family import Accumulated, Family
+from dnanalyze.analyzers.accumulators.accumulated import Accumulated
+from dnanalyze.analyzers.families.family import Family
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
-from dnanalyze.analyzers.streaming import accumulate
+from dnanalyze.analyzers.streaming.accumulation import accumulate
 
 Frames = list[np.ndarray]
 

@@ -11,7 +11,7 @@ from dnanalyze_cli.main import main
 from dnanalyze.diagnosis.channels import ChannelRefinement, ChannelStep
 from dnanalyze.loaders import load, write_captures
 from dnanalyze.loaders.captures import CaptureSet
-from dnanalyze.model.channels import channels_of, merged
+from dnanalyze.model.channel_models import channels_of, merged
 from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model

@@ -5,7 +5,7 @@ import report_fakes as fakes
 from dnanalyze_cli.session import Progress, Session
 from dnanalyze_cli.watched import watched
 
-from dnanalyze.analyzers.cache import held
+from dnanalyze.analyzers.streaming.cache import held
 from dnanalyze.loaders import load, write_captures
 
 

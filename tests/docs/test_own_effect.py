@@ -7,7 +7,7 @@ import pytest
 import dnanalyze
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.registry import catalogue
-from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 
 FILE = tree.ROOT / "sample_configs" / "own_effect.py"
 POINT = OperatingPoint(25.0, 1.0, 1.0)

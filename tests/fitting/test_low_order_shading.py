@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from dnanalyze.analyzers import shading
+from dnanalyze.analyzers.families import shading
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
-from dnanalyze.analyzers.streaming import accumulate
+from dnanalyze.analyzers.streaming.accumulation import accumulate
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.fitting.vectors import target
 from dnanalyze.loaders.captures import OperatingPoint, Sensor

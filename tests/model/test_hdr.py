@@ -15,7 +15,7 @@ import hdr_sensor
 from dnanalyze.comparator.combined import compare_combined
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
-from dnanalyze.model.channels import merged
+from dnanalyze.model.channel_models import merged
 from dnanalyze.model.hdr import ChannelUse, Combination, noise_steps, simulate_combined
 from dnanalyze.model.hdr_file import load_combination
 from dnanalyze.model.laws import TableLaw

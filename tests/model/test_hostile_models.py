@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from dnanalyze.comparator.targets import load_targets
+from dnanalyze.checking.targets import load_targets
 from dnanalyze.errors import InputError
 from dnanalyze.model.export.table import read_table
 from dnanalyze.model.hdr_file import load_combination

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
-from dnanalyze.model.simulate import Memo, simulate
+from dnanalyze.model.simulate import simulate
 
 SHAPE = (48, 64)
 HOT, COLD = OperatingPoint(65.0, 0.1), OperatingPoint(25.0, 0.1)

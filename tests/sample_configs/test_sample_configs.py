@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 import yaml
 
-from dnanalyze.comparator.check import check
-from dnanalyze.comparator.targets import dump_targets, load_targets
+from dnanalyze.checking.check import check
+from dnanalyze.checking.targets import dump_targets, load_targets
 from dnanalyze.loaders import load, write_captures
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.read_noise import ReadNoise

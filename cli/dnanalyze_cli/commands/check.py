@@ -85,10 +85,10 @@ def check(
     quiet: Quiet = False,
 ) -> int:
     """Hold a simulation against targets: exit 0 within, 1 outside, 2 bad input."""
-    from dnanalyze.comparator.check import check as run
-    from dnanalyze.comparator.margins import propose
-    from dnanalyze.comparator.targets import dump_targets, load_targets
-    from dnanalyze.model.channels import require
+    from dnanalyze.checking.check import check as run
+    from dnanalyze.checking.margins import propose
+    from dnanalyze.checking.targets import dump_targets, load_targets
+    from dnanalyze.model.channel_models import require
     from dnanalyze.report import check as report
     from dnanalyze.report.files import atomic_write, check_output
     from dnanalyze_cli import show_check

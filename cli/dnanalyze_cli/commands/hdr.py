@@ -53,7 +53,7 @@ def hdr(
 
     from dnanalyze.comparator.combined import compare_combined
     from dnanalyze.loaders import write_captures
-    from dnanalyze.model.channels import channels_of, require
+    from dnanalyze.model.channel_models import channels_of, require
     from dnanalyze.model.hdr import noise_steps, simulate_combined
     from dnanalyze.model.hdr_file import load_combination
     from dnanalyze.report import capture

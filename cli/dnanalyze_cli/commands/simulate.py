@@ -102,7 +102,7 @@ def simulate(
     from dataclasses import replace
 
     from dnanalyze.loaders import write_captures
-    from dnanalyze.model.channels import require
+    from dnanalyze.model.channel_models import require
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.report import documents
     from dnanalyze.report.files import atomic_folder
@@ -149,7 +149,7 @@ def _check_size(shape: tuple[int, int], frames: int) -> None:
         MIN_ROWS,
         available_memory,
     )  # fmt: skip
-    from dnanalyze.model.simulate import MAPS
+    from dnanalyze.model.simulator import MAPS
 
     rows, columns = shape
     pixels, free = rows * columns, available_memory()
@@ -173,7 +173,7 @@ def _points(own, pattern, temperatures, exposure, gain, channels, frames):
     from itertools import product
 
     from dnanalyze.loaders.captures import OperatingPoint
-    from dnanalyze.model.channels import channels_of
+    from dnanalyze.model.channel_models import channels_of
 
     grid = (
         celsius("--temperatures", temperatures),

@@ -167,7 +167,7 @@ def _exif(path: Path, name: str) -> Metadata | None:
         The file ends before the pixels that it declares.
     """
     names = ("ExposureTime", "ISOSpeedRatings")
-    found: dict[str, Any] = {}
+    header: dict[str, Any] = {}
     needed = 0
     try:
         with tifffile.TiffFile(path) as tif:
@@ -175,7 +175,7 @@ def _exif(path: Path, name: str) -> Metadata | None:
             for tag in first.tags.values():
                 values = tag.value if tag.name == "ExifTag" else {tag.name: tag.value}
                 if isinstance(values, dict):
-                    found.update({k: v for k, v in values.items() if k in names})
+                    header.update({k: v for k, v in values.items() if k in names})
             pages: list[Any] = [
                 *islice(tif.pages, _MAX_PAGES),
                 *islice(first.pages or (), _MAX_PAGES),
@@ -186,7 +186,7 @@ def _exif(path: Path, name: str) -> Metadata | None:
     except Exception:  # no TIFF, or one that tifffile does not know: LibRaw reads it
         return None
     check_length(name, needed, path.stat().st_size)
-    return from_header(found) if found else None
+    return from_header(header) if header else None
 
 
 def _shot(raw: Any) -> Metadata:

@@ -32,10 +32,10 @@ def fields_of(path: Path) -> dict[str, str]:
     InputError
         Unreadable, too large, no text.
     """
-    found: dict[str, str] = {}
+    header: dict[str, str] = {}
     for name, value in _FIELD.findall(read_text(path, _MAX_BYTES)):
-        found.setdefault(" ".join(name.lower().split()), value.strip())
-    return found
+        header.setdefault(" ".join(name.lower().split()), value.strip())
+    return header
 
 
 def whole(fields: dict[str, str], name: str, default: int | None, where: str) -> int:

@@ -141,12 +141,14 @@ class Scaled:
 
 def _metadata(header: fits.Header) -> Metadata:
     cards = {c.keyword: c for c in header.cards if c.keyword not in ("", "COMMENT", "HISTORY")}
-    found = from_header(
+    metadata = from_header(
         {k: c.value for k, c in cards.items()}, {k: c.comment for k, c in cards.items()}
     )
     if image_type(header) == "bias":
-        found = Metadata(found.temperature_c, 0.0, found.gain, found.channel, found.frame)
-    return found
+        metadata = Metadata(
+            metadata.temperature_c, 0.0, metadata.gain, metadata.channel, metadata.frame
+        )
+    return metadata
 
 
 def _left_out(header: fits.Header) -> str:

@@ -95,16 +95,16 @@ class Datasets:
 
 
 def _datasets(file: h5py.File, name: str) -> list[str]:
-    found: list[str] = []
+    datasets: list[str] = []
 
     def visit(label: str, item: Any) -> None:
-        if len(found) > _MAX_DATASETS:
+        if len(datasets) > _MAX_DATASETS:
             raise InputError(f"{name}: more than {_MAX_DATASETS} datasets; split the file")
         if isinstance(item, h5py.Dataset) and item.ndim in (2, 3) and item.dtype.kind in "iuf":
-            found.append(label)
+            datasets.append(label)
 
     file.visititems(visit)  # soft and external links are not followed
-    return sorted(found, key=natural_key)
+    return sorted(datasets, key=natural_key)
 
 
 def _check_chunks(where: str, data: h5py.Dataset, chunk: int, file_size: int) -> None:
@@ -128,11 +128,11 @@ def _check_chunks(where: str, data: h5py.Dataset, chunk: int, file_size: int) ->
 
 
 def _group_attributes(file: h5py.File, label: str) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     parts = label.split("/")[:-1]
     for depth in range(1, len(parts) + 1):
-        found |= dict(file["/".join(parts[:depth])].attrs)
-    return found
+        attributes |= dict(file["/".join(parts[:depth])].attrs)
+    return attributes
 
 
 def _metadata(attributes: Mapping[str, Any], count: int) -> list[Metadata]:

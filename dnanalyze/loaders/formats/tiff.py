@@ -156,5 +156,5 @@ def _metadata(page: Any) -> Metadata:
             tags[tag.name] = tag.value
         elif tag.name == "ExifTag" and isinstance(tag.value, dict):
             tags.update({k: v for k, v in tag.value.items() if k in _TAGS})
-    found = from_header(tags)
-    return found.or_else(from_text(page.description)) if page.description else found
+    metadata = from_header(tags)
+    return metadata.or_else(from_text(page.description)) if page.description else metadata

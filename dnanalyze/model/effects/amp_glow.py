@@ -7,10 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import SIGN, curve
 
 # (row, column) of the source in units of the frame; None: all along that direction
 SOURCES: dict[str, tuple[float | None, float | None]] = {
@@ -86,41 +83,6 @@ class AmpGlow(Effect):
         r = distance(self.location, site.row_index, site.column_index, site.shape)
         return (height * np.exp(-r / self.value("length", site.point))).astype(np.float32)
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The three places and lengths that follow the most shaded block means best."""
-        names = [f"shading_{i}_{j}" for i in range(4) for j in range(4) if i or j]
-        seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-        if not (seen > SIGN).any():
-            return []
-        setting = int(np.argmax((seen**2).sum(0)))
-        blocks = curve(clues, "block_means", setting)
-        if blocks is None or min(blocks.shape) < 3:
-            return []
-        found = []
-        for place in SOURCES:
-            fits = [(*_fit(place, length, blocks, clues.field), length) for length in LENGTHS]
-            error, height, length = min(f for f in fits)
-            if height > 0:
-                found.append((error, place, length))
-        found.sort()
-        guesses: list[Effect] = []
-        for _, place, length in found[:3]:
-            heights = np.full(len(clues.points), np.nan)
-            for j in range(heights.size):
-                each = curve(clues, "block_means", j)
-                if each is not None:
-                    heights[j] = _fit(place, length, each, clues.field)[1]
-            fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
-            if fitted is not None:
-                height, ea = fitted
-                values = hints.clip(cls, amplitude=height, length=length, ea_ev=ea)
-                guesses.append(cls(**values, location=place))
-        return guesses
-
-
-LENGTHS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2)
-
 
 def distance(
     location: str, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
@@ -131,16 +93,3 @@ def distance(
     y = 0.0 if row is None else rows[:, None] - row * (shape[0] - 1)
     x = 0.0 if column is None else columns[None, :] - column * (shape[1] - 1)
     return np.hypot(y, x) / side + np.zeros((rows.size, columns.size))
-
-
-def _fit(
-    place: str, length: float, blocks: np.ndarray, shape: tuple[int, int]
-) -> tuple[float, float]:
-    """(residual mean square, amplitude) of c + a e^(-r/l) on the block means."""
-    rows = (np.arange(blocks.shape[0]) + 0.5) * shape[0] / blocks.shape[0]
-    columns = (np.arange(blocks.shape[1]) + 0.5) * shape[1] / blocks.shape[1]
-    glow = np.exp(-distance(place, rows, columns, shape) / length)
-    glow -= glow.mean()
-    y = blocks - blocks.mean()
-    height = float((glow * y).sum() / max((glow * glow).sum(), 1e-30))
-    return float(np.mean((y - height * glow) ** 2)), height

@@ -7,9 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import bounded, curve, shows, strongest
 
 
 @dataclass(frozen=True)
@@ -45,19 +43,3 @@ class BlackClipping(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Cut off below the level."""
         return np.maximum(signal, np.float32(self.value("level", site.point)), out=signal)
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The lowest code where it is a spike, or holds a larger share than the model's lowest."""
-        share, model = (
-            np.nan_to_num(np.asarray(of("clipped_low"), float))
-            for of in (clues.measured, clues.simulated)
-        )
-        if not (shows(clues, ["low_spike"]) or np.any(share > 3.0 * model + 1e-3)):
-            return []
-        setting = int(np.argmax(share)) if share.any() else strongest(clues, ["low_spike"]) or 0
-        codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
-        if codes is None or counts is None:
-            return [cls()]
-        lowest = float(np.min(np.asarray(codes)[np.asarray(counts) > 0]))
-        return [cls(bounded(cls, "level", lowest))]

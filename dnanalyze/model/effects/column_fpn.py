@@ -9,24 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import (
-    LINE_BANDS,
-    band_excess,
-    bounded,
-    centre,
-    line_sigma,
-    named,
-    shows,
-    typical,
-)
-from dnanalyze.model.line_profile import line_profile
+from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.streams import Stream
-
-_BLOCK = 4  # columns that are averaged before a transient is fitted
-_FEWEST = 64  # columns from which one is looked for
-CLEAR = 0.2  # share of the variance left by a transient beside which no scatter is tried
 
 
 @dataclass(frozen=True)
@@ -109,55 +94,6 @@ class ColumnFpn(Effect):
         """sigma^2, DN^2; a transient adds a^2 l / (2 columns), for l far below the columns."""
         return self.value("sigma", point) ** 2
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """sigma from the unexplained power of the v = 0 axis, rho from its slope; a transient from
-        the column means, where one explains most of them.
-        """
-        if not shows(clues, cls.fingerprint):
-            return []
-        sigma = line_sigma(clues, "pattern_columns", clues.shape[0])
-        power = [typical(row) for row in band_excess(clues, "pattern_columns")]
-        rho = _correlation(power[1], power[3])
-        scattered = cls(bounded(cls, "sigma", sigma), rho)
-        transient, left = _transient(clues)
-        if transient is None:
-            return [scattered]
-        alone = bounded(cls, "sigma", math.sqrt(max(power[3], 0.0) / clues.shape[0]))
-        settling = cls(alone, 0.0, *transient)
-        return [settling] if left < CLEAR else [scattered, settling]
-
-
-def _transient(clues: Clues) -> tuple[tuple[float, float, str] | None, float]:
-    """Offset of the first column (DN), length (columns) and side of an exponential settling; the
-    share of the variance that it leaves.
-
-    Least squares of c + a e^(-j/l) on the fitted half's column means over a grid of lengths. None
-    where it leaves more than half of their variance, or where the length cannot be told from a
-    slope.
-    """
-    places, means = (part[: clues.shape[1]] for part in line_profile(clues, "columns"))
-    if means.size < _FEWEST:
-        return None, 1.0
-    blocks = means[: means.size // _BLOCK * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
-    at = places[: blocks.size * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
-    level = blocks - blocks.mean()
-    total = max(float(level @ level), 1e-30)
-    best = (0.5 * total, 0.0, 0.0, "")
-    longest = 0.4 * means.size
-    for first in ("left", "right"):
-        order = at if first == "left" else clues.field[1] - 1 - at
-        for length in np.geomspace(_BLOCK, longest, 24):
-            decay = np.exp(-(order - order.min()) / length)
-            shape = decay - decay.mean()
-            height = float(shape @ level / (shape @ shape))
-            left = float(np.sum((level - height * shape) ** 2))
-            if left < best[0]:
-                start = height * math.exp(min(float(order.min()) / length, 5.0))
-                best = left, start, float(length), first
-    left, start, length, first = best
-    return ((start, length, first) if 0.0 < length < longest else None), left / total
-
 
 def _autoregressive(stream: Stream, site: Site, rho: float) -> np.ndarray:
     """First-order autoregressive line of unit variance over all columns, cut to the window."""
@@ -168,17 +104,3 @@ def _autoregressive(stream: Stream, site: Site, rho: float) -> np.ndarray:
     white[1:] *= math.sqrt(1.0 - rho * rho)
     line = lfilter([1.0], [1.0, -rho], white)
     return line[site.window.left : site.window.right].astype(np.float32)
-
-
-def _correlation(low: float, high: float) -> float:
-    """rho whose spectrum (1 - rho^2) / |1 - rho e^(i w)|^2 has this ratio between two bands."""
-    if low <= 0 or high <= 0 or 0.5 < low / high < 2.0:
-        return 0.0
-    rho = np.linspace(-0.9, 0.95, 371)
-    ratio = _shape(rho, centre("0.3_0.5")) / _shape(rho, centre("0.02_0.1"))
-    return float(rho[np.argmin(np.abs(np.log(ratio) - math.log(low / high)))])
-
-
-def _shape(rho: np.ndarray, frequency: float) -> np.ndarray:
-    """|1 - rho e^(2 pi i f)|^2."""
-    return 1.0 - 2.0 * rho * math.cos(2.0 * math.pi * frequency) + rho * rho

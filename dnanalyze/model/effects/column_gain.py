@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import LINE_BANDS, band_excess, bounded, mean_power, named, shows
+from dnanalyze.model.fingerprints import LINE_BANDS, named
 
 
 @dataclass(frozen=True)
@@ -50,21 +48,3 @@ class ColumnGain(Effect):
         gain = site.columns(site.silicon.child("columns"))
         signal *= 1 + np.float32(self.value("sigma", site.point)) * gain
         return signal
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Sigma from column power that grows with the mean level; needs unlike levels."""
-        if not shows(clues, cls.fingerprint):
-            return []
-        level = np.asarray(clues.measured("mean"), float)
-        variance = mean_power(band_excess(clues, "pattern_columns")) / clues.shape[0]
-        known = np.isfinite(level) & np.isfinite(variance)
-        if known.sum() < 2 or np.ptp(level[known]) <= 0:
-            return []
-        signal2 = (level[known] - level[known].min()) ** 2
-        flat, slope = np.linalg.lstsq(
-            np.stack([np.ones_like(signal2), signal2], axis=1), variance[known], rcond=None
-        )[0]
-        if slope * signal2.max() <= max(flat, 0.0):
-            return []
-        return [cls(bounded(cls, "sigma", math.sqrt(slope)))]

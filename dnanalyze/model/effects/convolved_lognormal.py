@@ -10,7 +10,6 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
 
@@ -122,8 +121,3 @@ class ConvolvedLognormal(Effect):
         q = math.exp(delta**2)
         square = math.exp(2 * mu + delta**2)  # m1^2
         return square * ((q - 1) * (1 - 16 * phi + 72 * phi**2) + 9 * sigma**2 * q)
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """None: every model begins with this effect, started from moments by the fit."""
-        return []

@@ -7,10 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model import draws, hints
-from dnanalyze.model.clues import Clues
+from dnanalyze.model import draws
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import excess, shows
 
 
 @dataclass(frozen=True)
@@ -69,20 +67,3 @@ class Crosstalk(Effect):
         return draws.share_with_neighbours(
             signal, alpha, alpha * self.value("diagonal", site.point)
         )
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Half the unexplained correlation of neighbours in the setting where it is largest."""
-        if not shows(clues, cls.fingerprint):
-            return []
-        shares = []
-        for family in ("temporal", "pattern"):
-            edge = [excess(clues, f"{family}_corr_{lag}") for lag in ("10", "01")]
-            mean = np.mean(edge, axis=0)
-            shares += [float(v) / 2 for v in mean[np.isfinite(mean)]]
-        halo = np.asarray(excess(clues, "hot_halo"), float)
-        shares += [float(v) for v in halo[np.isfinite(halo)]]
-        alpha = max(shares, default=0.0)
-        if alpha <= 0:
-            return []
-        return [cls(**hints.clip(cls, alpha=alpha, diagonal=d)) for d in (0.25, 1.0)]

@@ -11,17 +11,10 @@ import numpy as np
 from scipy.special import pdtrc
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
-from dnanalyze.model.counted_steps import counted_steps
+from dnanalyze.model.bounds import clip
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import SIGN, curve, shows
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import arrhenius
-
-FAR = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
-FEWEST = 20  # hot pixels that show how they are spread
-NARROW = 0.4  # quartile distance over median; 1.6 where amplitudes are exponential
 
 
 @dataclass(frozen=True)
@@ -91,19 +84,6 @@ class DarkCurrentSteps(Effect):
         """lambda q^2, DN^2, at the reference temperature, exposure and gain."""
         return self.value("mean_number", point) * self.value("step", point) ** 2
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The spacing of the peaks, setting by setting; few or many atoms a pixel."""
-        found = _counted(cls, clues)
-        rare = _single_peak(clues)
-        if rare is not None:
-            found += _grown(cls, clues, rare[0], [rare[1]])
-        if shows(clues, ("pattern_steps",)):
-            z = np.nan_to_num(clues.z("pattern_steps"))
-            spacing = np.asarray(clues.measured("pattern_step_dn"), float)
-            found += _grown(cls, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
-        return found
-
     def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float]:
         """lambda q and lambda q^2."""
         number, step = self.value("mean_number", point), self._step_at(point, reference)
@@ -123,60 +103,8 @@ class DarkCurrentSteps(Effect):
         return HotSignal(fraction, self.value("step", reference) * number / fraction, ea_ev)
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """Each hot pixel with one atom, and few with more."""
-        number = -math.log1p(-min(found.fraction, 0.5))
-        step = found.scale * found.fraction / number
-        return [cls(**hints.clip(cls, step=step, mean_number=number, ea_ev=found.ea_ev))]
-
-
-def _counted(cls: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
-    """Of the ripples in the characteristic functions of all settings."""
-    if not shows(clues, cls.fingerprint):
-        return []
-    spacing, numbers = np.full(len(clues.points), np.nan), []
-    for setting in range(spacing.size):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        found = None if x is None or n is None else counted_steps(x, n)
-        if found is not None:
-            spacing[setting] = found[0]
-            numbers.append(found[1])
-    return _grown(cls, clues, spacing, [float(np.median(numbers))]) if numbers else []
-
-
-def _grown(
-    cls: type[DarkCurrentSteps], clues: Clues, spacing: np.ndarray, numbers: list[float]
-) -> list[Effect]:
-    """Guesses from a spacing of peaks, DN, one a setting."""
-    fitted = hints.thermal_fit(clues, spacing / hints.exposure_and_gain(clues), 0.35)
-    if fitted is None:
-        return []
-    step, ea = fitted
-    return [cls(**hints.clip(cls, step=step, mean_number=n, ea_ev=ea)) for n in numbers]
-
-
-def _single_peak(clues: Clues) -> tuple[np.ndarray, float] | None:
-    """Amplitude, DN, one a setting, and share of hot pixels that are all about equally hot.
-
-    Where atoms are rare nearly all such pixels hold one: a single peak far above the core, and no
-    spacing to be seen. Hot pixels of other origin spread over a decade.
-    """
-    if not shows(clues, [f"hot_count_{k}" for k in (5, 8, 16)]):
-        return None
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
-    amplitude, shares = np.full(sigma.size, np.nan), []
-    for setting in range(sigma.size):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        if x is None or n is None or not np.isfinite(sigma[setting]):
-            continue
-        summed = np.cumsum(n)
-        x = x - np.interp(0.5 * summed[-1], summed, x)
-        hot = x > FAR * sigma[setting]
-        count = np.cumsum(n[hot])
-        if not hot.any() or count[-1] < FEWEST:
-            continue
-        low, middle, high = np.interp(np.array([0.25, 0.5, 0.75]) * count[-1], count, x[hot])
-        if high - low < NARROW * middle:
-            amplitude[setting] = middle
-            shares.append(float(count[-1] / summed[-1]))
-    return (amplitude, max(shares)) if shares else None
+        number = -math.log1p(-min(hot.fraction, 0.5))
+        step = hot.scale * hot.fraction / number
+        return [cls(**clip(cls, step=step, mean_number=number, ea_ev=hot.ea_ev))]

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import curve, shows
 
 TERMS = ("x", "y", "xx", "yy", "xy")
-SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
-CLEAR_SLOPE = 8.0  # standard errors of a slope
-CLEAR_TERM = 4.0  # standard errors of a coefficient
-CLEAR = 3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
 
 
 @dataclass(frozen=True)
@@ -126,101 +118,8 @@ class DarkGradient(Effect):
             return None  # a share of a signal that is not known here; a ramp beside a tilt
         return sum(self.value(n, point) ** 2 for n in TERMS)
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Least squares on the block means; their growth gives the activation energy, or their
-        slope over the mean level the share. Rows that wait from the slope of the row means at the
-        shortest exposures.
-        """
-        waits = _waits(clues) if shows(clues, ("shading_0_1", "pattern_rows_0_0.02")) else None
-        found: dict[str, Any] = hints.clip(cls, **(waits or {}))
-        return [*cls._surfaces(clues), *([cls(**found)] if found else [])]
-
-    @classmethod
-    def _surfaces(cls, clues: Clues) -> list[DarkGradient]:
-        names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
-        seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-        if not (seen > CLEAR).any():
-            return []
-        growth = hints.exposure_and_gain(clues)
-        raw = np.full((len(growth), len(TERMS)), np.nan)
-        errors = np.full(len(growth), np.nan)
-        for j in range(len(growth)):
-            blocks = curve(clues, "block_means", j)
-            if blocks is not None and min(blocks.shape) >= 3:
-                raw[j], errors[j] = surface(blocks)
-        fits = raw / growth[:, None]
-        size = np.sqrt((fits**2).sum(1))
-        fitted = hints.thermal_fit(clues, size, 0.63)
-        if fitted is None:
-            return []
-        height, ea = fitted
-        best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
-        told = np.abs(raw[best]) >= min(CLEAR_TERM * errors[best], np.abs(raw[best]).max())
-        values = dict(zip(TERMS, told * fits[best] / size[best] * height, strict=True))
-        inside: dict[str, Any] = hints.clip(cls, **values, ea_ev=ea)
-        added = cls(**inside)
-        shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
-        if shares is None:
-            return [added]
-        share: dict[str, Any] = dict(zip(TERMS, map(float, told * shares), strict=True))
-        return [added, cls(**share, form="scaled")]
-
-
-def _slopes(level: np.ndarray, fits: np.ndarray) -> np.ndarray | None:
-    """Slope of each coefficient over the mean level, DN a DN; None: the level hardly moves."""
-    good = np.isfinite(level) & np.isfinite(fits).all(axis=1)
-    if good.sum() < 2 or np.ptp(level[good]) <= 0:
-        return None
-    away = level[good] - level[good].mean()
-    return np.clip(away @ fits[good] / (away @ away), -0.5, 0.5)
-
 
 def legendre(index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
     """First and second Legendre polynomial of unit rms at the pixel centres of ``size`` pixels."""
     x = (2.0 * np.asarray(index) + 1.0) / size - 1.0
     return np.sqrt(3.0) * x, np.sqrt(5.0) * (1.5 * x * x - 0.5)
-
-
-def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
-    """Coefficients x, y, xx, yy, xy (DN rms) of the surface closest to the block means, and the
-    standard error of each.
-    """
-    rows, columns = blocks.shape
-    px, qx = legendre(np.arange(columns), columns)
-    py, qy = legendre(np.arange(rows), rows)
-    one_r, one_c = np.ones(rows), np.ones(columns)
-    basis = [
-        np.outer(one_r, one_c), np.outer(one_r, px), np.outer(py, one_c),
-        np.outer(one_r, qx), np.outer(qy, one_c), np.outer(py, px),
-    ]  # fmt: skip
-    design = np.stack([b.ravel() for b in basis], 1)
-    found = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
-    rest = blocks.ravel() - design @ found
-    return found[1:], float(np.std(rest)) / math.sqrt(blocks.size)
-
-
-def _waits(clues: Clues) -> dict[str, float] | None:
-    """Height of the ramp (DN at the reference) and activation energy; None: none stands out."""
-    known = [p.exposure_s for p in clues.points if p.exposure_s is not None]
-    limit = SHORT * max(known) if known else math.inf
-    if known and min(known) > limit:
-        limit = min(known)
-    heights = np.full(len(clues.points), np.nan)
-    for i, point in enumerate(clues.points):
-        places, means = clues.lines("rows", i)
-        if means.size < 16 or (point.exposure_s or 0.0) > limit:
-            continue
-        x = places - places.mean()
-        slope = float(x @ means / (x @ x))
-        rest = means - means.mean() - slope * x
-        error = math.sqrt(float(rest @ rest) / means.size / float(x @ x))
-        if abs(slope) > CLEAR_SLOPE * error:
-            heights[i] = slope * clues.field[0]
-    if not np.isfinite(heights).any():
-        return None
-    sign = math.copysign(1.0, float(np.nansum(heights)))
-    fitted = hints.thermal_fit(clues, sign * heights / hints.gains(clues), 0.63)
-    if fitted is None:
-        return None
-    return {"wait": sign * fitted[0], "ea_ev": fitted[1]}

@@ -7,10 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model import draws, hints
-from dnanalyze.model.clues import Clues
+from dnanalyze.model import draws
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -61,32 +59,3 @@ class DarkShotNoise(Effect):
         """Replace the mean charge by a count."""
         k = self.value("dn_per_e", site.point) * site.gain_ratio
         return draws.counts(signal, k, site.moment.child("").key, site.window, site.shape[1])
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Slope of temporal variance over mean, between settings and between pixels of a frame."""
-        if not (shows(clues, cls.fingerprint) or shows(clues, cls.fingerprint, -1)):
-            return []
-        slopes = [s for s in (_slope_of_settings(clues), _slope_of_pixels(clues)) if s and s > 0]
-        if len(slopes) == 2 and 0.5 < slopes[0] / slopes[1] < 2:
-            slopes = slopes[:1]
-        return [cls(**hints.clip(cls, dn_per_e=s)) for s in slopes]
-
-
-def _slope_of_settings(clues: Clues) -> float | None:
-    gain = hints.gains(clues)
-    mean = np.asarray(clues.measured("mean"), float) / gain
-    variance = (np.asarray(clues.measured("temporal_noise"), float) / gain) ** 2
-    good = np.isfinite(mean) & np.isfinite(variance)
-    if good.sum() < 2 or np.ptp(mean[good]) <= 0:
-        return None
-    weight = 1.0 / np.maximum(variance[good], 1e-12)  # relative errors are alike
-    return float(np.polyfit(mean[good], variance[good], 1, w=weight)[0])
-
-
-def _slope_of_pixels(clues: Clues) -> float | None:
-    """Variance of the upper percent over that of the lower half, over their distance in level."""
-    rise = np.asarray(clues.measured("noise_at_99"), float) - clues.measured("noise_at_50")
-    level = np.asarray(clues.measured("pattern_q0.99"), float)  # above the median
-    slope = rise / np.where(level > 0, level, np.nan) / hints.gains(clues)
-    return float(np.nanmedian(slope)) if np.isfinite(slope).any() else None

@@ -5,27 +5,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, quietest, shows, typical
-from dnanalyze.model.white_codes import left_of, likeness, noise_before, reached
+from dnanalyze.model.white_codes import noise_before
 
-_GAUSSIAN_RADIUS = 6
+GAUSSIAN_RADIUS = 6
 _BILATERAL_RADIUS = 2
 WIDE = 2.0  # range over the noise from which a bilateral averages all that it meets
 _MEDIAN_VARIANCE = 0.166  # of the median of 9 Gaussian values of variance 1, by simulation
-_PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
+PLAIN = (0.25, 0.5, 0.75)  # shares of a mixture
 _PATTERN = 0.25  # of the noise, in fixed offsets
-_RANGES = 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0  # over the noise left
-_BY_SIZE: tuple[dict[str, Any], ...] = (
-    {"kind": "bilateral", "space": 1.5}, {"kind": "wavelet"}, {"kind": "nlm"},
-    {"kind": "nlm", "patch": 2, "window": 7}, {"kind": "bilateral", "space": 0.8}, {"kind": "db2"},
-    {"kind": "nlm", "patch": 4, "window": 13},
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -102,14 +94,14 @@ class Denoise(Effect):
             "bilateral": ("range", "space"),
             "nlm": ("range", "patch", "window"),
         }.get(self.kind, ("range",))
-        plain = ("strength",) if self.strength in _PLAIN else ()
+        plain = ("strength",) if self.strength in PLAIN else ()
         return (*plain, *(n for n in ("range", "space", "patch", "window") if n not in used))
 
     def relatives(self) -> list[Effect]:
         """Quarters: mixed codes then fall on halves, which are rounded to even ones."""
-        if not isinstance(self.strength, (int, float)) or self.strength in _PLAIN:
+        if not isinstance(self.strength, (int, float)) or self.strength in PLAIN:
             return []
-        nearest = min(_PLAIN, key=lambda q: abs(q - self.strength))
+        nearest = min(PLAIN, key=lambda q: abs(q - self.strength))
         return [replace(self, strength=nearest)] if abs(nearest - self.strength) < 0.1 else []
 
     def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
@@ -133,11 +125,11 @@ class Denoise(Effect):
         shares = {"read_noise.sigma": 1.0, "read_noise.spread": 0.0, "pixel_fpn.sigma": _PATTERN}
         if name not in shares or not 0 < noise < math.inf:
             return 1.0, 0.0
-        return 0.0, shares[name] * _before(self, noise)
+        return 0.0, shares[name] * noise_unfiltered(self, noise)
 
     def _linear(self, noise: float) -> bool:
         """Whether it treats small noise as large; a bilateral with a wide range does."""
-        wide = self.range * np.sum(_line(self.space) ** 2) > WIDE * noise
+        wide = self.range * np.sum(kernel_line(self.space) ** 2) > WIDE * noise
         return self.kind in ("gaussian", "median") or (self.kind == "bilateral" and bool(wide))
 
     def _kept(self) -> float:
@@ -145,7 +137,7 @@ class Denoise(Effect):
         if self.kind == "median":
             own, all_of_it = 1.0 / 9.0, _MEDIAN_VARIANCE
         else:
-            line = _line(self.space)
+            line = kernel_line(self.space)
             own, all_of_it = float(line.max() ** 2), float(np.sum(line**2) ** 2)
         s = self.strength
         return (1.0 - s) ** 2 + 2.0 * s * (1.0 - s) * own + s**2 * all_of_it
@@ -167,7 +159,7 @@ class Denoise(Effect):
         from dnanalyze.model import wavelets
 
         reaches = {
-            "gaussian": _GAUSSIAN_RADIUS,
+            "gaussian": GAUSSIAN_RADIUS,
             "median": 1,
             "bilateral": _BILATERAL_RADIUS,
             "nlm": self.patch // 2 + self.window // 2,
@@ -201,7 +193,7 @@ class Denoise(Effect):
         from dnanalyze.model import filters, wavelets
 
         if self.kind == "gaussian":
-            return filters.gaussian(plane, space, _GAUSSIAN_RADIUS)
+            return filters.gaussian(plane, space, GAUSSIAN_RADIUS)
         if self.kind == "median":
             return filters.median3(plane)
         if self.kind == "bilateral":
@@ -212,76 +204,15 @@ class Denoise(Effect):
             return wavelets.over_all_shifts(plane, range_dn)
         return wavelets.on_grid(plane, range_dn, wavelets.BASES[self.kind], corner)
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Each kind, scaled to the noise; spacing 2 where pixels two apart are the more alike."""
-        high = ("temporal_psd_0.35_0.5", "temporal_psd_0.5_0.71", "pattern_psd_0.5_0.71")
-        near_by = ("temporal_corr_10", "temporal_corr_01", "temporal_corr_20", "temporal_corr_02")
-        signs = (
-            shows(clues, (*high, "temporal_pmax8", "frame_pmax8"), -1)
-            or shows(clues, (*near_by, "local_variance_cv", "hh_kurtosis"))
-        )  # fmt: skip
-        if not signs:
-            return []
-        corr = {k: np.asarray(clues.measured(f"temporal_corr_{k}"), float) for k in ("10", "20")}
-        near, far = (typical(corr[k]) for k in ("10", "20"))
-        spacing = 2 if far > max(near, 0.0) + 0.02 else 1
-        lag1 = max(near, far, 0.01)
-        # what goes by the size of noise may see all of it where that is least, and none elsewhere
-        noise, place = _least(clues)
-        alike = max(float(np.nan_to_num(corr[f"{spacing}0"][place])), 0.01)
-        wide = _space(alike)
-        wide_range = bounded(cls, "range", 1.5 * WIDE * noise / np.sum(_line(wide) ** 2))
-        sized = [_with_range(cls(**shape), noise, alike, spacing) for shape in _BY_SIZE]
-        # like patches lie anywhere: a mean of many leaves neighbours no more alike than one of few
-        wider = [replace(s, range=bounded(cls, "range", 2.0 * s.range)) for s in sized]
-        return [
-            *sized,
-            *(e for e in wider if e.kind == "nlm"),
-            cls(1.0, wide_range, wide, "bilateral", spacing),
-            cls(min(1.0, 2.0 * lag1), kind="median", spacing=spacing),
-            # codes mixed are rounded to codes: what is left of few changes by steps that stop a fit
-            *(cls(share, kind="median", spacing=spacing) for share in (*_PLAIN, 1.0)),
-            cls(space=_space(lag1), kind="gaussian", spacing=spacing),
-        ]
-
-
-def _with_range(shape: Denoise, noise: float, alike: float, spacing: int) -> Denoise:
-    """The range with which neighbours of white noise are so much ``alike`` where ``noise`` is left.
-
-    Found on a field of codes: what is left of few codes follows no formula.
-    """
-
-    def lag1(range_dn: float) -> float:
-        tried = replace(shape, range=range_dn)
-        return likeness(left_of(tried.filtered, _before(tried, noise)))
-
-    tried = [bounded(Denoise, "range", noise * r) for r in _RANGES]
-    return replace(shape, range=reached(alike, lag1, tried), spacing=spacing)
-
 
 @lru_cache(maxsize=64)
-def _before(effect: Denoise, noise: float) -> float:
+def noise_unfiltered(effect: Denoise, noise: float) -> float:
+    """Noise before the filter where ``noise`` is left behind it, DN."""
     return noise_before(effect.filtered, noise)
 
 
-def _line(space: float) -> np.ndarray:
+def kernel_line(space: float) -> np.ndarray:
+    """The Gaussian kernel along one axis."""
     from dnanalyze.model import filters
 
-    return filters.gaussian_kernel(space, _GAUSSIAN_RADIUS)
-
-
-def _space(lag1: float) -> float:
-    """Sigma of the kernel after which neighbours of white noise have this correlation."""
-    tried = np.linspace(0.2, 2.0, 181)
-    lines = [_line(float(s)) for s in tried]
-    found = [float(np.sum(x[1:] * x[:-1]) / np.sum(x * x)) for x in lines]
-    return float(np.interp(lag1, found, tried))
-
-
-def _least(clues: Clues) -> tuple[float, int]:
-    """Temporal noise of the quietest setting that tells it, DN, and which that is."""
-    measured = np.asarray(clues.measured("temporal_noise"), float)
-    place = quietest(measured)
-    noise = measured[place] if measured[place] > 0 else 1.0
-    return min(max(float(noise), 0.02), 5e3), place
+    return filters.gaussian_kernel(space, GAUSSIAN_RADIUS)

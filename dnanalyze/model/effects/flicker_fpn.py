@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,18 +9,8 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import pink
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import (
-    BANDS,
-    band_excess,
-    bounded,
-    centre,
-    named,
-    power_law,
-    shows,
-    typical,
-)
+from dnanalyze.model.fingerprints import BANDS, named
 
 
 @dataclass(frozen=True)
@@ -94,48 +83,3 @@ class FlickerFpn(Effect):
         if self.form == "scaled":
             return None  # a share of a signal that is not known here
         return self.value("rms", point) ** 2
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """A power law through the unexplained axis-masked power."""
-        prefix = "pattern_psd"
-        if not np.any(np.isfinite(np.asarray(clues.measured("pattern_psd_0.04_0.08"), float))):
-            prefix = "frame_psd"
-        if not shows(clues, named(prefix, BANDS[:5])):
-            return []
-        excess = band_excess(clues, prefix, BANDS)
-        seen = np.array([shows(clues, [name], 1, 1.5) for name in named(prefix, BANDS)], float)
-        found: list[Effect] = []
-        offset = _law(np.array([typical(row) for row in excess]), seen, clues.shape)
-        if offset is not None:
-            found.append(cls(bounded(cls, "rms", offset[0]), bounded(cls, "alpha", offset[1])))
-        share = _law(_shares(np.asarray(clues.measured("mean"), float), excess), seen, clues.shape)
-        if share is not None and share[0] < 1.0:
-            rms, alpha = bounded(cls, "rms", share[0]), bounded(cls, "alpha", share[1])
-            found.append(cls(rms, alpha, "scaled"))
-        return found
-
-
-def _shares(level: np.ndarray, excess: np.ndarray) -> np.ndarray:
-    """Power of each band over the square of the dark signal: least squares over the settings.
-
-    The signal is taken from the lowest level; zeros where the level hardly moves.
-    """
-    good = np.isfinite(level) & np.isfinite(excess).all(axis=0)
-    square = (level[good] - level[good].min()) ** 2 if good.any() else np.empty(0)
-    size = float(square @ square)
-    return excess[:, good] @ square / size if size > 0 else np.zeros(len(excess))
-
-
-def _law(power: np.ndarray, seen: np.ndarray, shape: tuple[int, int]) -> tuple[float, float] | None:
-    """Spread and exponent of a field of this power in the bands; None without any power."""
-    frequency = np.array([centre(band) for band in BANDS])
-    constant, alpha = power_law(frequency, power, seen)
-    if constant <= 0:
-        constant, alpha = max(power[:5].max(), 0.0) * frequency[int(power[:5].argmax())], 1.0
-    if constant <= 0:
-        return None
-    held = bounded(FlickerFpn, "alpha", alpha)
-    pivot = float(np.exp(np.average(np.log(frequency), weights=seen + 1e-9)))
-    constant *= pivot ** (held - alpha)
-    return math.sqrt(constant * pink.mean_power(shape, held)), held

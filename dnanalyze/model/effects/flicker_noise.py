@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,19 +9,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import pink
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import (
-    LINE_BANDS,
-    bounded,
-    centre,
-    excess,
-    power_law,
-    shows,
-    typical,
-)
-
-_ALONG_ROW = ("0_0.03", "0.03_0.1", "0.1_0.3", "0.3_0.5")
 
 
 @dataclass(frozen=True)
@@ -88,25 +75,3 @@ class FlickerNoise(Effect):
     def variance(self, point: OperatingPoint) -> float:
         """rms^2, DN^2."""
         return self.value("rms", point) ** 2
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """A power law through the unexplained power of rows (f = v / columns) and of u (f = u)."""
-        if not shows(clues, cls.fingerprint):
-            return []
-        rows, columns = clues.shape
-        bands = [("temporal_rows", b, centre(b) / columns) for b in LINE_BANDS]
-        bands += [("temporal_u", b, centre(b)) for b in _ALONG_ROW]
-        names = [f"{prefix}_{band}" for prefix, band, _ in bands] + ["temporal_u_first"]
-        f = np.array([*(f for _, _, f in bands), 2.0 / columns])
-        power = np.array([typical(excess(clues, name)) for name in names])
-        significant = np.array([shows(clues, [name], 1, 1.5) for name in names], float)
-        constant, alpha = power_law(f, power, significant)
-        if constant <= 0:
-            return []
-        alpha = bounded(cls, "alpha", alpha if significant.sum() > 2 else 1.0)
-        pivot = int(np.argmax(significant * np.where(power > 0, power, 0)))
-        constant = power[pivot] * f[pivot] ** alpha
-        k = np.arange(1, rows * columns // 2 + 1) / (rows * columns)
-        rms = math.sqrt(2.0 * constant * float(np.sum(k**-alpha)) / (rows * columns))
-        return [cls(bounded(cls, "rms", rms), alpha)]

@@ -9,11 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import bounded, shows, typical_positive
 
-_QUARTILE = 0.6744898  # of the standard normal distribution
+QUARTILE = 0.6744898  # of the standard normal distribution
 
 
 @dataclass(frozen=True)
@@ -80,37 +78,6 @@ class HeavyTailedReadNoise(Effect):
         tail = self.value("tail", point)
         return (self.value("sigma", point) / robust_scale(tail)) ** 2 * tukey_variance(tail)
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The 99.9 % quantile over the core gives the tail if all of the noise is of this kind;
-        else a heavier tail beside Gaussian noise makes it.
-
-        Of the quietest setting, for there dark current has least noise of its own; and of all.
-        """
-        high = ("temporal_kurtosis", "temporal_q0.999", "temporal_q0.99")
-        low = ("temporal_q0.001", "temporal_q0.01")
-        if not (shows(clues, high) or shows(clues, low, -1)):
-            return []
-        core = np.asarray(clues.measured("temporal_noise_core"), float)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = np.asarray(clues.measured("temporal_q0.999"), float) / core
-        tail = _tail_of(typical_positive(ratio) or 4.5)
-        noise = typical_positive(core) or 1.0
-        whole, part = (bounded(cls, "sigma", share * noise) for share in (0.9, 0.5))
-        found: list[Effect] = [cls(whole, tail), cls(part, bounded(cls, "tail", tail - 0.2))]
-        good = np.isfinite(ratio) & (core > 0)
-        if good.any():
-            i = int(np.argmin(np.where(good, core, np.inf)))
-            found.insert(0, cls(bounded(cls, "sigma", 0.9 * core[i]), _tail_of(ratio[i])))
-        return list(dict.fromkeys(found))
-
-
-def _tail_of(ratio: float) -> float:
-    """The tail whose 99.9 % quantile is so many robust standard deviations."""
-    tails = np.linspace(-0.4, 0.1, 101)
-    reach = [(0.999**t - 0.001**t) / t / robust_scale(t) if t else 0.0 for t in tails + 1e-9]
-    return float(tails[int(np.argmin(np.abs(np.array(reach) - ratio)))])
-
 
 def bent(z: np.ndarray, tail: float) -> np.ndarray:
     """Standard normal deviates to Tukey-lambda deviates, by way of their probability.
@@ -133,8 +100,8 @@ def bent(z: np.ndarray, tail: float) -> np.ndarray:
 def robust_scale(tail: float) -> float:
     """Quartile of the Tukey-lambda distribution over that of the standard normal."""
     if abs(tail) < 1e-4:
-        return math.log(3.0) / _QUARTILE
-    return (0.75**tail - 0.25**tail) / tail / _QUARTILE
+        return math.log(3.0) / QUARTILE
+    return (0.75**tail - 0.25**tail) / tail / QUARTILE
 
 
 def tukey_variance(tail: float) -> float:

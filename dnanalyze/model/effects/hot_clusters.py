@@ -9,11 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
+from dnanalyze.model.bounds import clip
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_counts import hot_signals
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.hot_tail import HotTail, amplitude
 
@@ -136,23 +133,16 @@ class HotClusters(HotTail):
         share = np.bincount((y * (2 * REACH + 1) + x).ravel()) / n**2
         return float((share**2).sum())
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The tail of the unexplained hot pixels, split into small and large clusters."""
-        if not shows(clues, ("hot_pairs", "hot_halo_2")):
-            return []
-        return [e for found in hot_signals(clues) for e in cls.of_hot_signal(found)]
-
     def hot_signal(self, reference: OperatingPoint) -> HotSignal:
         """Of all members together."""
         fraction = self.value("density", reference) * self.value("members", reference)
         return HotSignal(fraction, self.typical_scale(reference), self.value("ea_ev", reference))
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """As small and as large clusters."""
         return [
-            cls(**hints.clip(cls, density=found.fraction / m, members=m, radius=r,
-                             scale=found.scale, ea_ev=found.ea_ev))
+            cls(**clip(cls, density=hot.fraction / m, members=m, radius=r,
+                             scale=hot.scale, ea_ev=hot.ea_ev))
             for m, r in ((3.0, 1.2), (8.0, 2.5))
         ]  # fmt: skip

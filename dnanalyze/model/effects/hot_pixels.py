@@ -9,11 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
+from dnanalyze.model.bounds import clip
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import shows
-from dnanalyze.model.hot_counts import hot_signals
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.hot_tail import HotTail, amplitude
 
@@ -105,19 +102,12 @@ class HotPixels(HotTail):
         mean = p / (1 - s)
         return self.value("scale", point) ** 2 * (2 * mean / (1 - 2 * s) - mean**2)
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """What the counts over thresholds tell, of all settings together and of each."""
-        if not shows(clues, [n for n in cls.fingerprint if n != "hot_repeat"]):
-            return []
-        return [e for found in hot_signals(clues) for e in cls.of_hot_signal(found)]
-
     def hot_signal(self, reference: OperatingPoint) -> HotSignal:
         """Its fraction, scale and energy."""
         fraction, ea_ev = self.value("fraction", reference), self.value("ea_ev", reference)
         return HotSignal(fraction, self.typical_scale(reference), ea_ev)
 
     @classmethod
-    def of_hot_signal(cls, found: HotSignal) -> list[Effect]:
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """An exponential population."""
-        return [cls(**hints.clip(cls, **asdict(found)))]
+        return [cls(**clip(cls, **asdict(hot)))]

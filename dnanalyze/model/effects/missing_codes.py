@@ -11,16 +11,10 @@ import numpy as np
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model import draws
-from dnanalyze.model.clues import Clues
-from dnanalyze.model.code_widths import code_widths
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, curve, shows, typical_positive
 
 PERIODS = 2, 4, 8, 16, 32, 64
 _BLOCK = 64  # codes; also a multiple of every period
-_MOST_CODES = 1 << 14  # of a histogram that is looked at
-ALIKE = 0.1  # of a width: histograms tell no better
-FEWEST = 4  # codes of a period; in shorter ones too few others are alike
 _ORIGIN = 1 << 20  # so that negative codes have a place in the random line
 _FARTHEST = _ORIGIN - 2 * _BLOCK  # no converter has codes beyond
 
@@ -106,60 +100,3 @@ class MissingCodes(Effect):
             starts -= np.mean(starts - np.arange(_BLOCK))
         starts += _BLOCK * np.arange(first, last + 1)[:, None] - 0.5
         return starts.reshape(-1).astype(np.float32)
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Sigma from the roughness of the histogram; periods near a power of two are tried too."""
-        if not shows(clues, cls.fingerprint):
-            return []
-        rough = np.asarray(clues.measured("code_roughness"), float)
-        base = np.nan_to_num(np.asarray(clues.simulated("code_roughness"), float))
-        sigma = math.sqrt(typical_positive(rough**2 - base**2))
-        sigma = bounded(cls, "sigma", sigma or 0.1)
-        found: list[Effect] = [cls(sigma)]
-        if shows(clues, ["code_comb"]):
-            found = [*_periodic(clues, sigma), *found]
-        return found
-
-
-def _periodic(clues: Clues, sigma: float) -> list[Effect]:
-    """With the widths of the codes that the histograms tell; else with the period of the comb.
-
-    Where every code is as wide as the others but for one of twice the width, or of none, a
-    digital gain did it: that a converter's error should be just one step is a coincidence.
-    """
-    told = code_widths(_histograms(clues), PERIODS)
-    if not told:
-        period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
-        turns = {p: p / period for p in PERIODS} if period else {}  # a harmonic may be strongest
-        fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
-        return [MissingCodes(sigma, "periodic", p) for p in fits[:2]]
-    if any(_by_a_gain(d) for d in told):
-        return []
-    return [_with_widths(d) for d in told if d.any()]
-
-
-def _by_a_gain(d: np.ndarray) -> bool:
-    if d.size < FEWEST:
-        return False
-    odd = int(np.argmax(np.abs(d - np.median(d))))
-    others = 1.0 + np.delete(d, odd)
-    times = (1.0 + d[odd]) / others.mean()
-    alike = bool(np.ptp(others) < ALIKE * others.mean())
-    return alike and bool(min(abs(times - 2.0), times) < ALIKE)
-
-
-def _with_widths(d: np.ndarray) -> MissingCodes:
-    told = tuple(round(float(v), 4) for v in d / np.std(d))
-    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", d.size, told)
-
-
-def _histograms(clues: Clues) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Codes and counts of the settings that have whole codes, and not too many."""
-    found = []
-    for setting in range(len(clues.points)):
-        codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
-        if codes is None or counts is None or np.any(codes % 1) or np.ptp(codes) > _MOST_CODES:
-            continue
-        found.append((codes, counts))
-    return found

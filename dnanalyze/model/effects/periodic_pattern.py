@@ -9,13 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.clues import Clues, Located
+from dnanalyze.model.clues import Located
 from dnanalyze.model.effect import Effect, Site, Stage, Told, choice, parameter
-from dnanalyze.model.evidence import LINE_BANDS, bounded, named, shows
-from dnanalyze.model.wave import Wave, strongest_wave
+from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.wave import strongest_wave
 
-_PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line
-_PARTS = {"temporal": "random", "pattern": "fixed"}  # of the spectrum, and the phase there
+PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line
+PARTS = {"temporal": "random", "pattern": "fixed"}  # of the spectrum, and the phase there
 
 
 @dataclass(frozen=True)
@@ -76,42 +76,24 @@ class PeriodicPattern(Effect):
         """A^2 / 2, DN^2."""
         return self.value("amplitude", point) ** 2 / 2.0
 
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The line of the spectrum that stands highest over its floor, off or on its axes."""
-        found: list[Effect] = []
-        for part, phase in _PARTS.items():
-            line = strongest_wave([w for w in clues.waves(part) if _seen(clues, part, w)])
-            if line is not None and _beats(line.v, line.u, clues.field) >= _PERIODS:
-                amplitude = bounded(cls, "amplitude", line.amplitude)
-                found.append(cls(amplitude, line.u, line.v, phase))
-        return found
-
     def told(self, measured: Located) -> dict[str, Told]:
         """The frequency of the line within a mode of its own, or else of the strongest."""
         if not (isinstance(self.u, (int, float)) and isinstance(self.v, (int, float))):
             return {}
-        part = next(part for part, phase in _PARTS.items() if phase == self.phase)
+        part = next(part for part, phase in PARTS.items() if phase == self.phase)
         rows, columns = measured.shape
         seen = [w.turned(self.u, self.v) for w in measured.waves(part)]
         near = [
             w for w in seen if abs(w.u - self.u) < 1.0 / columns and abs(w.v - self.v) < 1.0 / rows
         ]
-        patterns = [w for w in seen if _beats(w.v, w.u, measured.shape) >= _PERIODS]
+        patterns = [w for w in seen if beats(w.v, w.u, measured.shape) >= PERIODS]
         line = strongest_wave(near or patterns)
         if line is None:
             return {}
         return {"u": Told(line.u, line.u_error), "v": Told(line.v, line.v_error)}
 
 
-def _seen(clues: Clues, part: str, wave: Wave) -> bool:
-    """Whether the model lacks lines such as this one."""
-    if not wave.shared:
-        return shows(clues, [f"{part}_line"])
-    return shows(clues, named(f"{part}_{wave.shared}", LINE_BANDS))
-
-
-def _beats(v: float, u: float, field: tuple[int, int]) -> float:
+def beats(v: float, u: float, field: tuple[int, int]) -> float:
     """Periods over the field of what is left beside a pattern that every one or two lines repeat.
 
     Of a sine a fraction of a mode beside it any slope of such a pattern over the field is made.

@@ -8,10 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import hints
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -61,25 +58,3 @@ class PixelFpn(Effect):
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2, at the reference gain."""
         return self.value("sigma", point) ** 2
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """From the unexplained pattern variance of the settings with the least pattern."""
-        low = ("pattern_q0.01", "pattern_q0.1")
-        high = tuple(n for n in cls.fingerprint if n not in low)
-        if not (shows(clues, high) or shows(clues, low, -1)):
-            return []
-        gain = hints.gains(clues)
-        name = "pattern_noise_core"
-        if not np.isfinite(clues.measured(name)).any():
-            name = "frame_noise_core"
-        lost = hints.unexplained_variance(clues, name) / gain**2
-        total = np.asarray(clues.measured(name), float) / gain
-        good = lost[np.isfinite(lost) & (lost > 0)]
-        if good.size:
-            sigma = float(np.sqrt(np.median(good)))
-        elif np.isfinite(total).any():
-            sigma = 0.7 * float(np.nanmin(total))
-        else:
-            return []
-        return [cls(**hints.clip(cls, sigma=sigma))]

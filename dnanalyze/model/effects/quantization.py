@@ -8,9 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice
-from dnanalyze.model.evidence import curve, shows
 
 ROUNDING_VARIANCE = 1.0 / 12.0  # of a step's square
 
@@ -58,26 +56,3 @@ class Quantization(Effect):
     def variance(self, point: OperatingPoint) -> float:
         """q^2 / 12, DN^2, where the noise before it exceeds .4 q."""
         return self.step**2 * ROUNDING_VARIANCE
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Integer frames where the model's are not; range and step from the codes that occur."""
-        if not shows(clues, ("lattice",)):
-            return []
-        top, step = 0, 0
-        for setting in range(len(clues.points)):
-            codes = curve(clues, "histogram_codes", setting)
-            counts = curve(clues, "histogram_counts", setting)
-            if codes is None or counts is None:
-                continue
-            seen = codes[counts > 0]
-            if not np.all(seen == np.rint(seen)):
-                continue
-            top = max(top, int(seen.max()))
-            step = int(np.gcd.reduce(np.r_[step, seen.astype(np.int64)]))
-        # a top code of all ones is the converter's end; any other says nothing of the range
-        bits = top.bit_length() if top >= 255 and top & (top + 1) == 0 else 16
-        while 2**bits <= top:
-            bits += 1
-        power = step & -step if step else 1
-        return [cls(bits=bits, step=power if power in cls.parameters()["step"].choices else 1)]

@@ -8,10 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model import draws, hints
-from dnanalyze.model.clues import Clues
+from dnanalyze.model import draws
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
-from dnanalyze.model.evidence import shows
 
 
 @dataclass(frozen=True)
@@ -94,23 +92,6 @@ class ReadNoise(Effect):
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2, at the reference gain; the spread keeps the mean square."""
         return self.value("sigma", point) ** 2
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """From the unexplained temporal variance of the least noisy settings."""
-        if not shows(clues, cls.fingerprint):
-            return []
-        gain = hints.gains(clues)
-        lost = hints.unexplained_variance(clues, "temporal_noise_core") / gain**2
-        total = np.asarray(clues.measured("temporal_noise_core"), float) / gain
-        good = lost[np.isfinite(lost) & (lost > 0)]
-        if good.size:
-            sigma = float(np.sqrt(np.median(good)))
-        elif np.isfinite(total).any():
-            sigma = 0.7 * float(np.nanmin(total))
-        else:
-            return []
-        return [cls(**hints.clip(cls, sigma=sigma))]
 
 
 def _one_after_another(correlations: tuple[float, float], key: int, site: Site) -> np.ndarray:

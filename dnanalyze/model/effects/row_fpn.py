@@ -8,9 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.evidence import LINE_BANDS, bounded, line_sigma, named, shows
+from dnanalyze.model.fingerprints import LINE_BANDS, named
 
 
 @dataclass(frozen=True)
@@ -50,10 +49,3 @@ class RowFpn(Effect):
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2."""
         return self.value("sigma", point) ** 2
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """Sigma from the unexplained power of the u = 0 axis of the pattern."""
-        if not shows(clues, cls.fingerprint):
-            return []
-        return [cls(bounded(cls, "sigma", line_sigma(clues, "pattern_rows", clues.shape[1])))]

@@ -7,9 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
-from dnanalyze.model.evidence import bounded, curve, excess, shows, strongest, typical_positive
 
 
 @dataclass(frozen=True)
@@ -61,29 +59,3 @@ class StuckPixels(Effect):
         share = 3.0 * site.silicon.child("code").uniform_at(index)
         codes = np.where(share < 1.0, 0.0, np.where(share < 2.0, 1.0, share - 2.0))
         return rows, columns, np.rint(top * codes).astype(np.float32)
-
-    @classmethod
-    def guess(cls, clues: Clues) -> list[Effect]:
-        """The share from pixels without temporal variance; the code at which most of them stand, or
-        where none stands out both ends of what occurs.
-
-        Where the noise is below a code many pixels never change, and what piles up at the ends of
-        the histogram and stands far off in the pattern tells.
-        """
-        if shows(clues, ["dead_count"]):
-            count = typical_positive(excess(clues, "dead_count"))
-        elif shows(clues, ["low_spike", "high_spike"]):
-            far = ("hot_count_64", "cold_count_8")
-            count = sum(typical_positive(excess(clues, name)) for name in far)
-        else:
-            return []
-        fraction = bounded(cls, "fraction", count / (clues.shape[0] * clues.shape[1]))
-        setting = strongest(clues, ["dead_count"]) or 0
-        stuck = curve(clues, "dead_codes", setting)
-        if stuck is not None:
-            most, top = (bounded(cls, "code", float(c)) for c in (stuck[0], np.max(stuck)))
-            return [cls(fraction, top, "any"), cls(fraction, most)]
-        codes = curve(clues, "histogram_codes", setting)
-        ends = (0.0, 4095.0) if codes is None else (float(np.min(codes)), float(np.max(codes)))
-        low, high = (bounded(cls, "code", end) for end in ends)
-        return [cls(fraction, high, "any"), cls(fraction, high), cls(fraction, low)]

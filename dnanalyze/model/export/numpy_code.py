@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dnanalyze.errors import InputError
-from dnanalyze.model.channels import channels_of
+from dnanalyze.model.channel_models import channels_of
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.export.bundle import Bundle
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
@@ -76,7 +76,7 @@ def numpy_source(model: NoiseModel) -> str:
         ("dnanalyze.model.laws", "TableLaw"),
         ("dnanalyze.model.effect", "Effect"),
         ("dnanalyze.model.noise_model", "NoiseModel"),
-        ("dnanalyze.model.simulate", "Simulator"),
+        ("dnanalyze.model.simulator", "Simulator"),
     ):
         bundle.add(module, name)
     for effect in model.effects:

@@ -119,11 +119,11 @@ def cuda() -> Cuda:
             "(cupy-cuda12x, cupy-cuda13x), or use device cpu"
         ) from None
     try:
-        found = cupy.cuda.runtime.getDeviceCount()
+        devices = cupy.cuda.runtime.getDeviceCount()
         cupy.cuda.nvrtc.getVersion()
     except Exception as error:  # of CUDA, or of what looks for its libraries
         reason = str(error).splitlines()[0]
         raise InputError(f"device cuda: {reason}; use device cpu") from None
-    if not found:
+    if not devices:
         raise InputError("device cuda: CuPy finds no CUDA device; use device cpu")
     return Cuda(cupy)

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect, Site
 from dnanalyze.model.gpu.tape import Recorded, Tape, Unrecordable
-from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 from dnanalyze.model.streams import Stream
 
 

@@ -15,8 +15,9 @@ from dnanalyze.model.gpu.device import Device
 from dnanalyze.model.gpu.record import Recorder
 from dnanalyze.model.gpu.source import FRAMES, PIXELS, THREADS, passes, source
 from dnanalyze.model.gpu.tape import Result, Tape
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo, room
+from dnanalyze.model.simulator import room
 
 SMALL = 1 << 16  # bytes; smaller arrays go to the device together, batch by batch
 ALIGNED = 16

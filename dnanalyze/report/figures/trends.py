@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.arrhenius import unusual
+from dnanalyze.analyzers.estimators.arrhenius import unusual
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
 from dnanalyze.report.figures.style import (
     ACCENT,

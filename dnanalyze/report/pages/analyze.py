@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from dnanalyze.analyzers.arrhenius import unusual
-from dnanalyze.analyzers.trends import law_doubts
+from dnanalyze.analyzers.estimators.arrhenius import unusual
+from dnanalyze.analyzers.families.trends import law_doubts
 from dnanalyze.loaders.inspection import missing
 from dnanalyze.report import capture
 from dnanalyze.report.figures.style import layers

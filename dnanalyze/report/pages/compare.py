@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dnanalyze.analyzers.trends import law_doubts
+from dnanalyze.analyzers.families.trends import law_doubts
 from dnanalyze.report import capture
 from dnanalyze.report.figures import heatmap
 from dnanalyze.report.figures.style import layers

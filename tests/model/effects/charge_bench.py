@@ -12,7 +12,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 
 HERE = OperatingPoint(25.0, 1.0, 1.0)
 WARM = OperatingPoint(45.0, 1.0, 1.0)

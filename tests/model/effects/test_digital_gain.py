@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from readout_bench import Given, Ramp, frames
 
-from dnanalyze.model.effects.digital_gain import DigitalGain, _misfit, _top
+from dnanalyze.model.effects.digital_gain import DigitalGain
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.guesses.digital_gain import _misfit, _top
 
 
 @pytest.mark.parametrize(("gain", "offset"), [(1.3, 64.0), (0.8, 10.0), (2.0, 0.0), (3.1, 64.0)])

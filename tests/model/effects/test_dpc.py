@@ -8,11 +8,12 @@ from scipy import ndimage
 from dnanalyze.diagnosis.screening import FIRST
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-from dnanalyze.model.effects.dpc import FAR, Dpc
+from dnanalyze.model.effects.dpc import Dpc
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.guesses.dpc import FAR
 
 SHAPE = (192, 192)
 SENSOR = (ConvolvedLognormal(1.0, 1.2, sigma=1e-6), ReadNoise(2.0))

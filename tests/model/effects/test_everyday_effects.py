@@ -10,7 +10,7 @@ from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 
 N = 256 * 256
 

@@ -12,7 +12,8 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
-from dnanalyze.model.effects.rts import SLOW, Rts
+from dnanalyze.model.effects.rts import Rts
+from dnanalyze.model.guesses.rts import SLOW
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import arrhenius
 

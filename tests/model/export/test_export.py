@@ -20,7 +20,7 @@ from dnanalyze.model.export.table import read_table, rows, to_csv, to_json
 from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model
 from dnanalyze.model.registry import built_in
-from dnanalyze.model.simulate import Simulator
+from dnanalyze.model.simulator import Simulator
 
 P = OperatingPoint
 EFFECTS = built_in()

@@ -7,9 +7,11 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.gpu.render import Renderer
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
-from dnanalyze.model.simulate import Memo, Simulator, simulate, simulate_frames
+from dnanalyze.model.simulate import simulate, simulate_frames
+from dnanalyze.model.simulator import Simulator
 
 SHAPE = (37, 61)
 POINT = OperatingPoint(45.0, 0.1, 1.0)

@@ -5,7 +5,7 @@ import pytest
 
 from dnanalyze.model.gpu.source import passes, source
 from dnanalyze.model.gpu.tape import Recorded, Tape, Unrecordable
-from dnanalyze.model.simulate import Memo
+from dnanalyze.model.memo import Memo
 
 SHAPE = (3, 5)
 

@@ -1,0 +1,1 @@
+"""What is kept of the frames of a setting: sums that merge, of pixels, codes and neighbours."""

@@ -1,0 +1,1 @@
+"""Numbers from images and sums: quantiles, standard errors, defects, steps, thermal laws."""

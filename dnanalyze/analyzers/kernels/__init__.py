@@ -1,0 +1,1 @@
+"""Compiled loops: over pixels, over pixels and their neighbours, over Fourier modes."""

@@ -1,0 +1,335 @@
+"""Hold a simulation against its targets: what a CI job asks, answered with the reason."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from dnanalyze.analyzers.catalogue import find as find_statistic
+from dnanalyze.analyzers.statistics import Scale, SettingStatistics
+from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.targets import POOLED, Target, Targets
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.design import Design
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.model.noise_model import NoiseModel
+
+
+@dataclass(frozen=True)
+class Check:
+    """One limit, held.
+
+    Parameters
+    ----------
+    name : str
+        What and where, such as ``column_noise at 65 C``.
+    kind : str
+        "statistic", "error" or "parameter".
+    subject : str
+        Statistic, error or parameter.
+    point : OperatingPoint
+    plane : str
+    lower, upper : float
+        The limit, plain units; infinite where open.
+    value : float
+        Of the simulation; NaN where it has none.
+    measured : float or None
+    unit : str
+    passed : bool
+        Within the limit.
+    enforced : bool
+        Whether it counts.
+    reason : str
+        Why there is no value, or the target's own note.
+    floor : float or None
+        What two captures differ by, on the statistic's scale.
+    """
+
+    name: str
+    kind: str
+    subject: str
+    point: OperatingPoint
+    plane: str
+    lower: float
+    upper: float
+    value: float
+    measured: float | None
+    unit: str
+    passed: bool
+    enforced: bool = True
+    reason: str = ""
+    floor: float | None = None
+
+    @property
+    def failed(self) -> bool:
+        """Outside its limit, and it counts."""
+        return self.enforced and not self.passed
+
+    @property
+    def beyond(self) -> float:
+        """By how much the value lies outside, plain units; 0 inside, NaN without a value."""
+        if math.isnan(self.value):
+            return math.nan
+        return max(0.0, self.value - self.upper) - max(0.0, self.lower - self.value)
+
+    @property
+    def floors_beyond(self) -> float | None:
+        """The same in floors, signed; None where the floor is not known."""
+        if self.kind != "statistic" or not self.floor or not self.beyond:
+            return None
+        scale = find_statistic(self.subject).scale
+        edge = self.upper if self.beyond > 0 else self.lower
+        gap = (scale.coordinate(self.value) - scale.coordinate(edge)) / self.floor
+        return gap if math.isfinite(gap) else None
+
+    @property
+    def family(self) -> str:
+        """Whose figure shows it: a family of statistics, "error" or "model"."""
+        if self.kind == "statistic":
+            return find_statistic(self.subject).family
+        return (
+            ("error" if self.subject == POOLED else self.subject)
+            if self.kind == "error"
+            else "model"
+        )
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """All limits, held.
+
+    Parameters
+    ----------
+    captures : str
+        The folder.
+    simulation : str
+        What was held: the model file or the folder of simulated frames.
+    checks : list of Check
+        In the order of the targets.
+    false_failures : float or None
+        How often a correct simulation with a new seed fails, as the targets state it.
+    """
+
+    captures: str
+    simulation: str
+    checks: list[Check]
+    false_failures: float | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Every limit that counts is kept."""
+        return not self.failures
+
+    @property
+    def failures(self) -> list[Check]:
+        """Limits that are broken and count, worst first."""
+        broken = [c for c in self.checks if c.failed]
+        return sorted(broken, key=lambda c: -abs(c.floors_beyond or 0.0))
+
+    @property
+    def known_misses(self) -> list[Check]:
+        """Limits that are broken, but not enforced."""
+        return [c for c in self.checks if not c.passed and not c.enforced]
+
+
+def check(
+    captures: CaptureSet,
+    targets: Targets,
+    model: NoiseModel | None = None,
+    *,
+    measured: CaptureSet | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> CheckResult:
+    """Hold a simulation against targets.
+
+    Held is the simulation: with a model, its frames, drawn at the settings of ``captures``, which
+    are the measurement; without one, ``captures`` are the simulated frames themselves.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    targets : Targets
+    model : NoiseModel, optional
+    measured : CaptureSet, optional
+        Without a model: the measurement, for targets that state no measured value and for errors.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+
+    Raises
+    ------
+    InputError
+        A target at an operating point that the captures lack, or that asks for a parameter
+        without a model, or for a measurement where there is none; frames of another shape or
+        number than the margins were made for.
+    """
+    bench = CheckBench(captures, captures if model is not None else measured, model, progress)
+    _same_make(captures, targets, bench.plan)
+    made: list[Check] = []
+    for number, item in enumerate(targets.targets, 1):
+        where = f"target {number} ({item.subject})"
+        made += {"statistic": _statistic, "error": _error, "parameter": _parameter}[item.kind](
+            item, bench, where
+        )
+    return CheckResult(captures.name, bench.name, made, targets.false_failures)
+
+
+def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:
+    """Sampling errors, and with them the margins, hold for as many pixels and frames."""
+    origin = targets.captures
+    if origin.shape is not None and tuple(origin.shape) != captures.sensor.shape:
+        rows, columns = captures.sensor.shape
+        raise InputError(
+            f"{captures.name}: frames of {rows} x {columns}, but the targets were made for "
+            f"{origin.shape[0]} x {origin.shape[1]}; "
+            "simulate that shape, or make new targets with --init"
+        )
+    least = min(len(s.frames) for s in plan.captures.settings)
+    if origin.frames is not None and least < origin.frames:
+        raise InputError(
+            f"{captures.name}: {least} frames at a setting, but the targets were made for "
+            f"{origin.frames}; simulate as many, or make new targets with --init"
+        )
+
+
+def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+    assert item.statistic is not None
+    info = find_statistic(item.statistic)
+    simulated = bench.simulated[2]
+    if info.family == "trends" and not any(item.statistic in s.values for s in simulated.settings):
+        yield _trend(item, bench, where)
+        return
+    here = [s for s in simulated.settings if item.at.matches(s.point, s.plane)]
+    if not here:
+        has = dict.fromkeys(f"{s.point.label()} {s.plane}".strip() for s in simulated.settings)
+        raise InputError(
+            f"{where}: no frames at {item.at.label}; the captures have {'; '.join(has)}"
+        )
+    if not any(item.statistic in s.values for s in here) and len(here) > 1:
+        reason = here[0].missing.get(item.statistic, "these frames do not tell it")
+        yield _made(item, here[0], math.nan, None, (-math.inf, math.inf), reason)
+        return
+    for setting in here:
+        own = setting.values.get(item.statistic)
+        needs = (item.relative is not None or item.floors is not None) and item.measured is None
+        stated = bench.value(bench.measured, setting, item.statistic) if needs else None
+        if needs and stated is None:
+            if bench.measurement is None:
+                raise InputError(
+                    f"{where}: relative and floors need the measured value; give measured in the "
+                    "target, or the measured captures with --measured"
+                )
+            continue  # not measured there: nothing to hold against
+        reference = (
+            item.measured if item.measured is not None else (stated.value if stated else None)
+        )
+        floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
+        if item.floors is not None and floor is None:
+            raise InputError(
+                f"{where}: floors needs floor, what two captures of one sensor differ by"
+            )
+        limits = _limits(item, info.scale, reference, floor)
+        reason = "" if own else setting.missing.get(item.statistic, "these frames do not tell it")
+        yield _made(item, setting, own.value if own else math.nan, reference, limits, reason, floor)
+
+
+def _limits(
+    item: Target, scale: Scale, measured: float | None, floor: float | None
+) -> tuple[float, float]:
+    """The narrowest of all that the target states, plain units."""
+    lower = -math.inf if item.min is None else item.min
+    upper = math.inf if item.max is None else item.max
+    if item.relative is not None and measured is not None:
+        reach = item.relative * abs(measured)
+        lower, upper = max(lower, measured - reach), min(upper, measured + reach)
+    if item.floors is not None and measured is not None and floor is not None:
+        middle, reach = scale.coordinate(measured), item.floors * floor
+        if math.isfinite(middle):
+            lower = max(lower, scale.plain(middle - reach))
+            upper = min(upper, scale.plain(middle + reach))
+    return lower, upper
+
+
+def _made(
+    item: Target,
+    setting: SettingStatistics | None,
+    value: float,
+    measured: float | None,
+    limits: tuple[float, float],
+    reason: str = "",
+    floor: float | None = None,
+    unit: str | None = None,
+) -> Check:
+    point = setting.point if setting is not None else item.at.point
+    plane = setting.plane if setting is not None else item.at.plane or ""
+    spot = "" if point == OperatingPoint() else f" at {point.label()}"
+    name = f"{item.subject}{spot}{f' {plane}' if plane else ''}"
+    if item.kind == "error":
+        name = f"error ({item.subject})"
+    if unit is None:
+        unit = find_statistic(item.subject).unit if item.kind == "statistic" else ""
+    lower, upper = limits
+    return Check(
+        name, item.kind, item.subject, point, plane, lower, upper, value, measured, unit,
+        bool(lower <= value <= upper), item.enforced, reason or item.note, floor,
+    )  # fmt: skip
+
+
+def _trend(item: Target, bench: CheckBench, where: str) -> Check:
+    """A statistic over temperature, such as the activation energy."""
+    assert item.statistic is not None
+    if item.at.label:
+        raise InputError(f"{where}: holds over all temperatures; leave out at")
+    own = bench.simulated[2].trends.get(item.statistic)
+    needs = (item.relative is not None or item.floors is not None) and item.measured is None
+    stated = bench.measured[2].trends.get(item.statistic) if needs and bench.measured else None
+    if needs and stated is None:
+        raise InputError(f"{where}: relative and floors need measured, and no captures tell it")
+    reference = item.measured if item.measured is not None else (stated.value if stated else None)
+    floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
+    reason = "" if own else "these settings do not tell it"
+    limits = _limits(item, Scale.LINEAR, reference, floor)
+    return _made(item, None, own.value if own else math.nan, reference, limits, reason, floor)
+
+
+def _error(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+    if bench.measurement is None:
+        raise InputError(
+            f"{where}: an error needs the measured captures; give --model or --measured"
+        )
+    value = bench.own_errors.get(str(item.error), math.nan)
+    reason = "" if math.isfinite(value) else "the measured frames have no statistic of that family"
+    limits = _limits(item, Scale.LINEAR, item.measured, None)
+    yield _made(item, None, value, item.measured, limits, reason)
+
+
+def _parameter(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+    """A number of the model file; at an operating point, by its law."""
+    assert item.parameter is not None
+    if bench.model is None:
+        raise InputError(f"{where}: a parameter needs the model; give --model")
+    value, unit = parameter_of(bench.model, item.parameter, where)
+    limits = _limits(item, Scale.LINEAR, item.measured, None)
+    reads = value(item.at.point if item.at.label else bench.model.reference)
+    yield _made(item, None, reads, item.measured, limits, unit=unit)
+
+
+def parameter_of(
+    model: NoiseModel, name: str, where: str
+) -> tuple[Callable[[OperatingPoint], float], str]:
+    """A parameter as a function of the operating point, and its unit; ``effect.parameter``."""
+    from dnanalyze.model.laws import value_at
+
+    effects = {e.name: e for e in model.effects}
+    numbers: dict[str, tuple[Any, str]] = {"pedestal": (model.pedestal, "DN")}
+    for effect in effects.values():
+        for key, info in effect.parameters().items():
+            if info.scale != "choice":
+                numbers[f"{effect.name}.{key}"] = (getattr(effect, key), info.unit)
+    if name not in numbers:
+        raise InputError(
+            f"{where}: the model has no parameter {name!r}; valid: {', '.join(numbers)}"
+        )
+    law, unit = numbers[name]
+    return lambda point: value_at(law, point), unit

@@ -1,0 +1,32 @@
+"""First guesses: what the statistics suggest for the parameters of each effect of the catalogue.
+
+One file an effect, of the effect's name, with ``guess(effect, clues)``; and what several lean on.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+EFFECTS = "dnanalyze.model.effects"
+
+
+def guess_of(effect: type) -> Callable[..., list[Any]] | None:
+    """The function ``guess(effect, clues)`` for an effect of the catalogue, or one derived from it.
+
+    None for an effect from elsewhere.
+    """
+    for base in effect.__mro__:
+        package, _, name = base.__module__.rpartition(".")
+        if package == EFFECTS and name in _files():
+            made: Callable[..., list[Any]] = importlib.import_module(f"{__name__}.{name}").guess
+            return made
+    return None
+
+
+@cache
+def _files() -> frozenset[str]:
+    return frozenset(module.name for module in pkgutil.iter_modules(__path__))

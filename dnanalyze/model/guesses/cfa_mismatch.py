@@ -1,0 +1,47 @@
+"""First guesses of cfa_mismatch: its parameters as the statistics suggest them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.cfa_mismatch import CfaMismatch
+from dnanalyze.model.guesses.evidence import shows, strongest, typical_positive
+from dnanalyze.model.guesses.line_profile import line_profile
+
+_ALIKE = 0.05  # of the largest: colours whose offsets cancel better in a line are a coincidence
+_MODES = (("u", "10"), ("v", "01"), ("uv", "11"))
+
+
+def guess(effect: type[CfaMismatch], clues: Clues) -> list[Effect]:
+    """Sizes from the three lines, whose power is b^2 times the pixels.
+
+    The signs of u and v from the levels of odd and even columns and rows; that of uv does not
+    show before it is tried.
+    """
+    lines = {name: f"pattern_nyquist_{k}" for name, k in _MODES}
+    ratios = {n: np.asarray(clues.measured(line), float) for n, line in lines.items()}
+    clear = strongest(clues, list(lines.values())) or 0
+    least = _ALIKE**2 * np.nanmax([0.0, *(r[clear] for r in ratios.values())])
+    seen = {n: shows(clues, [lines[n]]) and r[clear] > least for n, r in ratios.items()}
+    if not (seen["uv"] or (seen["u"] and seen["v"])):
+        return []
+    floor = np.asarray(clues.measured("pattern_psd_0.35_0.5"), float)
+    pixels = clues.shape[0] * clues.shape[1]
+    sizes = {}
+    for name, ratio in ratios.items():
+        power = typical_positive(ratio * floor) if seen[name] else 0.0
+        sizes[name] = bounded(effect, name, _sign(clues, name) * math.sqrt(power / pixels))
+    return [effect(**sizes)]
+
+
+def _sign(clues: Clues, name: str) -> float:
+    """-1 where odd lines lie above even ones."""
+    if name == "uv":
+        return 1.0
+    places, offsets = line_profile(clues, "columns" if name == "u" else "rows")
+    return -1.0 if float(np.sum(offsets * (1 - 2 * (places % 2)))) < 0 else 1.0

@@ -1,0 +1,16 @@
+"""First guesses of column_noise: its parameters as the statistics suggest them."""
+
+from __future__ import annotations
+
+from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.column_noise import ColumnNoise
+from dnanalyze.model.guesses.evidence import line_sigma, shows
+
+
+def guess(effect: type[ColumnNoise], clues: Clues) -> list[Effect]:
+    """Sigma from the unexplained power of the v = 0 axis of differences of frames."""
+    if not shows(clues, effect.fingerprint):
+        return []
+    return [effect(bounded(effect, "sigma", line_sigma(clues, "temporal_columns", clues.shape[0])))]

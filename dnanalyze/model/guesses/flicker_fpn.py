@@ -1,0 +1,62 @@
+"""First guesses of flicker_fpn: its parameters as the statistics suggest them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.model import pink
+from dnanalyze.model.bounds import bounded
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.flicker_fpn import FlickerFpn
+from dnanalyze.model.fingerprints import BANDS, centre, named
+from dnanalyze.model.guesses.evidence import band_excess, power_law, shows, typical
+
+
+def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
+    """A power law through the unexplained axis-masked power."""
+    prefix = "pattern_psd"
+    if not np.any(np.isfinite(np.asarray(clues.measured("pattern_psd_0.04_0.08"), float))):
+        prefix = "frame_psd"
+    if not shows(clues, named(prefix, BANDS[:5])):
+        return []
+    excess = band_excess(clues, prefix, BANDS)
+    seen = np.array([shows(clues, [name], 1, 1.5) for name in named(prefix, BANDS)], float)
+    guesses: list[Effect] = []
+    offset = _law(np.array([typical(row) for row in excess]), seen, clues.shape)
+    if offset is not None:
+        guesses.append(
+            effect(bounded(effect, "rms", offset[0]), bounded(effect, "alpha", offset[1]))
+        )
+    share = _law(_shares(np.asarray(clues.measured("mean"), float), excess), seen, clues.shape)
+    if share is not None and share[0] < 1.0:
+        rms, alpha = bounded(effect, "rms", share[0]), bounded(effect, "alpha", share[1])
+        guesses.append(effect(rms, alpha, "scaled"))
+    return guesses
+
+
+def _shares(level: np.ndarray, excess: np.ndarray) -> np.ndarray:
+    """Power of each band over the square of the dark signal: least squares over the settings.
+
+    The signal is taken from the lowest level; zeros where the level hardly moves.
+    """
+    good = np.isfinite(level) & np.isfinite(excess).all(axis=0)
+    square = (level[good] - level[good].min()) ** 2 if good.any() else np.empty(0)
+    size = float(square @ square)
+    return excess[:, good] @ square / size if size > 0 else np.zeros(len(excess))
+
+
+def _law(power: np.ndarray, seen: np.ndarray, shape: tuple[int, int]) -> tuple[float, float] | None:
+    """Spread and exponent of a field of this power in the bands; None without any power."""
+    frequency = np.array([centre(band) for band in BANDS])
+    constant, alpha = power_law(frequency, power, seen)
+    if constant <= 0:
+        constant, alpha = max(power[:5].max(), 0.0) * frequency[int(power[:5].argmax())], 1.0
+    if constant <= 0:
+        return None
+    held = bounded(FlickerFpn, "alpha", alpha)
+    pivot = float(np.exp(np.average(np.log(frequency), weights=seen + 1e-9)))
+    constant *= pivot ** (held - alpha)
+    return math.sqrt(constant * pink.mean_power(shape, held)), held

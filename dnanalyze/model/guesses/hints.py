@@ -1,0 +1,84 @@
+"""How an unexplained amplitude goes with temperature, exposure and gain, for first guesses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dnanalyze.loaders.thermometer import tells_slope
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
+
+
+def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
+    """Measured minus simulated square of a standard deviation, DN^2, one a setting."""
+    return (
+        np.asarray(clues.measured(name), float) ** 2 - np.asarray(clues.simulated(name), float) ** 2
+    )
+
+
+def exposure_and_gain(clues: Clues) -> np.ndarray:
+    """Exposure times gain over the reference's, one a setting; 1 where unknown, NaN where 0."""
+    ratios = []
+    for point in clues.points:
+        ratio = 1.0
+        for here, there in (
+            (point.exposure_s, clues.reference.exposure_s),
+            (point.gain, clues.reference.gain),
+        ):
+            if here is not None and there:
+                ratio *= here / there
+        ratios.append(ratio or np.nan)
+    return np.array(ratios)
+
+
+def gains(clues: Clues) -> np.ndarray:
+    """Gain over the reference's, one a setting; 1 where unknown."""
+    return np.array([p.gain_over(clues.reference) for p in clues.points])
+
+
+def thermal_growth(clues: Clues, ea_ev: np.ndarray) -> np.ndarray:
+    """Growth from the reference temperature by Arrhenius, (energies, settings); 1 where unknown."""
+    origin = clues.reference.temperature_c
+    known = [origin if p.temperature_c is None else p.temperature_c for p in clues.points]
+    if origin is None:
+        return np.ones((len(ea_ev), len(known)))
+    return np.array([[arrhenius(t, origin, float(e)) for t in known] for e in ea_ev])
+
+
+def thermal_fit(
+    clues: Clues, amplitude: np.ndarray, default_ev: float = 0.6
+) -> tuple[float, float] | None:
+    """Amplitude at the reference and activation energy from one amplitude a setting.
+
+    Parameters
+    ----------
+    amplitude : ndarray
+        Already over exposure and gain; settings without a positive finite one are left out.
+        The larger ones weigh more, for they stand farther above their noise.
+    default_ev : float
+        Activation energy where the settings cannot tell it, eV.
+
+    Returns
+    -------
+    tuple of float, or None
+        (amplitude at the reference temperature, eV in 0 to 1.5); None without any usable setting.
+    """
+    good = np.isfinite(amplitude) & (amplitude > 0)
+    if not good.any():
+        return None
+    temperature = [p.temperature_c for p in clues.points]
+    origin = clues.reference.temperature_c
+    if origin is None or any(t is None for t, g in zip(temperature, good, strict=True) if g):
+        return float(np.median(amplitude[good])), default_ev
+    inverse = np.array([0.0 if t is None else 1.0 / (t + KELVIN) for t in temperature])
+    x = -(inverse - 1.0 / (origin + KELVIN))[good] / BOLTZMANN_EV
+    y = np.log(amplitude[good])
+    w = np.exp(0.5 * (y - y.max()))
+    centre = np.average(x, weights=w)
+    spread = np.average((x - centre) ** 2, weights=w)
+    if tells_slope(t for t, g in zip(temperature, good, strict=True) if g):
+        ea = float(np.average((x - centre) * y, weights=w) / spread)
+    else:
+        ea = default_ev
+    ea = min(max(ea, 0.0), 1.5)
+    return float(np.exp(np.average(y, weights=w) - ea * centre)), ea

@@ -1,0 +1,33 @@
+"""First guesses of quantization: its parameters as the statistics suggest them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.guesses.evidence import curve, shows
+
+
+def guess(effect: type[Quantization], clues: Clues) -> list[Effect]:
+    """Integer frames where the model's are not; range and step from the codes that occur."""
+    if not shows(clues, ("lattice",)):
+        return []
+    top, step = 0, 0
+    for setting in range(len(clues.points)):
+        codes = curve(clues, "histogram_codes", setting)
+        counts = curve(clues, "histogram_counts", setting)
+        if codes is None or counts is None:
+            continue
+        seen = codes[counts > 0]
+        if not np.all(seen == np.rint(seen)):
+            continue
+        top = max(top, int(seen.max()))
+        step = int(np.gcd.reduce(np.r_[step, seen.astype(np.int64)]))
+    # a top code of all ones is the converter's end; any other says nothing of the range
+    bits = top.bit_length() if top >= 255 and top & (top + 1) == 0 else 16
+    while 2**bits <= top:
+        bits += 1
+    power = step & -step if step else 1
+    return [effect(bits=bits, step=power if power in effect.parameters()["step"].choices else 1)]
