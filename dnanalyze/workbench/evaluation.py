@@ -21,8 +21,9 @@ from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.loaders.captures import Window
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import Memo, simulate
+from dnanalyze.model.simulate import simulate
 
 SIDE = 128  # pixels of a preview's window; 3 frames of 5 operating points take about .09 s of CPU
 FRAMES = 3  # of each operating point; 2 at least for temporal noise, 3 for its correlation

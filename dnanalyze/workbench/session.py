@@ -452,8 +452,8 @@ class WorkbenchSession:
 
     def targets(self) -> str:
         """Targets for `check`, from simulated sensors of the present model; takes seconds."""
-        from dnanalyze.comparator.margins import propose
-        from dnanalyze.comparator.targets import dump_targets
+        from dnanalyze.checking.margins import propose
+        from dnanalyze.checking.targets import dump_targets
 
         return dump_targets(propose(self.captures, self.present.model))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from dnanalyze.analyzers.cache import default_folder
+from dnanalyze.analyzers.streaming.cache import default_folder
 from dnanalyze.loaders import load
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
