@@ -110,10 +110,8 @@ def serve(
         theme = "dark" if arguments.get("theme") == "dark" else "light"
         name, session = sessions.get(arguments.get("session", ""))
         pn.config.raw_css = [style_sheet(theme)]
-        if pn.state.location is not None:
-            asked = f"?session={name}&theme={theme}" + (f"&token={token}" if token else "")
-            pn.state.location.search = asked
-        return page(session, name, theme)
+        asked = f"?session={name}&theme={theme}" + (f"&token={token}" if token else "")
+        return page(session, asked, theme)
 
     shown = "127.0.0.1" if host in LOOPBACK else host
     address = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")

@@ -173,7 +173,8 @@ def test_a_reload_keeps_the_session_and_another_tab_is_another_session(bench, br
     assert bench.settled() == error
     other = Workbench(browser, address)
     other.settled()
-    assert other.page.url != bench.page.url
+    here = "window.location.href"
+    assert other.page.evaluate(here) != bench.page.evaluate(here)
     assert bench.settled() == error
     other.page.close()
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import html
+from pathlib import Path
 from typing import Any
 
 import panel as pn
+import param
+from panel.custom import JSComponent
 
 from dnanalyze.report.words import number
 from dnanalyze.workbench.page.context import Context
@@ -18,14 +21,14 @@ from dnanalyze.workbench.page.style import inner, palette, sheet
 from dnanalyze.workbench.session import WorkbenchSession
 
 
-def page(session: WorkbenchSession, name: str, theme: str) -> Any:
+def page(session: WorkbenchSession, query: str, theme: str) -> Any:
     """The page of a session.
 
     Parameters
     ----------
     session : WorkbenchSession
-    name : str
-        Of the session, as in the page's address.
+    query : str
+        Query of the page's address, which names the session and the theme.
     theme : {"light", "dark"}
 
     Returns
@@ -34,7 +37,7 @@ def page(session: WorkbenchSession, name: str, theme: str) -> Any:
     """
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
-    bar = TopBar(context, name)
+    bar = TopBar(context, query)
     sensor, failures, model = Sensor(context), Failures(context), Model(context)
     missing, history = Missing(context), HistoryPane(context)
 
@@ -74,6 +77,14 @@ def page(session: WorkbenchSession, name: str, theme: str) -> Any:
     return whole
 
 
+class Address(JSComponent):
+    """Names the session in the browser's address, so that a reload asks for it."""
+
+    query = param.String(default="")
+
+    _esm = Path(__file__).with_name("address.js").read_text(encoding="utf-8")
+
+
 def _all(context: Context) -> None:
     """Show a session as it is, when a page is opened or reloaded."""
     session = context.session
@@ -94,7 +105,7 @@ def _forget(session: WorkbenchSession, listener: Any) -> None:
 class TopBar:
     """What is open, the error, and the theme."""
 
-    def __init__(self, context: Context, name: str) -> None:
+    def __init__(self, context: Context, query: str) -> None:
         self.context = context
         style = [inner(context.palette)]
         captures = context.session.captures
@@ -106,7 +117,8 @@ class TopBar:
         )
         other = "light" if context.palette.name == "dark" else "dark"
         self.error = pn.pane.HTML("", stylesheets=style, margin=(0, 16, 0, 0))
-        link = f"<a href='?session={name}&theme={other}'>{other} theme</a>"
+        there = query.replace(f"theme={context.palette.name}", f"theme={other}")
+        link = f"<a href='{html.escape(there)}' target=_self>{other} theme</a>"
         self.view = pn.Row(
             pn.pane.HTML(
                 f"<b style='font-size:15px'>dnanalyze</b> &nbsp;<b>{where}</b> "
@@ -116,6 +128,7 @@ class TopBar:
             pn.layout.HSpacer(),
             self.error,
             pn.pane.HTML(link, stylesheets=style, margin=(10, 4, 0, 0)),
+            Address(query=query, width=1, height=1, margin=0),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
         context.listeners.append(self.update)
