@@ -62,10 +62,11 @@ def analyze(
         A window outside the frame, or too small; frames of another shape than the sensor's; an
         unknown family.
     """
-    return analyze_windows(
+    (found,) = analyze_windows(
         captures, (window,), workers=workers, progress=progress, scheduler=scheduler,
         families=families,
-    )[0]  # fmt: skip
+    )  # fmt: skip
+    return replace(found, capture_set=captures)
 
 
 def analyze_windows(

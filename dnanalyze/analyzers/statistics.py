@@ -8,7 +8,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from dnanalyze.loaders.captures import OperatingPoint, Sensor
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
+from dnanalyze.result import Result
 
 SATURATION = "saturation"  # what is missing of a setting most of whose pixels are saturated
 
@@ -109,8 +110,8 @@ class SettingStatistics:
     missing: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Statistics:
+@dataclass(frozen=True, repr=False)
+class Statistics(Result):
     """Statistics of a capture set.
 
     Parameters
@@ -120,9 +121,17 @@ class Statistics:
     settings : tuple of SettingStatistics
     trends : dict
         What holds over temperature (activation energy, doubling step, ...), by name, with errors.
+    capture_set : CaptureSet, optional
+        The frames, which are not read again but for figures.
     """
 
     name: str
     sensor: Sensor
     settings: tuple[SettingStatistics, ...]
     trends: dict[str, Value] = field(default_factory=dict)
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        points = len({s.point for s in self.settings})
+        count = sum(len(s.values) for s in self.settings)
+        return f"{self.name}, operating points: {points}, values: {count}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
+from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit
+from dnanalyze.fitting.fit import fit, with_seed
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.moments import moments
@@ -23,11 +24,12 @@ from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.result import Result
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """A model held against a measurement, on the half of the field that no fit saw.
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """A model compared with a measurement, on the half of the field that no fit saw.
 
     Parameters
     ----------
@@ -46,7 +48,9 @@ class Comparison:
     measured, simulated, gaussian : Statistics
         Of the judged half, with their curves.
     level : Level, optional
-        The model's mean dark level against the measured one.
+        The model's mean dark signal beside the measured one.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     captures: str
@@ -60,12 +64,17 @@ class Comparison:
     simulated: Statistics
     gaussian: Statistics
     level: Level | None = None
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        return f"{self.captures}, model error {number(self.error)}"
 
 
 def compare(
     captures: CaptureSet,
     model: NoiseModel | None = None,
     *,
+    seed: int | None = None,
     held: Bench | None = None,
     tell: Callable[[State], None] = lambda _: None,
 ) -> Comparison:
@@ -82,7 +91,9 @@ def compare(
         Called with every better state of the fit of the paper's model.
     """
     held = held or bench(design(captures))
-    paper = fit(captures, held=held, replicates=0, tell=tell).state
+    begun = None if model is not None else with_seed(held, None, seed)
+    model = None if model is None else with_seed(held, model, seed)
+    paper = fit(captures, begun, held=held, replicates=0, tell=tell).state
     m = moments(Readings(held.measured[0]), captures.sensor.black_level)
     plain = held.statistics(gaussian_model(m), errors=True)
     made = held.statistics(model or paper.model, errors=True)
@@ -104,6 +115,7 @@ def compare(
         made[1],
         plain[1],
         held.level(held.train.z(prediction(made, 0, held.train)), z),
+        captures,
     )
 
 

@@ -71,6 +71,7 @@ def detect(
         effect=effect_of(kind, found, evidence) if found else {},
         series=series,
         answers=tuple(answers),
+        capture_set=captures,
     )
 
 

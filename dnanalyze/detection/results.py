@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dnanalyze.detection.series import SuppressionSeries
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.result import Result
 
 if TYPE_CHECKING:
     from dnanalyze.detection.verdict import Answer
@@ -132,8 +134,8 @@ class TailBound:
     ppm_upper: float
 
 
-@dataclass(frozen=True)
-class Detection:
+@dataclass(frozen=True, repr=False)
+class Detection(Result):
     """Has the raw data been filtered?
 
     Parameters
@@ -161,6 +163,8 @@ class Detection:
         Suppression of high frequencies over temperature, for the figure.
     answers : tuple of Answer
         The questions with the evidence behind them, for the figures; findings are their summary.
+    capture_set : CaptureSet, optional
+        The frames that were tested.
     """
 
     filtered: bool
@@ -174,7 +178,17 @@ class Detection:
     tail: tuple[TailBound, ...] = ()
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
-    answers: tuple[Answer, ...] = field(default=(), repr=False, compare=False)
+    answers: tuple[Answer, ...] = field(default=(), compare=False)
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    @property
+    def captures(self) -> str:
+        """Name of the captures."""
+        return "" if self.capture_set is None else self.capture_set.name
+
+    def _brief(self) -> str:
+        what = self.kind if self.filtered else "no filter found"
+        return ", ".join(filter(None, (self.captures, what, f"confidence {self.confidence:.3g}")))
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report; numbers finite or null."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,8 +34,10 @@ from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.channels import require
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.result import Result
 
 REPLICATES = 24
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
@@ -56,8 +58,8 @@ class Parameter:
     unit: str
 
 
-@dataclass(frozen=True)
-class Fit:
+@dataclass(frozen=True, repr=False)
+class Fit(Result):
     """A fitted model.
 
     Parameters
@@ -69,7 +71,11 @@ class Fit:
     undetermined : list of str
         Sentences on parameters that these captures cannot tell, alone or from one another.
     bench : Bench
+        The statistics that were fitted, and the simulations of it.
     state : State
+        The last step of the fit.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     model: NoiseModel
@@ -78,6 +84,15 @@ class Fit:
     undetermined: list[str]
     bench: Bench
     state: State
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    @property
+    def captures(self) -> str:
+        """Name of the captures."""
+        return self.bench.plan.captures.name
+
+    def _brief(self) -> str:
+        return f"{self.captures}, {', '.join(self.model.names)}, {len(self.parameters)} parameters"
 
 
 def fit(
@@ -86,6 +101,7 @@ def fit(
     *,
     frozen: Sequence[str] = (),
     replicates: int = REPLICATES,
+    seed: int | None = None,
     held: Bench | None = None,
     tell: Callable[[State], None] = lambda _: None,
 ) -> Fit:
@@ -106,9 +122,24 @@ def fit(
         Called with every better state.
     """
     held = held or bench(design(captures))
-    model = located(held, model or paper_start(held), frozen)
+    model = located(held, with_seed(held, model, seed) or paper_start(held), frozen)
     state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
-    return with_uncertainties(held, state, replicates)
+    return replace(with_uncertainties(held, state, replicates), capture_set=captures)
+
+
+def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseModel | None:
+    """The model with this seed; without a model that in which a fit begins; as given without one.
+
+    Raises
+    ------
+    InputError
+        Captures of a readout channel that the model does not know.
+    """
+    if model is not None:
+        require(model, held.plan.captures.channels)
+    if seed is None:
+        return model
+    return replace(model or paper_start(held), seed=seed)
 
 
 def paper_start(held: Bench) -> NoiseModel:

@@ -34,6 +34,7 @@ def load(
     *,
     config: str | os.PathLike[str] | Config | None = None,
     tolerance_c: float | None = None,
+    channel: str | None = None,
     include_masked: bool = False,
     region: Region | None = None,
 ) -> CaptureSet:
@@ -54,6 +55,8 @@ def load(
     tolerance_c : float, optional
         Frames of one operating point span at most this, C. Where the sidecar does not say it
         either, 1.5, or less where the scatter of the temperatures shows several set points.
+    channel : str, optional
+        Only the frames of this HDR readout channel.
     include_masked : bool
         The whole readout, masked pixels and all; the same as ``region="all"``.
     region : {"active", "masked", "all"}, optional
@@ -81,7 +84,8 @@ def load(
     files = _frame_files(place, sidecar, manifest, notes)
     recordings = _recordings(place, files, sidecar, notes)
     part = asked or _dark_part(recordings, notes)
-    return _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+    found = _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+    return found if channel is None else found.channel(channel)
 
 
 def _sidecar(config: str | os.PathLike[str] | Config | None, place: Place) -> Config:

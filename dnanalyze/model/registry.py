@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import pkgutil
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -38,6 +39,26 @@ def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
     for path in files:
         found |= _load_file(path)
     return found
+
+
+def known_effects(
+    effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
+    known: Mapping[str, type[Effect]] | None = None,
+) -> dict[str, type[Effect]]:
+    """The effects that a model may be given.
+
+    Parameters
+    ----------
+    effects : sequence of path, or mapping
+        The user's own Python files, beside the built-in catalogue; or all effects by name.
+    known : mapping, optional
+        All effects by name: the former word for it.
+    """
+    if known is not None:
+        return dict(known)
+    if isinstance(effects, Mapping):
+        return dict(effects)
+    return catalogue(tuple(Path(path) for path in effects))
 
 
 def find(name: str, known: dict[str, type[Effect]]) -> type[Effect]:

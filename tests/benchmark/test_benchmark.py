@@ -13,11 +13,11 @@ import pytest
 from dnanalyze_cli import show_benchmark
 from rich.console import Console
 
-from dnanalyze.benchmark import record as records
-from dnanalyze.benchmark.criteria import CRITERIA, SINGLE
-from dnanalyze.benchmark.laws import Reading, common_temperatures, estimate
-from dnanalyze.benchmark.record import ABSENT, Figure, SensorRecord, gain_of, strengths
-from dnanalyze.benchmark.run import benchmark, side_by_side, unique_names
+from dnanalyze.benchmarking import record as records
+from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE
+from dnanalyze.benchmarking.laws import Reading, common_temperatures, estimate
+from dnanalyze.benchmarking.record import ABSENT, Figure, SensorRecord, gain_of, strengths
+from dnanalyze.benchmarking.run import benchmark, side_by_side, unique_names
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal

@@ -36,7 +36,7 @@ def benchmark(
     quiet: Quiet = False,
 ) -> None:
     """Several sensors side by side: EMVA dark figures, tails, spectra, effects, filters."""
-    from dnanalyze.benchmark.run import benchmark as run
+    from dnanalyze.benchmarking.run import benchmark as run
     from dnanalyze.report import benchmark as results
     from dnanalyze_cli import show_benchmark
 
