@@ -37,3 +37,24 @@ def number(value: Any, digits: int = 3) -> str:
 def _trimmed(text: str) -> str:
     """Without the zeros that end its decimals."""
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+_SYMBOLS = (("^2", "²"), ("^3", "³"), ("e-", "e⁻"))
+
+
+def symbol(unit: str) -> str:
+    """A unit as it is printed; nothing for a dimensionless number.
+
+    Examples
+    --------
+    >>> symbol("DN^2"), symbol("e-/s"), symbol("1")
+    ('DN²', 'e⁻/s', '')
+    """
+    for plain, printed in _SYMBOLS:
+        unit = unit.replace(plain, printed)
+    return "" if unit == "1" else unit
+
+
+def unit_text(unit: str) -> str:
+    """What stands behind a number: a space and the unit, or nothing."""
+    return f" {symbol(unit)}" if symbol(unit) else ""

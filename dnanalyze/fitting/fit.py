@@ -309,7 +309,7 @@ def _doubts(
     sentences = []
     for i, knob in enumerate(knobs):
         if knob.energy and not seen[i]:
-            sentences.append(f"{knob.name}: held; these captures tell no activation energy")
+            sentences.append(f"{knob.name}: held; these captures do not determine an activation energy")
         elif not seen[i]:
             sentences.append(f"{knob.name}: nothing in these captures depends on it")
         elif knob.log and spread[i] > VAGUE:
@@ -320,7 +320,7 @@ def _doubts(
         for j in range(i):
             if abs(correlations[i, j]) > ALIKE:
                 sentences.append(
-                    f"{knobs[j].name} and {knobs[i].name}: these captures cannot tell them apart "
+                    f"{knobs[j].name} and {knobs[i].name}: confounded in these captures "
                     f"(correlation {correlations[i, j]:+.3f})"
                 )
     return sentences

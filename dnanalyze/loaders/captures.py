@@ -43,17 +43,17 @@ class OperatingPoint:
             raise InputError(f"channel {str(self.channel)[:40]!r} is no text; quote it")
 
     def label(self) -> str:
-        """Short text for tables and figures, such as ``65 C, 0.05 s``."""
+        """Short text for tables and figures, such as ``65 °C, 0.05 s``."""
         parts = []
         if self.channel is not None:
             parts.append(self.channel)
         if self.temperature_c is not None:
-            parts.append(f"{self.temperature_c:g} C")
+            parts.append(f"{self.temperature_c:g} °C")
         if self.exposure_s is not None:
             parts.append(f"{self.exposure_s:g} s")
         if self.gain is not None:
             parts.append(f"gain {self.gain:g}")
-        return ", ".join(parts) or "one setting"
+        return ", ".join(parts) or "one operating point"
 
     def exposure_over(self, reference: OperatingPoint) -> float:
         """Exposure over that of another point; 1 where either is unknown."""

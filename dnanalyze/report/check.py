@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-from dnanalyze.report.words import family_title, number, plural, symbol
+from dnanalyze.report.words import family_title, number, plural, unit_text
 
 MOST_ROWS = 20
 
 
 def limit(check: Any) -> str:
     """``1.9 to 2.1 DN``, ``at most 1.3``."""
-    unit = f" {symbol(check.unit)}" if check.unit and check.unit != "1" else ""
+    unit = unit_text(check.unit)
     low, high = math.isfinite(check.lower), math.isfinite(check.upper)
     if low and high:
         return f"{number(check.lower, 5)} to {number(check.upper, 5)}{unit}"
@@ -29,7 +29,7 @@ def excess(check: Any) -> str:
     if math.isnan(check.value):
         return f"no value: {check.reason}"
     edge = check.upper if check.beyond > 0 else check.lower
-    unit = f" {symbol(check.unit)}" if check.unit and check.unit != "1" else ""
+    unit = unit_text(check.unit)
     sign = "+" if check.beyond > 0 else "\N{MINUS SIGN}"
     more = []
     if edge and math.isfinite(edge):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from dnanalyze.digits import is_number, number
+from dnanalyze.digits import is_number, number, symbol, unit_text
 
 FAMILIES = {
     "level": "Mean dark signal and noise",
@@ -29,29 +29,13 @@ def family_title(name: str) -> str:
 
 def with_error(value: Any, error: Any, unit: str = "") -> str:
     """``1.23 ± .04 DN``, the error to two digits and the value to the same decimal place."""
-    tail = f" {symbol(unit)}" if unit and unit != "1" else ""
+    tail = unit_text(unit)
     if not (is_number(value) and is_number(error)) or error <= 0:
         return number(value) + tail
     decimals = max(0, 1 - math.floor(math.log10(error)))
     if decimals > 6 or abs(value) >= 1e6:
         return f"{number(value, 4)} ± {number(error, 2)}{tail}"
     return f"{value:,.{decimals}f} ± {error:,.{decimals}f}{tail}"
-
-
-_SYMBOLS = (("^2", "²"), ("e-", "e⁻"), ("sqrt", "√"))
-
-
-def symbol(unit: str) -> str:
-    """A unit as it is printed: ``DN²`` for DN^2, ``e⁻`` for e-.
-
-    Examples
-    --------
-    >>> symbol("DN^2"), symbol("e-/s")
-    ('DN²', 'e⁻/s')
-    """
-    for plain, printed in _SYMBOLS:
-        unit = unit.replace(plain, printed)
-    return unit
 
 
 def celsius(value: Any) -> str:
@@ -124,7 +108,7 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
         if percent > 900:
             return f"×{number(measured / simulated, 2)}"
         return f"{percent:+.1f} %" if abs(percent) < 10 else f"{percent:+.0f} %"
-    tail = f" {symbol(unit)}" if unit and unit != "1" else ""
+    tail = unit_text(unit)
     return f"{'+' if measured > simulated else '−'}{number(abs(measured - simulated), 2)}{tail}"
 
 

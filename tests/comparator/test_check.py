@@ -199,7 +199,7 @@ def test_files_that_are_no_targets_are_refused_in_one_line(content, words, tmp_p
     [
         (
             {"statistic": "mean", "at": {"temperature_c": 85}, "max": 1},
-            "no frames at 85 C; the captures have 25 C",
+            "no frames at 85 °C; the captures have 25 °C",
         ),
         ({"statistic": "mean", "at": {"channel": "hcg"}, "max": 1}, "no frames at hcg"),
         (

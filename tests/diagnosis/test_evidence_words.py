@@ -34,13 +34,13 @@ def told(name, measured, train, test, after=0.0):
 
 def test_a_misfit_of_the_judged_half_alone_has_its_place_too():
     words = told("temporal_noise", (3.0, 3.0), (0.1, 2.0), (9.0, 9.0))
-    assert "at 65 C" in words[0]
+    assert "at 65 °C" in words[0]
     assert "at )" not in " ".join(words)
 
 
 def test_many_small_reliefs_are_evidence_and_said_to_be():
     words = told("temporal_noise", (3.0, 3.0), (2.0, 2.0), (2.0, 2.0), 0.5)
-    assert "2 floors become 1" in words[0]
+    assert "from 2 to 1 sigma" in words[0]
     assert "small misfits" in words[0]
     assert told("temporal_noise", (3.0, 3.0), (2.0, 2.0), (2.0, 2.0), 1.5)[0].startswith("no stat")
 

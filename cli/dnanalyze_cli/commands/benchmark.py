@@ -19,8 +19,9 @@ def benchmark(
         str | None,
         typer.Option(
             "--at",
+            "--temperatures",
             metavar="C,C,...",
-            help="Temperatures at which to compare; default: inside what all have measured.",
+            help="Temperatures at which to compare; default: within the range that all have measured.",
         ),
     ] = None,
     quick: Annotated[
@@ -38,7 +39,7 @@ def benchmark(
     """Several sensors side by side: EMVA dark figures, tails, spectra, effects, filters."""
     from dnanalyze.benchmarking.run import benchmark as run
     from dnanalyze.report import benchmark as results
-    from dnanalyze_cli import show_benchmark
+    from dnanalyze.report.terminal.benchmark import result as show
 
     temperatures = sorted(set(celsius("--at", at)))
     sessions = [
@@ -46,9 +47,9 @@ def benchmark(
     ]
     session = sessions[0]
     found = [s.load(config, tolerance_c, channel) for s in sessions]
-    with session.progress("Comparing sensors") as progress:
-        result = run(found, temperatures=temperatures, quick=quick, tell=progress.now)
-    show_benchmark.result(session.console, result)
+    with session.progress("Measuring the sensors") as progress:
+        result = run(found, at=temperatures, quick=quick, tell=progress.now)
+    show(session.console, result)
 
     def page() -> str:
         from dnanalyze.report.pages.benchmark import benchmark_page

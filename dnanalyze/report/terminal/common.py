@@ -29,7 +29,11 @@ def as_text(draw: Callable[[Console], None], columns: int = COLUMNS) -> str:
     columns : int
     """
     stream = StringIO()
-    draw(Console(file=stream, width=columns, color_system=None, highlight=False, legacy_windows=False))
+    draw(
+        Console(
+            file=stream, width=columns, color_system=None, highlight=False, legacy_windows=False
+        )
+    )
     lines = (line.rstrip() for line in stream.getvalue().splitlines())
     return "\n".join(lines).strip("\n")
 
@@ -43,11 +47,15 @@ def verdict(console: Console, captures: Any, text: str, style: str = "bold") -> 
     console.print()
 
 
-def points(console: Console, title: str, sentences: Sequence[str]) -> None:
-    """A heading and a numbered list; nothing where the list is empty."""
+def points(
+    console: Console, title: str, sentences: Sequence[str], most: int | None = None
+) -> None:
+    """A heading and a numbered list of at most so many; nothing where the list is empty."""
     if not sentences:
         return
-    console.print(Text(title, style="bold"))
+    more = 0 if most is None else max(0, len(sentences) - most)
+    sentences = sentences[: len(sentences) - more]
+    console.print(Text(title + (f", {more} more in --json" if more else ""), style="bold"))
     grid = Table.grid(padding=(0, 1))
     grid.add_column(justify="right", style="dim", min_width=4)
     grid.add_column()

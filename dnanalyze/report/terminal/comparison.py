@@ -24,7 +24,7 @@ def comparison(console: Console, captures: Any, result: Any) -> None:
     """The error, where the model fails, family by family, and the largest discrepancies."""
     headline = words.compare_headline(result.error, result.baselines)
     verdict(console, captures, words.with_remarks(headline, result))
-    points(console, "Largest discrepancies", result.failures[:MOST_FAILURES])
+    points(console, "Largest discrepancies", result.failures, MOST_FAILURES)
     _families(console, result.families)
     rows = worst(result.statistics, most=MOST_ROWS)
     parts = words.varied(result.statistics)

@@ -18,9 +18,10 @@ def detection(console: Console, captures: Any, result: Any) -> None:
     verdict(console, captures, headline(result))
     points(console, "Evidence", words.texts(list(result.evidence)))
     points(console, "Not determined from these captures", words.texts(list(result.ambiguous)))
-    flagged = sorted(
+    ranked = sorted(
         result.findings, key=lambda f: (not f.flagged, f.p_value if f.p_value is not None else 2)
     )
+    shown = max(MOST_ROWS, min(2 * MOST_ROWS, sum(f.flagged for f in ranked)))
     table(
         console,
         ("test", "points to", "at", "p-value", "effect size", "flagged"),
@@ -33,7 +34,7 @@ def detection(console: Console, captures: Any, result: Any) -> None:
                 number(f.effect_size, 2),
                 _flag(f),
             )
-            for f in flagged[: 2 * MOST_ROWS]
+            for f in ranked[:shown]
         ),
         left=2,
     )

@@ -23,17 +23,14 @@ def diagnosis(console: Console, captures: Any, result: Any) -> None:
         title = f"Evidence for {words.naming(best.effect, best.confidence)}"
         points(console, title, list(best.evidence))
     unexplained(console, result.unexplained)
-    points(console, "Detection limits", words.texts(result.detection_limits)[:MOST_ROWS])
+    points(console, "Detection limits", words.texts(result.detection_limits), MOST_ROWS)
     if result.next_capture:
         points(console, "Recommended captures", words.texts(result.next_capture))
 
 
 def unexplained(console: Console, names: Sequence[str]) -> None:
     """Statistics that are not explained, worst first, and how many are not shown."""
-    shown = [named(n) for n in names[:MOST_FAILURES]]
-    more = len(names) - len(shown)
-    title = "Statistics not explained" + (f", {more} more in --json" if more > 0 else "")
-    points(console, title, shown)
+    points(console, "Statistics not explained", [named(n) for n in names], MOST_FAILURES)
 
 
 def _candidates(console: Console, title: str, found: Sequence[Any]) -> None:

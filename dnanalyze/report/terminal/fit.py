@@ -6,7 +6,7 @@ from typing import Any
 
 from rich.console import Console
 
-from dnanalyze.report.terminal.common import points, table, verdict
+from dnanalyze.report.terminal.common import MOST_FAILURES, points, table, verdict
 from dnanalyze.report.words import parameter_rows
 
 
@@ -16,7 +16,7 @@ def fit(console: Console, captures: Any, result: Any) -> None:
 
     verdict(console, captures, headline(result))
     parameters(console, "parameter", result)
-    points(console, "Not determined from these captures", list(result.undetermined))
+    points(console, "Not determined from these captures", list(result.undetermined), MOST_FAILURES)
 
 
 def parameters(console: Console, title: str, result: Any) -> None:

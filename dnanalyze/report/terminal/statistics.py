@@ -51,4 +51,4 @@ def statistics(console: Console, captures: Any, measured: Any) -> None:
     )
     points(console, "Warnings", law_doubts(measured))
     reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})
-    points(console, "Not determined from these captures", reasons[:MOST_FAILURES])
+    points(console, "Not determined from these captures", reasons, MOST_FAILURES)
