@@ -350,11 +350,11 @@ def test_the_headline_compares_electrons_where_they_are_known():
     low = made_record("low", 3.0, dn_per_e=Figure(0.05, 0.0005, ""))
     high = made_record("high", 9.0, dn_per_e=Figure(0.5, 0.005, ""))
     assert headline(side_by_side([low, high], [45.0])) == (
-        "Of 2 sensors at 45 °C, high leads in dark current (e-/s)."
+        "Of 2 sensors at 45 °C, high is best in dark current (e⁻/s)."
     )
     best = made_record("best", 1.0, filtered=True, filter_kind="dpc", dn_per_e=high.dn_per_e)
-    assert "high leads in dark current (e-/s) of the 2 ranked" in headline(
+    assert "high is best in dark current (e⁻/s) of the 2 ranked" in headline(
         side_by_side([low, best, high], [45.0])
     )
     unknown = [made_record("low", 3.0), made_record("high", 9.0)]
-    assert "low leads in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))
+    assert "low is best in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))

@@ -245,7 +245,7 @@ def test_an_interrupted_refinement_leaves_all_files_of_one_step_and_says_how_to_
     assert load_model(model).names == ["convolved_lognormal"]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["m.yaml", "r.html", "r.json"]
     (line,) = capsys.readouterr().err.splitlines()
-    words = shlex.split(line.split("go on with: ")[1])
+    words = shlex.split(line.split("continue with: ")[1])
     assert words[:3] == ["dnanalyze", "refine", str(folder)]
     assert words[3:7] == ["--model", str(model), "-o", str(model)]
     assert words[words.index("--max-effects") + 1] == "2"  # one is in already

@@ -31,7 +31,7 @@ def test_a_sentence_has_size_and_place():
     }  # fmt: skip
     said = sentence("mean", [row])
     assert "1.5 DN above" in said
-    assert "12 floors" in said
+    assert "12 sigma" in said
     assert "25 °C" in said
 
 
@@ -63,5 +63,5 @@ def test_no_ratio_to_a_number_that_may_be_zero():
 
 def test_thousands_are_written_out():
     known = catalogue()
-    assert "1235 DN above" in misfit(known["mean"], 1300.0, 65.4, 9.0)
-    assert "is 1200 times" in misfit(known["temporal_noise"], 1200.0, 1.0, 9.0)
+    assert "1,230 DN above" in misfit(known["mean"], 1300.0, 65.4, 9.0)
+    assert "is 1,200 times" in misfit(known["temporal_noise"], 1200.0, 1.0, 9.0)
