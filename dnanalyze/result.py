@@ -31,6 +31,14 @@ class Result:
         -------
         str
             Plain text of at most 80 columns, without colour.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> statistics = dnanalyze.analyze(tiny())
+        >>> print(statistics.summary().splitlines()[0])
+        virtual sensor: 3 operating points, 25 to 65 °C, 9 frames of 64 × 64
         """
         return self._presentation().summary(self)
 
@@ -41,6 +49,14 @@ class Result:
         -------
         dict
             Mappings, lists, text and numbers; every number is finite or None.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> statistics = dnanalyze.analyze(tiny())
+        >>> statistics.to_dict()["schema"]
+        'dnanalyze/analyze/1'
         """
         return self._presentation().document(self)
 
@@ -51,6 +67,15 @@ class Result:
         -------
         pandas.DataFrame
             One row a number; the columns are those of the file that ``--csv`` writes.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> statistics = dnanalyze.analyze(tiny())
+        >>> table = statistics.to_dataframe()
+        >>> table[table["name"] == "temporal_noise"].shape[0]
+        3
         """
         return self._presentation().table(self)
 
@@ -67,6 +92,18 @@ class Result:
         ------
         InputError
             The suffix is none of these, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> statistics = dnanalyze.analyze(tiny())
+        >>> import tempfile, pathlib
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder) / "statistics.csv"
+        ...     statistics.save(path)
+        ...     path.read_text().startswith("temperature_c")
+        True
         """
         from dnanalyze.report.presentation import save
 
@@ -93,6 +130,18 @@ class Result:
         ------
         InputError
             There is no such kind, or the captures hold nothing of it.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> statistics = dnanalyze.analyze(tiny())
+        >>> len(statistics.plot("distribution"))
+        3
+        >>> statistics.plot("pie")
+        Traceback (most recent call last):
+            ...
+        dnanalyze.errors.InputError: kind='pie': unknown; valid: temperature, distribution, ...
         """
         from dnanalyze.report.presentation import plot
 

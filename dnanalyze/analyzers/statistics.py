@@ -117,8 +117,11 @@ class Statistics(Result):
     Parameters
     ----------
     name : str
+        Name of the captures.
     sensor : Sensor
+        What the files state of the sensor.
     settings : tuple of SettingStatistics
+        One an operating point and colour plane.
     trends : dict
         What holds over temperature (activation energy, doubling step, ...), by name, with errors.
     capture_set : CaptureSet, optional

@@ -85,6 +85,7 @@ class BenchmarkResult(Result):
     temperatures : list of float
         Where they are compared, C.
     rankings : list of Ranking
+        One a criterion and temperature.
     notes : list of str
         What to know before believing it.
     """
@@ -106,23 +107,38 @@ def benchmark(
     temperatures: Sequence[float] = (),
     tell: Callable[[str], None] = lambda _: None,
 ) -> BenchmarkResult:
-    """Hold sensors side by side.
+    """Compare several sensors.
 
     Parameters
     ----------
     captures : sequence of CaptureSet
         Two or more; the readout channels of one count as sensors of their own.
-    temperatures : sequence of float
-        Where to compare, C; by default inside what all have measured.
+    at : sequence of float
+        Temperatures at which to compare, C; by default within the range that all have measured.
     quick : bool
         Leave the refinement out.
+    temperatures : sequence of float
+        The former word for ``at``.
     tell : callable
         Called with a line of progress.
+
+    Returns
+    -------
+    BenchmarkResult
+        The figures of every sensor, ranked by criterion.
 
     Raises
     ------
     InputError
         Fewer than two capture sets.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> found = dnanalyze.benchmark([tiny(seed=1), tiny(seed=2)], at=[45.0], quick=True)
+    >>> len(found.sensors)
+    2
     """
     parts = [part for c in captures for part in by_channel(c)]
     if len(parts) < 2:
@@ -152,7 +168,9 @@ def unique_names(folders: Sequence[str]) -> list[str]:
     return [f"{name} ({i})" for i, name in enumerate(names, 1)]
 
 
-def side_by_side(sensors: Sequence[SensorRecord], temperatures: Sequence[float] = ()) -> BenchmarkResult:
+def side_by_side(
+    sensors: Sequence[SensorRecord], temperatures: Sequence[float] = ()
+) -> BenchmarkResult:
     """Compare what was recorded of each sensor; see `benchmark`."""
     ranges = [(s.temperatures[0], s.temperatures[-1]) for s in sensors if s.temperatures]
     common = list(temperatures) or common_temperatures(ranges)

@@ -153,20 +153,31 @@ def check(
     measured: CaptureSet | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> CheckResult:
-    """Hold a simulation against targets.
+    """Check a simulation with the limits of a targets file.
 
-    Held is the simulation: with a model, its frames, drawn at the settings of ``captures``, which
+    What is checked is the simulation: with a model, its frames, drawn at the operating points of
+    ``captures``, which
     are the measurement; without one, ``captures`` are the simulated frames themselves.
 
     Parameters
     ----------
     captures : CaptureSet
-    targets : Targets
+        The measured frames, with a model; else the simulated ones.
+    targets : Targets, str or PathLike
+        The limits, or the file that holds them.
     model : NoiseModel, optional
+        The model to simulate.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
     measured : CaptureSet, optional
         Without a model: the measurement, for targets that state no measured value and for errors.
     progress : callable, optional
         Called with (frames done, frames in all).
+
+    Returns
+    -------
+    CheckResult
+        Every target with the value of the simulation, and whether it is met.
 
     Raises
     ------
@@ -174,6 +185,17 @@ def check(
         A target at an operating point that the captures lack, or that asks for a parameter
         without a model, or for a measurement where there is none; frames of another shape or
         number than the margins were made for.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> from dnanalyze.comparator.targets import targets_from_plain
+    >>> limit = {"statistic": "temporal_noise", "max": 50.0}
+    >>> limits = targets_from_plain({"targets": [limit]}, "limits")
+    >>> dnanalyze.check(captures, limits).passed
+    True
     """
     if not isinstance(targets, Targets):
         targets = load_targets(Path(targets))

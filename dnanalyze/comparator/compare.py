@@ -34,7 +34,9 @@ class Comparison(Result):
     Parameters
     ----------
     captures : str
+        Name of the captures.
     model : NoiseModel
+        The model that was compared.
     error : float
         1 = as close as a second sensor of the same make.
     baselines : dict
@@ -78,17 +80,42 @@ def compare(
     held: Bench | None = None,
     tell: Callable[[State], None] = lambda _: None,
 ) -> Comparison:
-    """Hold a model against dark frames.
+    """Compare a model with dark frames.
 
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        Taken as it is. Without one the paper's model is fitted first.
+        Taken as it is. Without one the Wang 2025 model is fitted first.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
-        Called with every better state of the fit of the paper's model.
+        Called with every better state of the fit of the Wang 2025 model.
+
+    Returns
+    -------
+    Comparison
+        The model error, 1 for a model as close as a second sensor of the same make, and the
+        statistics behind it, measured and simulated.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> comparison = dnanalyze.compare(captures)
+    >>> comparison.error > 1.0
+    True
+    >>> sorted(comparison.baselines)
+    ['gaussian', 'paper']
     """
     held = held or bench(design(captures))
     begun = None if model is not None else with_seed(held, None, seed)

@@ -136,20 +136,23 @@ class TailBound:
 
 @dataclass(frozen=True, repr=False)
 class Detection(Result):
-    """Has the raw data been filtered?
+    """Whether the raw frames were filtered, and how.
 
     Parameters
     ----------
     filtered : bool
+        A filter was found.
     kind : str
         "none", "dpc", "denoise" or "temporal_denoise".
     confidence : float
         0 to 1: one minus the corrected p-value of the verdict; for "none" the share of the tests
         that had the power to find something.
     estimate : FilterEstimate, optional
+        Parameters of the filter.
     also : tuple of str
         Further kinds with flagged findings of their own.
     findings : tuple of Finding
+        Every test at every operating point.
     evidence : tuple of str
         Sentences, most telling first.
     ambiguous : tuple of str
@@ -191,7 +194,13 @@ class Detection(Result):
         return ", ".join(filter(None, (self.captures, what, f"confidence {self.confidence:.3g}")))
 
     def to_plain(self) -> dict[str, Any]:
-        """As in the JSON report; numbers finite or null."""
+        """Return what the JSON report holds; numbers are finite or null.
+
+        Returns
+        -------
+        dict
+            By key; see the documentation of ``detect``.
+        """
         return {
             "filtered": self.filtered,
             "kind": self.kind,

@@ -62,7 +62,9 @@ class Diagnosis(Result):
     Parameters
     ----------
     captures : str
+        Name of the captures.
     error : float
+        Model error, dimensionless.
     verdict : str
         "adequate", "missing" or "unexplained".
     candidates : list of Candidate
@@ -79,6 +81,7 @@ class Diagnosis(Result):
     model : NoiseModel
         The model that the candidates were tried in, as refitted.
     trials : list of Trial
+        The candidates as they were refitted.
     ordinary : list of str
         What every sensor has and the model had not: put in before others were tried.
     level : Level, optional
@@ -124,18 +127,42 @@ def diagnose(
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        The paper's model by default. It is refitted first, so that only what no parameter can
+        The Wang 2025 model by default. It is refitted first, so that only what no parameter can
         reach counts as missing. Of a model that has nothing of what every sensor has, that is
         missing in any case: it is put in, and what else is missing is asked of the rest.
     exclude : sequence of str
         Effects not to consider.
-    known : dict, optional
-        Effects by name; the built-in catalogue by default.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
         Called with a line of progress.
+
+    Returns
+    -------
+    Diagnosis
+        The verdict and the candidates, best first, with their evidence.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.diagnose(captures)
+    >>> found.verdict, found.candidates[0].effect
+    ('missing', 'column_fpn')
     """
     held = held or bench(design(captures))
     model = located(held, with_seed(held, model, seed) or paper_start(held))

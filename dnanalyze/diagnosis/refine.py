@@ -41,6 +41,7 @@ class Refinement(Result):
     Parameters
     ----------
     captures : str
+        Name of the captures.
     steps : list of Step
         The first entry is the starting model.
     effects : list of str
@@ -48,6 +49,7 @@ class Refinement(Result):
     verdict : str
         "adequate", "missing" (stopped early) or "unexplained".
     model : NoiseModel
+        The final model.
     diagnosis : Diagnosis or None
         Of the final model; None where the refinement is not finished.
     bench : Bench
@@ -117,21 +119,28 @@ def refine(
     trying: Callable[[str], None] = lambda _: None,
     keep: Callable[[Refinement], None] = lambda _: None,
 ) -> Refinement:
-    """Complete a model.
+    """Add the missing effects to a model until no further one is detectable.
 
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        Where to begin; the paper's model by default.
+        Where to begin; the Wang 2025 model by default.
     exclude : sequence of str
         Effects never to add.
-    most_effects : int, optional
+    max_effects : int, optional
         Stop once this many effects were added.
     until_error : float, optional
-        Stop once the error is at or below this.
-    known : dict, optional
-        Effects by name; the built-in catalogue by default.
+        Stop once the model error is at or below this.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    most_effects : int, optional
+        The former word for ``max_effects``.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell, trying : callable
@@ -139,6 +148,25 @@ def refine(
     keep : callable
         Called with the refinement as it is whenever its model stands complete; from any of these
         models one may go on.
+
+    Returns
+    -------
+    Refinement
+        The model error at each step, and the final model.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.refine(captures, max_effects=1)
+    >>> found.steps[0].error > found.steps[-1].error
+    True
     """
     held = held or bench(design(captures))
     known = known_effects(effects, known)
@@ -201,15 +229,50 @@ def add(
     held: Bench | None = None,
     tell: Callable[[State], None] = lambda _: None,
 ) -> Refinement:
-    """Put one effect in, refit everything together, and report the error before and after.
+    """Add one effect to a model, refit everything, and compare the model error before and after.
 
     Whether these captures support it is decided as in `diagnose`, of this effect alone: its
     confidence is that against nothing missing, and no rival was asked.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        Dark frames.
+    effect : str
+        Its name in the catalogue.
+    model : NoiseModel, optional
+        Without one the Wang 2025 model is fitted first.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
+    held : Bench, optional
+        Statistics taken earlier.
+    tell : callable
+        Called with every better state of the fit of the Wang 2025 model.
+
+    Returns
+    -------
+    Refinement
+        Two steps, before and after, and the refitted model.
 
     Raises
     ------
     InputError
         The model holds the effect already, or there is none of that name.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.add(captures, "column_fpn")
+    >>> found.effects
+    ['convolved_lognormal', 'column_fpn']
+    >>> [step.added for step in found.steps]
+    [None, 'column_fpn']
     """
     name, known = effect, known_effects(effects, known)
     kind = find(name, known)

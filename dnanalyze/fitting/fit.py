@@ -65,7 +65,9 @@ class Fit(Result):
     Parameters
     ----------
     model : NoiseModel
+        The model with the fitted parameters.
     parameters : list of Parameter
+        Name, value, standard error and unit of each.
     correlations : ndarray
         Between the parameters on their own scales; 0 with those that a statistic tells.
     undetermined : list of str
@@ -110,16 +112,40 @@ def fit(
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        Where to begin, and which effects and laws; the paper's model by default.
+        Where to begin, and which effects and laws; the Wang 2025 model by default.
     frozen : sequence of str
         Parameters to hold, as ``effect.parameter`` or ``pedestal``.
     replicates : int
         Simulated sensors from which the uncertainties are taken; 0 leaves them out (NaN).
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
         Called with every better state.
+
+    Returns
+    -------
+    Fit
+        The fitted model, its parameters with standard errors, and what is not determined.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.fit(captures, replicates=0)
+    >>> found.model.names
+    ['convolved_lognormal']
+    >>> found.parameters[0].name, found.parameters[0].unit
+    ('pedestal', 'DN')
     """
     held = held or bench(design(captures))
     model = located(held, with_seed(held, model, seed) or paper_start(held), frozen)
@@ -309,7 +335,9 @@ def _doubts(
     sentences = []
     for i, knob in enumerate(knobs):
         if knob.energy and not seen[i]:
-            sentences.append(f"{knob.name}: held; these captures do not determine an activation energy")
+            sentences.append(
+                f"{knob.name}: held; these captures do not determine an activation energy"
+            )
         elif not seen[i]:
             sentences.append(f"{knob.name}: nothing in these captures depends on it")
         elif knob.log and spread[i] > VAGUE:

@@ -38,7 +38,9 @@ def load(
     include_masked: bool = False,
     region: Region | None = None,
 ) -> CaptureSet:
-    """Dark frames of one sensor, grouped by operating point; pixels are read when asked for.
+    """Load the dark frames of one sensor, grouped by operating point.
+
+    Pixels are read when asked for.
 
     A sample of each frame is looked at: identical frames of an operating point count once, and the
     notes tell of these and other frames that are suspect (`dnanalyze.loaders.health`).
@@ -62,6 +64,11 @@ def load(
     region : {"active", "masked", "all"}, optional
         Which part of the readout makes the frames. Where neither this nor the sidecar says it:
         "active", or "masked" for camera raw files that are lit, which a note then tells.
+
+    Returns
+    -------
+    CaptureSet
+        The frames, which are read when asked for.
 
     Raises
     ------

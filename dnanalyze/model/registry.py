@@ -34,7 +34,29 @@ def built_in() -> dict[str, type[Effect]]:
 
 
 def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
-    """The built-in catalogue with the effects of the user's own Python files."""
+    """Return all effects by name: the built-in catalogue and the user's own files.
+
+    Parameters
+    ----------
+    files : tuple of path
+        Python files with classes derived from ``dnanalyze.Effect``.
+
+    Returns
+    -------
+    dict
+        Name to class.
+
+    Raises
+    ------
+    InputError
+        A file that is no Python file or holds no effect.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> "column_fpn" in dnanalyze.catalogue()
+    True
+    """
     found = dict(built_in())
     for path in files:
         found |= _load_file(path)

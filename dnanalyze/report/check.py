@@ -120,7 +120,9 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
             f"about once in {1 / rate:,.0f} runs.",
             "",
         ]
-    lines.append(f"Checked: {_cell(model or result.simulation)} with the targets of {_cell(targets)}.")
+    lines.append(
+        f"Checked: {_cell(model or result.simulation)} with the targets of {_cell(targets)}."
+    )
     return "\n".join(lines) + "\n"
 
 

@@ -70,6 +70,10 @@ def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
 
         forms |= {suffix: lambda: dump_model(model) for suffix in (".yaml", ".yml")}
     target = Path(path)
+    if target.suffix.lower() == ".html" and getattr(result, "capture_set", result) is None:
+        raise InputError(
+            f"{target}: the report shows the captures, and this result holds no captures"
+        )
     form = forms.get(target.suffix.lower())
     if form is None:
         raise InputError(f"{target}: unknown suffix {target.suffix!r}; valid: {', '.join(forms)}")
@@ -109,7 +113,6 @@ def notebook(result: Any, shown: Presentation) -> str:
         parts.append(f"<p><small>{escape(picture.caption)}</small></p>")
     text = escape(shown.summary(result))
     parts.append(
-        "<details><summary>Summary</summary>"
-        f'<pre style="line-height:1.25">{text}</pre></details>'
+        f'<details><summary>Summary</summary><pre style="line-height:1.25">{text}</pre></details>'
     )
     return f'<div class="dnanalyze-result">{"".join(parts)}</div>'

@@ -240,9 +240,7 @@ def _diagnosed(found: Any) -> str:
     text = f"Unexplained: an effect is missing (model error {number(error)})"
     if ordinary:
         error = put_in[-1]
-        text = (
-            f"Unexplained: with {baseline} {error_way(found.error, error)}; another effect is missing"
-        )
+        text = f"Unexplained: with {baseline} {error_way(found.error, error)}; another effect is missing"
     left = statistics_named(found.unexplained)
     if not others:
         return sentence(f"{text}, and no effect of the catalogue explains {left or 'it'}")

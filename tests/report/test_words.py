@@ -91,7 +91,11 @@ def test_verdicts_name_the_effect_the_confidence_and_the_rival():
 @pytest.mark.parametrize(
     ("verdict", "beside", "told"),
     [
-        ("missing", 1, ("Missing: column_fpn", "97 %", "beside the baseline effects", "6.5 to 1.1")),
+        (
+            "missing",
+            1,
+            ("Missing: column_fpn", "97 %", "beside the baseline effects", "6.5 to 1.1"),
+        ),
         ("missing", 0, ("Missing: the baseline effects", "6.5 to 2.1", "no other")),
         ("unexplained", 0, ("Unexplained: with the baseline", "6.5 to 2.1", "another effect")),
     ],

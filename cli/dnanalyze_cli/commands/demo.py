@@ -59,9 +59,9 @@ def _tell(
     from dnanalyze.demo import draw_sensor, generate, truth, write_folder
     from dnanalyze.diagnosis.refine import refine
     from dnanalyze.report import documents, words
-    from dnanalyze.report.words import number
     from dnanalyze.report.terminal.comparison import comparison as show_comparison
     from dnanalyze.report.terminal.refinement import refinement as show_refinement
+    from dnanalyze.report.words import number
 
     where = f"Frames: {folder}" if keep else "Name a folder to keep the frames."
     session = Session("demo", str(folder), json, report, quiet=quiet, cache=False)

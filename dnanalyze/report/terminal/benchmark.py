@@ -48,7 +48,9 @@ def result(console: Console, outcome: Any) -> None:
         made = ", ".join(e.effect for e in sensor.effects)
         if made:
             error = number(sensor.errors.get("refined"))
-            console.print(Padding(Text(f"{sensor.name}: {made} (model error {error})"), (0, 0, 0, 2)))
+            console.print(
+                Padding(Text(f"{sensor.name}: {made} (model error {error})"), (0, 0, 0, 2))
+            )
     for note in outcome.notes:
         console.print(Padding(Text(sentence(note), style="dim"), (0, 0, 0, 2)))
 

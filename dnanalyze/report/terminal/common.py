@@ -47,9 +47,7 @@ def verdict(console: Console, captures: Any, text: str, style: str = "bold") -> 
     console.print()
 
 
-def points(
-    console: Console, title: str, sentences: Sequence[str], most: int | None = None
-) -> None:
+def points(console: Console, title: str, sentences: Sequence[str], most: int | None = None) -> None:
     """A heading and a numbered list of at most so many; nothing where the list is empty."""
     if not sentences:
         return
@@ -60,7 +58,8 @@ def points(
     grid.add_column(justify="right", style="dim", min_width=4)
     grid.add_column()
     for place, text in enumerate(sentences, 1):
-        grid.add_row(f"{place}", Text(words.sentence(text)))
+        whole = text.endswith(".")  # so is a name that begins it
+        grid.add_row(f"{place}", Text(text if whole else words.sentence(text)))
     console.print(grid)
     console.print()
 

@@ -45,9 +45,7 @@ def comparison(console: Console, captures: Any, result: Any) -> None:
         left=2,
     )
     if rows:
-        console.print(
-            "sigma: difference over the reproducibility standard deviation.", style="dim"
-        )
+        console.print("sigma: difference over the reproducibility standard deviation.", style="dim")
 
 
 def _families(console: Console, families: Mapping[str, float]) -> None:

@@ -60,6 +60,10 @@ def effect(console: Console, kind: Any) -> None:
     )
     rows_of(console, ("parameter", "unit", "range", "meaning"), rows, left=4)
     if kind.fingerprint:
-        console.print(Padding(Text(f"Statistics that respond most: {', '.join(kind.fingerprint)}"), (0, 0, 1, 2)))
+        console.print(
+            Padding(
+                Text(f"Statistics that respond most: {', '.join(kind.fingerprint)}"), (0, 0, 1, 2)
+            )
+        )
     points(console, "Confounded with", [f"{k}: {v}" for k, v in kind.confused_with.items()])
     points(console, "References", list(kind.references))
