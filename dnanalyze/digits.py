@@ -52,7 +52,7 @@ def symbol(unit: str) -> str:
     """
     for plain, printed in _SYMBOLS:
         unit = unit.replace(plain, printed)
-    return "" if unit == "1" else unit
+    return {"1": "", "C": "°C"}.get(unit, unit)
 
 
 def unit_text(unit: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, cast, get_type_hints
 
 import typer
 
@@ -211,7 +211,7 @@ def takes(kind: type[Options]) -> Callable[[Callable[..., Any]], Callable[..., A
             default=inspect.Parameter.empty if f.default is MISSING else f.default,
             annotation=hints[f.name],
         )
-        for f in fields(kind)  # type: ignore[arg-type]
+        for f in fields(cast(Any, kind))
     ]
     names = {p.name for p in shared}
 

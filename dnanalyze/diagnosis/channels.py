@@ -9,7 +9,8 @@ from functools import cached_property, partial
 from itertools import chain
 
 from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
-from dnanalyze.diagnosis.refine import Refinement, Step, add, refine
+from dnanalyze.diagnosis.path import Step
+from dnanalyze.diagnosis.refine import Refinement, add, refine
 from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.errors import InputError

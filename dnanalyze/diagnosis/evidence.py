@@ -58,7 +58,7 @@ def evidence_for(
     if not told:
         told = [_in_sum(effect.name, was, now, closer[:most])]
     character = {
-        "fixed": "it is the same in every frame: a spatial nonuniformity of the pixels or of the readout",
+        "fixed": "it is the same in every frame: a nonuniformity of the pixels or of the readout",
         "temporal": "it differs from frame to frame: temporal noise, not a nonuniformity",
     }.get(effect.varies)
     return [*told, character] if character else told

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from dnanalyze.digits import is_number, number, symbol, unit_text
+from dnanalyze.loaders.captures import OperatingPoint
 
 FAMILIES = {
     "level": "Mean dark signal and noise",
@@ -240,7 +242,8 @@ def _diagnosed(found: Any) -> str:
     text = f"Unexplained: an effect is missing (model error {number(error)})"
     if ordinary:
         error = put_in[-1]
-        text = f"Unexplained: with {baseline} {error_way(found.error, error)}; another effect is missing"
+        text = f"Unexplained: with {baseline} {error_way(found.error, error)}"
+        text += "; another effect is missing"
     left = statistics_named(found.unexplained)
     if not others:
         return sentence(f"{text}, and no effect of the catalogue explains {left or 'it'}")
@@ -267,7 +270,7 @@ def _missing(found: Any, best: Any, baseline: str) -> str:
 
 
 def with_remarks(headline: str, result: Any) -> str:
-    """A headline, and what else it must say: a law that was put in, a mean dark signal that is off."""
+    """A headline, and what else it must say: a law put in, a mean dark signal that is off."""
     law, level = getattr(result, "law", ""), getattr(result, "level", None)
     more = [sentence(law)] if law else []
     if level is not None and not level.kept:
@@ -378,28 +381,42 @@ def texts(items: Any) -> list[str]:
     return [sentence(str(item)) for item in items]
 
 
-def parameter_rows(result: Any) -> list[tuple[str, str, str, str]]:
-    """Name, value with its standard error, unit and operating point of each parameter."""
-    return [
-        (p.name, with_error(p.value, p.se), symbol(p.unit), _where(p.name, result.model))
-        for p in result.parameters
+def parameter_rows(result: Any) -> tuple[list[tuple[str, str, str, str]], str]:
+    """Name, value with standard error, unit and operating point of each parameter.
+
+    Beside them what all those operating points have in common, which the rows leave out.
+    """
+    points = [_where(p.name, result.model) for p in result.parameters]
+    known = [vars(point) for point in points if point is not None]
+    apart = varied(known)
+    common = {k: v for k, v in (known[0] if known else {}).items() if k not in apart}
+    rows = [
+        (
+            p.name,
+            with_error(p.value, p.se),
+            symbol(p.unit),
+            point_label(point, apart) if apart and point is not None else "",
+        )
+        for p, point in zip(result.parameters, points, strict=True)
     ]
+    return rows, point_label(common) if any(v is not None for v in common.values()) else ""
 
 
-def _where(name: str, model: Any) -> str:
-    """The operating point at which a model states a parameter; nothing for an energy."""
+def _where(name: str, model: Any) -> OperatingPoint | None:
+    """The operating point at which a model states a parameter; None for an energy."""
     effect, _, rest = name.partition(".")
     parameter, _, part = rest.partition(".")
     if "ea_ev" in (parameter, part):
-        return ""
+        return None
     effect, _, row = effect.partition("[")
     if "[" in parameter:
         parameter, _, row = parameter.partition("[")
     bearer = model.get(effect)
-    law = model.pedestal if effect == "pedestal" else getattr(bearer, parameter, None)
+    law: Any = model.pedestal if effect == "pedestal" else getattr(bearer, parameter, None)
     number_of_row = row.rstrip("]")
     if hasattr(law, "points") and number_of_row.isdigit():
-        return point_label(law.points[int(number_of_row)])
+        found = law.points[int(number_of_row)]
+        return replace(model.reference, **{k: v for k, v in vars(found).items() if v is not None})
     if hasattr(law, "at_c"):
-        return celsius(law.at_c)
-    return point_label(model.reference)
+        return replace(model.reference, temperature_c=law.at_c)
+    return model.reference

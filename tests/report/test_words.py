@@ -19,7 +19,8 @@ from dnanalyze.report import words
     ("value", "text"),
     [
         (0, "0"), (1.0, "1"), (12.345, "12.3"), (0.001234, "0.00123"), (123456.0, "123,000"),
-        (1.5e7, "1.5 × 10⁷"), (-2.0e-6, "-2 × 10⁻⁶"), (999.6, "1,000"), (math.nan, "–"), (None, "–"),
+        (1.5e7, "1.5 × 10⁷"), (-2.0e-6, "-2 × 10⁻⁶"), (999.6, "1,000"), (math.nan, "–"),
+        (None, "–"),
     ],
 )  # fmt: skip
 def test_numbers_are_short(value, text):
@@ -44,7 +45,8 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     off = Level(False, at, "", -12.3, -0.031, 41.2)
     text = words.with_remarks("Adequate.", SimpleNamespace(level=off))
     assert text == (
-        "Adequate. The mean dark signal at -5 °C, 300 s is off by 12 DN (3.1 %, 41 standard errors)."
+        "Adequate. The mean dark signal at -5 °C, 300 s is off by 12 DN (3.1 %, 41 standard "
+        "errors)."
     )
     bare = SimpleNamespace(level=replace(off, relative=None, plane="Gr"))
     assert "at -5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(

@@ -21,10 +21,13 @@ def fit(console: Console, captures: Any, result: Any) -> None:
 
 def parameters(console: Console, title: str, result: Any) -> None:
     """Value and standard error of each, with its unit and its operating point."""
-    rows = parameter_rows(result)
+    rows, common = parameter_rows(result)
     told = any(at for *_, at in rows)
     table(
         console,
         (title, "value", "unit", *(("at",) if told else ())),
         (row if told else row[:-1] for row in rows),
     )
+    if rows and common:
+        console.print(f"The parameters hold at {common}.", style="dim")
+        console.print()
