@@ -226,7 +226,7 @@ def takes(kind: type[Options]) -> Callable[[Callable[..., Any]], Callable[..., A
             common = {name: given.pop(name) for name in names & set(given)}
             return command(kind(**common), **given)
 
-        del run.__wrapped__  # type: ignore[attr-defined]  # Typer reads the signature below
+        del run.__wrapped__  # Typer reads the signature below
         run.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
         run.__annotations__ = {p.name: p.annotation for p in every}
         return run

@@ -48,9 +48,10 @@ class Progress:
         if self.bars:
             self.bars.update(self.task, description=text)
 
-    def trying(self, effect: str) -> None:
-        """The effect that is tried."""
-        self.now(f"Trying {effect}")
+    def trying(self, what: str) -> None:
+        """What a search is at: an effect that is tried or refitted, or another step of it."""
+        steps = {"baseline effects": "Fitting", "detection limits": "Estimating"}
+        self.doing(f"{steps.get(what, 'Trying')} {what}")
 
     def note(self, text: str) -> None:
         """A line that stays, above the bar."""

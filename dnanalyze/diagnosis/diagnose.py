@@ -170,7 +170,7 @@ def diagnose(
     asked = fitted(held, model)
     stages: list[tuple[str, State]] = []
     if lacks_everyday(model, exclude):
-        tell("what every sensor has")
+        tell("baseline effects")
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
@@ -181,6 +181,7 @@ def diagnose(
         said = told(held, state.model)
         tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
         best = missing(held, state, tried)
+    tell("detection limits")
     found = judge(captures.name, held, state, tried, best, open_to)
     found = replace(found, law=said, capture_set=captures)
     return beside_everyday(held, asked, stages, found) if stages else found

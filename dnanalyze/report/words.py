@@ -34,7 +34,8 @@ def with_error(value: Any, error: Any, unit: str = "") -> str:
     tail = unit_text(unit)
     if not (is_number(value) and is_number(error)) or error <= 0:
         return number(value) + tail
-    decimals = max(0, 1 - math.floor(math.log10(error)))
+    places = 1 - math.floor(math.log10(error))
+    value, error, decimals = round(value, places), round(error, places), max(0, places)
     if decimals > 6 or abs(value) >= 1e6:
         return f"{number(value, 4)} ± {number(error, 2)}{tail}"
     return f"{value:,.{decimals}f} ± {error:,.{decimals}f}{tail}"
@@ -111,7 +112,7 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
             return f"×{number(measured / simulated, 2)}"
         return f"{percent:+.1f} %" if abs(percent) < 10 else f"{percent:+.0f} %"
     tail = unit_text(unit)
-    return f"{'+' if measured > simulated else '−'}{number(abs(measured - simulated), 2)}{tail}"
+    return f"{'+' if measured > simulated else '-'}{number(abs(measured - simulated), 2)}{tail}"
 
 
 def closeness(error: Any) -> str:

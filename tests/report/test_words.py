@@ -36,6 +36,7 @@ def test_a_number_keeps_its_value_to_three_digits(value):
 def test_errors_have_two_digits_and_the_value_the_same_place():
     assert words.with_error(1.23456, 0.0123, "DN") == "1.235 ± 0.012 DN"
     assert words.with_error(145.6, 3.0) == "145.6 ± 3.0"
+    assert words.with_error(5615.0, 1196.0, "DN^2") == "5,600 ± 1,200 DN²"
     assert words.with_error(2.0, math.nan, "s") == "2 s"
     assert words.with_error(2.0, 0.0) == "2"
 
@@ -61,7 +62,7 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     [
         (16.0, 1.0, "DN^2", "log", "+12.0 dB"), (1.1, 1.0, "DN", "linear", "+10 %"),
         (1.02, 1.0, "DN", "linear", "+2.0 %"), (20.0, 1.0, "DN", "linear", "×20"),
-        (0.0, 33.0, "pixels", "root", "−33 pixels"), (-1.0, 1.0, "DN", "linear", "−2 DN"),
+        (0.0, 33.0, "pixels", "root", "-33 pixels"), (-1.0, 1.0, "DN", "linear", "-2 DN"),
         (0.04, 0.01, "", "linear", "+0.03"), (1.0, 1.0, "DN", "linear", "0 %"),
         (math.nan, 1.0, "DN", "linear", "–"),
     ],

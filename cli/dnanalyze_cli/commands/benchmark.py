@@ -21,7 +21,7 @@ def benchmark(
             "--at",
             "--temperatures",
             metavar="C,C,...",
-            help="Temperatures, °C, to compare at; default: within the range that all have measured.",
+            help="Temperatures, °C, to compare at; default: within the range of all sensors.",
         ),
     ] = None,
     quick: Annotated[
