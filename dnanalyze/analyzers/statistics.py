@@ -56,7 +56,7 @@ class StatisticInfo:
         Scale on which ``Value.se`` is stated and differences are taken.
     high, low : str
         What it says in words when the measurement lies above, or below, the model: "the measured
-        noise between frames is {ratio} times the model's".
+        temporal dark noise is {ratio} times the model's".
     compared : bool
         Part of the error; False for values that are given for information alone (they follow
         from others, or have no stable sampling error).

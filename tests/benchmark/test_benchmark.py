@@ -10,7 +10,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dnanalyze_cli import show_benchmark
 from rich.console import Console
 
 from dnanalyze.benchmarking import record as records
@@ -29,6 +28,7 @@ from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
 from dnanalyze.report import benchmark as results
 from dnanalyze.report.pages.benchmark import _rankings, benchmark_page
+from dnanalyze.report.terminal.benchmark import result as shown
 
 P = OperatingPoint
 
@@ -125,8 +125,22 @@ def test_ranks_go_by_the_errors_that_are_printed():
     row = _rankings(result).tables[0].rows[-1]
     assert "not distinguishable from vague" in row[-1]
     console = Console(width=80, record=True, file=io.StringIO())
-    show_benchmark.result(console, result)
+    shown(console, result)
     assert "fine and vague are not distinguishable" in " ".join(console.export_text().split())
+
+
+def test_the_result_prints_tabulates_draws_and_shows_itself():
+    found, _ = ranked([("one", 500.0, 1.0), ("<two>", 63.0, 1.0)])
+    assert found.summary().startswith("  ") or "sensor" in found.summary()
+    assert max(map(len, found.summary().splitlines())) <= 80
+    assert found.to_dict() == results.document([s.folder for s in found.sensors], found)
+    assert list(found.to_dataframe()["sensor"].unique()) == ["<two>", "one"]
+    assert repr(found) == "<BenchmarkResult: one, <two>>"
+    html = found._repr_html_()
+    assert "&lt;two&gt;" in html
+    assert "<two>" not in html
+    with pytest.raises(InputError, match="valid: temperature, spectra, errors"):
+        found.plot("pie")
 
 
 def test_who_is_told_from_the_best_is_no_first_whatever_stands_between():
