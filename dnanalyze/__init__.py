@@ -1,57 +1,121 @@
-"""Hold a sensor's dark frames against a noise model, see where it fails, name what is missing.
+"""Compare a noise model with a sensor's dark frames, and identify the missing physical effect.
 
->>> import dnanalyze
->>> captures = dnanalyze.load("captures/")          # doctest: +SKIP
->>> dnanalyze.compare(captures).error               # doctest: +SKIP
+The units are DN (digital numbers), e- (electrons), C (degrees Celsius) and s. A session::
+
+    import dnanalyze
+
+    captures = dnanalyze.load("captures/")
+    comparison = dnanalyze.compare(captures)
+    comparison.plot()
+    diagnosis = dnanalyze.diagnose(captures, comparison.model)
+    better = dnanalyze.add(captures, diagnosis.candidates[0].effect, comparison.model)
+    better.plot()
+    better.save("model.yaml")
+
+Every result prints (``summary``), tabulates (``to_dataframe``), saves (``save``), plots (``plot``)
+and shows itself in a notebook.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
 
-# Name to the module that holds it. They are imported when first asked for, so that
-# `import dnanalyze` costs nothing.
+if TYPE_CHECKING:
+    from dnanalyze.analyzers.analyze import analyze
+    from dnanalyze.analyzers.statistics import Statistics
+    from dnanalyze.benchmarking.run import BenchmarkResult, benchmark
+    from dnanalyze.checking.check import CheckResult, check
+    from dnanalyze.checking.targets import load_targets
+    from dnanalyze.comparator.compare import Comparison, compare
+    from dnanalyze.detection.detect import detect
+    from dnanalyze.detection.results import Detection
+    from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
+    from dnanalyze.diagnosis.refine import Refinement, add, refine
+    from dnanalyze.errors import InputError
+    from dnanalyze.fitting.fit import Fit, fit
+    from dnanalyze.loaders import load
+    from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
+    from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+    from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model
+    from dnanalyze.model.registry import catalogue
+    from dnanalyze.model.simulate import simulate
+
+    __version__: str
+
+__all__ = [
+    "BenchmarkResult",
+    "CaptureSet",
+    "CheckResult",
+    "Comparison",
+    "Detection",
+    "Diagnosis",
+    "Effect",
+    "Fit",
+    "InputError",
+    "NoiseModel",
+    "OperatingPoint",
+    "Refinement",
+    "Site",
+    "Stage",
+    "Statistics",
+    "Window",
+    "__version__",
+    "add",
+    "analyze",
+    "benchmark",
+    "catalogue",
+    "check",
+    "choice",
+    "compare",
+    "detect",
+    "diagnose",
+    "dump_model",
+    "fit",
+    "load",
+    "load_model",
+    "load_targets",
+    "parameter",
+    "refine",
+    "simulate",
+]
+
+# Where each name lives. They are imported when first asked for, so that `import dnanalyze` costs
+# nothing; a type checker reads the imports above instead.
 _HOME = {
-    "InputError": "dnanalyze.errors",
-    "load": "dnanalyze.loaders",
-    "CaptureSet": "dnanalyze.loaders.captures",
-    "OperatingPoint": "dnanalyze.loaders.captures",
-    "Window": "dnanalyze.loaders.captures",
-    "analyze": "dnanalyze.analyzers.analyze",
-    "Statistics": "dnanalyze.analyzers.statistics",
-    "NoiseModel": "dnanalyze.model.noise_model",
-    "load_model": "dnanalyze.model.noise_model",
-    "dump_model": "dnanalyze.model.noise_model",
-    "simulate": "dnanalyze.model.simulate",
-    "catalogue": "dnanalyze.model.registry",
-    "Effect": "dnanalyze.model.effect",
-    "Site": "dnanalyze.model.effect",
-    "Stage": "dnanalyze.model.effect",
-    "parameter": "dnanalyze.model.effect",
-    "choice": "dnanalyze.model.effect",
-    "fit": "dnanalyze.fitting.fit",
-    "compare": "dnanalyze.comparator.compare",
-    "diagnose": "dnanalyze.diagnosis.diagnose",
-    "add": "dnanalyze.diagnosis.refine",
-    "refine": "dnanalyze.diagnosis.refine",
-    "detect": "dnanalyze.detection.detect",
+    "dnanalyze.analyzers.analyze": ("analyze",),
+    "dnanalyze.analyzers.statistics": ("Statistics",),
+    "dnanalyze.benchmarking.run": ("BenchmarkResult", "benchmark"),
+    "dnanalyze.checking.check": ("CheckResult", "check"),
+    "dnanalyze.comparator.compare": ("Comparison", "compare"),
+    "dnanalyze.checking.targets": ("load_targets",),
+    "dnanalyze.detection.detect": ("detect",),
+    "dnanalyze.detection.results": ("Detection",),
+    "dnanalyze.diagnosis.diagnose": ("Diagnosis", "diagnose"),
+    "dnanalyze.diagnosis.refine": ("Refinement", "add", "refine"),
+    "dnanalyze.errors": ("InputError",),
+    "dnanalyze.fitting.fit": ("Fit", "fit"),
+    "dnanalyze.loaders": ("load",),
+    "dnanalyze.loaders.captures": ("CaptureSet", "OperatingPoint", "Window"),
+    "dnanalyze.model.effect": ("Effect", "Site", "Stage", "choice", "parameter"),
+    "dnanalyze.model.noise_model": ("NoiseModel", "dump_model", "load_model"),
+    "dnanalyze.model.registry": ("catalogue",),
+    "dnanalyze.model.simulate": ("simulate",),
 }
 
-__all__ = sorted([*_HOME, "__version__"])
+if not TYPE_CHECKING:
 
+    def __getattr__(name):
+        if name == "__version__":
+            from importlib.metadata import version
 
-def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import version
-
-        return version("dnanalyze")
-    if name not in _HOME:
+            return version("dnanalyze")
+        for module, names in _HOME.items():
+            if name in names:
+                value = getattr(import_module(module), name)
+                globals()[name] = value
+                return value
         raise AttributeError(f"module 'dnanalyze' has no attribute {name!r}")
-    value = getattr(import_module(_HOME[name]), name)
-    globals()[name] = value
-    return value
 
-
-def __dir__() -> list[str]:
-    return __all__
+    def __dir__():
+        return __all__

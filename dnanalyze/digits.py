@@ -11,18 +11,50 @@ def is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def number(value: Any, digits: int = 3) -> str:
-    """Short text of a number: ``digits`` significant, no exponent where it reads well without."""
+    """Short text of a number: ``digits`` significant, ``1,060``, ``1.5 × 10⁷``.
+
+    Examples
+    --------
+    >>> number(1056.2), number(0.001234), number(1.5e7)
+    ('1,060', '0.00123', '1.5 × 10⁷')
+    """
     if not is_number(value):
         return "–"
     if value == 0:
         return "0"
-    size = abs(value)
-    if size >= 1e6 or size < 1e-4:
-        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        return (
-            f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(exponent)}"
-        )
-    decimals = max(0, digits - 1 - math.floor(math.log10(size)))
-    text = f"{value:.{decimals}f}"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    power = int(exponent)
+    if power >= 6 or power < -4:
+        return f"{_trimmed(mantissa)} × 10{str(power).translate(_RAISED)}"
+    rounded = float(f"{mantissa}e{exponent}")
+    return _trimmed(f"{rounded:,.{max(0, digits - 1 - power)}f}")
+
+
+def _trimmed(text: str) -> str:
+    """Without the zeros that end its decimals."""
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+_SYMBOLS = (("^2", "²"), ("^3", "³"), ("e-", "e⁻"))
+
+
+def symbol(unit: str) -> str:
+    """A unit as it is printed; nothing for a dimensionless number.
+
+    Examples
+    --------
+    >>> symbol("DN^2"), symbol("e-/s"), symbol("1")
+    ('DN²', 'e⁻/s', '')
+    """
+    for plain, printed in _SYMBOLS:
+        unit = unit.replace(plain, printed)
+    return {"1": "", "C": "°C"}.get(unit, unit)
+
+
+def unit_text(unit: str) -> str:
+    """What stands behind a number: a space and the unit, or nothing."""
+    return f" {symbol(unit)}" if symbol(unit) else ""

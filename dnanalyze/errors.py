@@ -20,6 +20,11 @@ class InputError(ValueError):
 
     What it quotes may come from a hostile file: control characters become "?", and a message that
     is too long loses its middle.
+
+    Parameters
+    ----------
+    message : object
+        What is wrong, and the valid values; its lines become one.
     """
 
     def __init__(self, message: object = "") -> None:

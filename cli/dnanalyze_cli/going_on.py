@@ -47,16 +47,16 @@ def _told(
     if not so_far:
         return f"{how} before the first step; nothing was written"
     if not files:
-        return f"{how}; nothing was kept; name a file with -o to be able to go on"
+        return f"{how}; nothing was written; name a file with -o to be able to continue"
     steps = so_far[-1].steps
     count = plural(len(net_additions([s.added for s in steps])), "effect")
     text = (
-        f"{how} with {count} added (error {number(steps[-1].error)}); kept in "
+        f"{how} with {count} added (model error {number(steps[-1].error)}); written to "
         f"{listing(map(str, files))}"
     )
     if not go_on:
-        return f"{text}; name a model file with -o to be able to go on"
-    return f"{text}; go on with: {shlex.join(go_on)}"
+        return f"{text}; name a model file with -o to be able to continue"
+    return f"{text}; continue with: {shlex.join(go_on)}"
 
 
 def command_line(

@@ -39,13 +39,13 @@ from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped
 
 app = typer.Typer(
     name="dnanalyze",
-    help="Hold dark frames against a noise model, see where it fails, name what is missing.",
+    help="Compare a noise model with dark frames and identify the missing physical effect.",
     add_completion=False,
     rich_markup_mode="rich",
     epilog="Start with [bold]dnanalyze demo[/bold] or [bold]dnanalyze compare FOLDER[/bold].",
 )
 for panel, commands in {
-    "Look": (inspect.inspect, analyze.analyze, workbench.workbench),
+    "Measure": (inspect.inspect, analyze.analyze, workbench.workbench),
     "Model": (fit.fit, simulate.simulate, compare.compare, hdr.hdr),
     "Find what is missing": (
         diagnose.diagnose,
@@ -54,7 +54,7 @@ for panel, commands in {
         channels.channels,
         detect.detect,
     ),
-    "Hold and share": (benchmark.benchmark, check.check, export.export),
+    "Check and share": (benchmark.benchmark, check.check, export.export),
     "Learn": (effects.effects, demo.demo),
 }.items():
     for command in commands:

@@ -1,11 +1,20 @@
-"""The options that commands share."""
+"""The options that commands share: each is written once, and so are the lists of them."""
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, fields
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, cast, get_type_hints
 
 import typer
+
+if TYPE_CHECKING:
+    from dnanalyze.loaders.captures import CaptureSet
+    from dnanalyze.model.noise_model import NoiseModel
+    from dnanalyze_cli.session import Session
 
 _FILES, _READING, _RUN = "Results", "Reading the captures", "The run"
 
@@ -34,7 +43,7 @@ Config = Annotated[
         "--config",
         metavar="SIDE.yaml",
         rich_help_panel=_READING,
-        help="What the files do not say: raw layout, names, metadata.",
+        help="What the files do not state: raw layout, names, metadata.",
     ),
 ]
 Tolerance = Annotated[
@@ -44,7 +53,7 @@ Tolerance = Annotated[
         metavar="C",
         min=0.0,
         rich_help_panel=_READING,
-        help="Frames within so many C share an operating point; default 1.5.",
+        help="Frames within so many °C share an operating point; default 1.5.",
     ),
 ]
 Channel = Annotated[
@@ -71,7 +80,7 @@ Seed = Annotated[
         "--seed",
         min=0,
         rich_help_panel=_RUN,
-        help="Names the simulated sensor; default: the model's.",
+        help="Seed of the simulated sensor; default: the model's.",
     ),
 ]
 Quiet = Annotated[
@@ -83,13 +92,13 @@ Scheduler = Annotated[
         "--scheduler",
         metavar="ADDRESS|local",
         rich_help_panel=_RUN,
-        help="Dask workers read the frames; an interrupted run goes on where it was.",
+        help="Dask workers read the frames; an interrupted run continues where it stopped.",
     ),
 ]
 NoCache = Annotated[
     bool,
     typer.Option(
-        "--no-cache", rich_help_panel=_RUN, help="Read the frames again; keep no statistics."
+        "--no-cache", rich_help_panel=_RUN, help="Read the frames again; store no statistics."
     ),
 ]
 Model = Annotated[
@@ -98,7 +107,7 @@ Model = Annotated[
         "--model",
         metavar="M.yaml",
         rich_help_panel=_RUN,
-        help="Model file; default: the paper's model.",
+        help="Model file; default: the Wang 2025 model.",
     ),
 ]
 ModelOut = Annotated[
@@ -107,3 +116,119 @@ ModelOut = Annotated[
         "-o", "--output", metavar="M.yaml", rich_help_panel=_FILES, help="The new model file."
     ),
 ]
+
+STEER = "When to stop"
+Exclude = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--exclude",
+        metavar="EFFECT",
+        rich_help_panel=STEER,
+        help="Never add this effect; may be given again.",
+    ),
+]
+
+Options = TypeVar("Options")
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What every command takes that reads captures."""
+
+    captures: Captures
+    json: Json = None
+    report: Report = None
+    csv: Csv = None
+    config: Config = None
+    tolerance_c: Tolerance = None
+    channel: Channel = None
+    quiet: Quiet = False
+
+    def session(self, command: str, **more: Any) -> Session:
+        """The session of a command; outputs are checked."""
+        from dnanalyze_cli.session import Session
+
+        return Session(
+            command, self.captures, self.json, self.report, self.csv, quiet=self.quiet, **more
+        )
+
+    def load(self, session: Session) -> CaptureSet:
+        """The captures."""
+        return session.load(self.config, self.tolerance_c, self.channel)
+
+
+@dataclass(frozen=True)
+class ModelOptions(ReadOptions):
+    """What every command takes that fits a model to captures."""
+
+    model: Model = None
+    effects: EffectFiles = None
+    seed: Seed = None
+    no_cache: NoCache = False
+
+    def session(self, command: str, **more: Any) -> Session:
+        """The session of a command; outputs are checked."""
+        effects = tuple(self.effects or ())
+        return super().session(command, effects=effects, cache=not self.no_cache, **more)
+
+    def begin(self, session: Session) -> tuple[CaptureSet, NoiseModel | None]:
+        """The captures, and the model with its seed; None without --model and --seed."""
+        own = session.model(self.model)
+        found = self.load(session)
+        return found, session.seeded(found, own, self.seed)
+
+    def given(self) -> dict[str, Any]:
+        """Option to its value, but for those that name the captures, a model or a seed."""
+        return {
+            "--json": self.json,
+            "--report": self.report,
+            "--csv": self.csv,
+            "--config": self.config,
+            "--tolerance-c": self.tolerance_c,
+            "--channel": self.channel,
+            "--effects": self.effects,
+        }
+
+
+def takes(kind: type[Options]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The options of ``kind`` before those of a command, which gets them as one object.
+
+    Parameters
+    ----------
+    kind : type
+        A dataclass whose fields are annotated as Typer wants it.
+
+    Returns
+    -------
+    callable
+        Decorator of a command whose first parameter is a ``kind``.
+    """
+    hints = get_type_hints(kind, include_extras=True)
+    shared = [
+        inspect.Parameter(
+            f.name,
+            inspect.Parameter.POSITIONAL_OR_KEYWORD,
+            default=inspect.Parameter.empty if f.default is MISSING else f.default,
+            annotation=hints[f.name],
+        )
+        for f in fields(cast(Any, kind))
+    ]
+    names = {p.name for p in shared}
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        own_hints = get_type_hints(command, include_extras=True)
+        _, *rest = inspect.signature(command).parameters.values()
+        own = [p.replace(annotation=own_hints[p.name]) for p in rest]
+        every = sorted([*shared, *own], key=lambda p: p.default is not inspect.Parameter.empty)
+
+        @wraps(command)
+        def run(**given: Any) -> Any:
+            common = {name: given.pop(name) for name in names & set(given)}
+            return command(kind(**common), **given)
+
+        del run.__wrapped__  # Typer reads the signature below
+        run.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
+        run.__annotations__ = {p.name: p.annotation for p in every}
+        return run
+
+    return decorate

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze_cli import show_channels
 from dnanalyze_cli.session import Session
 
 if TYPE_CHECKING:
@@ -31,16 +30,20 @@ def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRef
     """Run, show and write what completes the model of every channel."""
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import channel_results, tables
+    from dnanalyze.report.terminal.channels import refinement as show
+    from dnanalyze.report.terminal.refinement import not_kept
 
-    with session.progress("Reading") as progress:
+    with session.progress("Reading frames") as progress:
         result = run(progress.now)
-    show_channels.refinement(session.console, found, result, session.output)
+    show(session.console, found, result)
+    if session.output is None:
+        not_kept(session.console)
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare
         from dnanalyze.report.pages.hdr_channels import refinement_page
 
-        with session.progress("Comparing"):
+        with session.progress("Comparing the model with the captures"):
             comparison = compare(found, result.model, held=result.bench)
         return refinement_page(found, result, comparison)
 
@@ -59,11 +62,12 @@ def diagnose(
     """Run, show and write the diagnosis of every channel."""
     from dnanalyze.diagnosis.channels import diagnose_channels, worst_verdict
     from dnanalyze.report import channel_results, tables
+    from dnanalyze.report.terminal.channels import diagnosis as show
 
-    with session.progress("Reading") as progress:
+    with session.progress("Reading frames") as progress:
         made = diagnose_channels(found, model, known=known, tell=progress.now)
     verdict = worst_verdict(d.verdict for d in made.values())
-    show_channels.diagnosis(session.console, found, made, verdict)
+    show(session.console, found, made, verdict)
 
     def page() -> str:
         from dnanalyze.report.pages.hdr_channels import diagnosis_page

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from dnanalyze.errors import InputError
@@ -38,9 +39,19 @@ class Progress:
             self.bars.update(self.task, completed=done, total=total, count=count)
 
     def now(self, text: str) -> None:
-        """What is going on, beside the bar."""
+        """The phase, beside the bar; what was counted before is no part of it."""
+        if self.bars:
+            self.bars.reset(self.task, description=text, total=None, count="")
+
+    def doing(self, text: str) -> None:
+        """The same phase, in other words: its time goes on."""
         if self.bars:
             self.bars.update(self.task, description=text)
+
+    def trying(self, what: str) -> None:
+        """What a search is at: an effect that is tried or refitted, or another step of it."""
+        steps = {"baseline effects": "Fitting", "detection limits": "Estimating"}
+        self.doing(f"{steps.get(what, 'Trying')} {what}")
 
     def note(self, text: str) -> None:
         """A line that stays, above the bar."""
@@ -58,20 +69,20 @@ class Progress:
         if self.bars:
             from dnanalyze_cli.watched import watched
 
-            self.now("Reading")
+            self.now("Reading frames")
             plan = replace(plan, captures=watched(plan.captures, self))
         held = bench(plan, helpers)
-        self(0, None)
         self.now("Fitting")
         return held
 
     def fitting(self, held: Bench) -> Callable[[State], None]:
-        """What a fit calls with every better state: its fitted half's error, beside the bar."""
+        """What a fit calls with every better state: the model error on the fitted data."""
         from dnanalyze.comparator.error import pooled
+        from dnanalyze.digits import number
 
         def tell(state: State) -> None:
             error = pooled(state.train, held.train.families)
-            self.now(f"Fitting, error {error:.3g}")
+            self.doing(f"Fitting, model error {number(error)}")
 
         return tell
 
@@ -96,6 +107,8 @@ class Session:
     channel: str | None = None
     console: Console = field(init=False)
     _told: bool = field(default=False, init=False)
+    _begun: float = field(default_factory=monotonic, init=False)
+    _active: Progress | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         from rich.console import Console
@@ -147,7 +160,7 @@ class Session:
     def seeded(
         self, captures: CaptureSet, model: NoiseModel | None, seed: int | None
     ) -> NoiseModel | None:
-        """The model with this seed; without a model the paper's, as a fit begins.
+        """The model with this seed; without a model the Wang 2025 model, as a fit begins.
 
         Raises
         ------
@@ -175,9 +188,19 @@ class Session:
 
     @contextmanager
     def progress(self, text: str) -> Iterator[Progress]:
-        """A bar on stderr, gone when done; nothing with --quiet or without a terminal."""
-        with self._told_of_compiling():
-            yield from self._bar(text)
+        """A bar on stderr, gone when done; nothing with --quiet or without a terminal.
+
+        Within another it is the next phase of that one's bar.
+        """
+        if self._active is not None:
+            self._active.now(text)
+            yield self._active
+            return
+        with self._told_of_compiling(), self._bar(text) as self._active:
+            try:
+                yield self._active
+            finally:
+                self._active = None
 
     @contextmanager
     def _told_of_compiling(self) -> Iterator[None]:
@@ -199,22 +222,26 @@ class Session:
         with event.install_listener("numba:compile", Listener()):
             yield
 
+    @contextmanager
     def _bar(self, text: str) -> Iterator[Progress]:
         if self.quiet or not sys.stderr.isatty():
             yield Progress()
             return
         from rich.console import Console
-        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import BarColumn, TextColumn
         from rich.progress import Progress as Bars
+
+        from dnanalyze_cli.clocks import Elapsed, Remaining
 
         columns = (
             TextColumn("{task.description}"),
             BarColumn(28),
             TextColumn("{task.fields[count]}"),
-            TimeElapsedColumn(),
+            Remaining(),
+            Elapsed(),
         )
         with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
-            yield Progress(bars, bars.add_task(text, total=None, count=""))
+            yield Progress(bars, bars.add_task(text, total=None, count="", begun=self._begun))
 
     def write(
         self,
@@ -224,8 +251,9 @@ class Session:
         model: Callable[[], str] | None = None,
     ) -> None:
         """Write what was asked for; everything is made before the first file appears."""
-        made = self._made(content, page, table, model)
-        write_together({path: text for path, text in made if path != STDOUT})
+        with self.progress("Writing the results"):
+            made = self._made(content, page, table, model)
+            write_together({path: text for path, text in made if path != STDOUT})
         for path, text in made:
             if path == STDOUT:
                 sys.stdout.write(text)

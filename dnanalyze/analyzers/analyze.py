@@ -38,11 +38,12 @@ def analyze(
     scheduler: str | None = None,
     families: Sequence[str] = (),
 ) -> Statistics:
-    """Every statistic of every setting and colour plane, each with its standard error.
+    """Measure every statistic at every operating point, each with its standard error.
 
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     window : Window, optional
         Part of the frame to analyse; on a mosaic its edges are moved inwards to even numbers.
     workers : int, optional
@@ -57,16 +58,32 @@ def analyze(
         "pattern_spectrum" stands for what of "spectrum" the mean frame alone tells, as EMVA 1288
         has it: one transform instead of one a frame.
 
+    Returns
+    -------
+    Statistics
+        Values by name with standard errors, at each operating point and colour plane.
+
     Raises
     ------
     InputError
         A window outside the frame, or too small; frames of another shape than the sensor's; an
         unknown family.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> statistics = dnanalyze.analyze(captures)
+    >>> noise = statistics.settings[0].values["temporal_noise"]
+    >>> noise.se < noise.value
+    True
     """
-    return analyze_windows(
+    (found,) = analyze_windows(
         captures, (window,), workers=workers, progress=progress, scheduler=scheduler,
         families=families,
-    )[0]  # fmt: skip
+    )  # fmt: skip
+    return replace(found, capture_set=captures)
 
 
 def analyze_windows(

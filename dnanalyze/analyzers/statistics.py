@@ -8,7 +8,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from dnanalyze.loaders.captures import OperatingPoint, Sensor
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
+from dnanalyze.result import Result
 
 SATURATION = "saturation"  # what is missing of a setting most of whose pixels are saturated
 
@@ -55,7 +56,7 @@ class StatisticInfo:
         Scale on which ``Value.se`` is stated and differences are taken.
     high, low : str
         What it says in words when the measurement lies above, or below, the model: "the measured
-        noise between frames is {ratio} times the model's".
+        temporal dark noise is {ratio} times the model's".
     compared : bool
         Part of the error; False for values that are given for information alone (they follow
         from others, or have no stable sampling error).
@@ -109,20 +110,31 @@ class SettingStatistics:
     missing: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Statistics:
+@dataclass(frozen=True, repr=False)
+class Statistics(Result):
     """Statistics of a capture set.
 
     Parameters
     ----------
     name : str
+        Name of the captures.
     sensor : Sensor
+        What the files state of the sensor.
     settings : tuple of SettingStatistics
+        One an operating point and colour plane.
     trends : dict
         What holds over temperature (activation energy, doubling step, ...), by name, with errors.
+    capture_set : CaptureSet, optional
+        The frames, which are not read again but for figures.
     """
 
     name: str
     sensor: Sensor
     settings: tuple[SettingStatistics, ...]
     trends: dict[str, Value] = field(default_factory=dict)
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        points = len({s.point for s in self.settings})
+        count = sum(len(s.values) for s in self.settings)
+        return f"{self.name}, operating points: {points}, values: {count}"

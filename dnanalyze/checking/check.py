@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.analyzers.statistics import Scale, SettingStatistics
 from dnanalyze.checking.check_bench import CheckBench
-from dnanalyze.checking.targets import POOLED, Target, Targets
+from dnanalyze.checking.targets import POOLED, Target, Targets, load_targets
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.result import Result
 
 
 @dataclass(frozen=True)
@@ -96,9 +99,9 @@ class Check:
         )
 
 
-@dataclass(frozen=True)
-class CheckResult:
-    """All limits, held.
+@dataclass(frozen=True, repr=False)
+class CheckResult(Result):
+    """The outcome of all targets of a check.
 
     Parameters
     ----------
@@ -110,12 +113,19 @@ class CheckResult:
         In the order of the targets.
     false_failures : float or None
         How often a correct simulation with a new seed fails, as the targets state it.
+    capture_set : CaptureSet, optional
+        The frames that the check was given.
     """
 
     captures: str
     simulation: str
     checks: list[Check]
     false_failures: float | None = None
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        count = f"{len(self.checks)} targets, {len(self.failures)} violated"
+        return f"{self.captures}, {'passed' if self.passed else 'failed'}, {count}"
 
     @property
     def passed(self) -> bool:
@@ -136,26 +146,38 @@ class CheckResult:
 
 def check(
     captures: CaptureSet,
-    targets: Targets,
+    targets: Targets | str | PathLike[str],
     model: NoiseModel | None = None,
     *,
+    seed: int | None = None,
     measured: CaptureSet | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> CheckResult:
-    """Hold a simulation against targets.
+    """Check a simulation with the limits of a targets file.
 
-    Held is the simulation: with a model, its frames, drawn at the settings of ``captures``, which
+    What is checked is the simulation: with a model, its frames, drawn at the operating points of
+    ``captures``, which
     are the measurement; without one, ``captures`` are the simulated frames themselves.
 
     Parameters
     ----------
     captures : CaptureSet
-    targets : Targets
+        The measured frames, with a model; else the simulated ones.
+    targets : Targets, str or PathLike
+        The limits, or the file that holds them.
     model : NoiseModel, optional
+        The model to simulate.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
     measured : CaptureSet, optional
         Without a model: the measurement, for targets that state no measured value and for errors.
     progress : callable, optional
         Called with (frames done, frames in all).
+
+    Returns
+    -------
+    CheckResult
+        Every target with the value of the simulation, and whether it is met.
 
     Raises
     ------
@@ -163,7 +185,22 @@ def check(
         A target at an operating point that the captures lack, or that asks for a parameter
         without a model, or for a measurement where there is none; frames of another shape or
         number than the margins were made for.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> from dnanalyze.checking.targets import targets_from_plain
+    >>> limit = {"statistic": "temporal_noise", "max": 50.0}
+    >>> limits = targets_from_plain({"targets": [limit]}, "limits")
+    >>> dnanalyze.check(captures, limits).passed
+    True
     """
+    if not isinstance(targets, Targets):
+        targets = load_targets(Path(targets))
+    if model is not None and seed is not None:
+        model = replace(model, seed=seed)
     bench = CheckBench(captures, captures if model is not None else measured, model, progress)
     _same_make(captures, targets, bench.plan)
     made: list[Check] = []
@@ -172,7 +209,7 @@ def check(
         made += {"statistic": _statistic, "error": _error, "parameter": _parameter}[item.kind](
             item, bench, where
         )
-    return CheckResult(captures.name, bench.name, made, targets.false_failures)
+    return CheckResult(captures.name, bench.name, made, targets.false_failures, captures)
 
 
 def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:

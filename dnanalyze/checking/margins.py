@@ -212,7 +212,7 @@ def _target(r: _Reading, width: _Width, simulated: bool) -> Target:
             high = max(high, middle + width.up * more)
         else:
             off = abs(middle - r.measured) / (math.sqrt(2.0) * r.spread)
-            note, enforced = f"the model misses it by {off:.0f} floors", False
+            note, enforced = f"the model violates it by {off:.0f} sigma", False
     lower = r.scale.plain(low)
     if r.scale is Scale.ROOT and lower < 0:
         lower = -math.inf  # no count lies below 0

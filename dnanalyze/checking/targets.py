@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Iterable
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -168,15 +169,32 @@ class Targets(BaseModel):
         return self.model_copy(update={"targets": kept})
 
 
-def load_targets(path: Path) -> Targets:
+def load_targets(path: str | PathLike[str]) -> Targets:
     """Read a targets file (YAML).
+
+    Parameters
+    ----------
+    path : str or PathLike
+        The file.
+
+    Returns
+    -------
+    Targets
+        The limits.
 
     Raises
     ------
     InputError
         Not YAML, unknown keys or statistics, no limits: one line that names the target.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> limits = dnanalyze.load_targets("sample_configs/targets.yaml")
+    >>> limits.targets[0].statistic
+    'temporal_noise'
     """
-    return targets_from_plain(read_yaml(path), str(path))
+    return targets_from_plain(read_yaml(Path(path)), str(path))
 
 
 def targets_from_plain(raw: Any, where: str) -> Targets:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
+from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit
+from dnanalyze.fitting.fit import fit, with_seed
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.moments import moments
@@ -23,16 +24,19 @@ from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.result import Result
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """A model held against a measurement, on the half of the field that no fit saw.
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """A model compared with a measurement, on the half of the field that no fit saw.
 
     Parameters
     ----------
     captures : str
+        Name of the captures.
     model : NoiseModel
+        The model that was compared.
     error : float
         1 = as close as a second sensor of the same make.
     baselines : dict
@@ -46,7 +50,9 @@ class Comparison:
     measured, simulated, gaussian : Statistics
         Of the judged half, with their curves.
     level : Level, optional
-        The model's mean dark level against the measured one.
+        The model's mean dark signal beside the measured one.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     captures: str
@@ -60,29 +66,61 @@ class Comparison:
     simulated: Statistics
     gaussian: Statistics
     level: Level | None = None
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        return f"{self.captures}, model error {number(self.error)}"
 
 
 def compare(
     captures: CaptureSet,
     model: NoiseModel | None = None,
     *,
+    seed: int | None = None,
     held: Bench | None = None,
     tell: Callable[[State], None] = lambda _: None,
 ) -> Comparison:
-    """Hold a model against dark frames.
+    """Compare a model with dark frames.
 
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        Taken as it is. Without one the paper's model is fitted first.
+        Taken as it is. Without one the Wang 2025 model is fitted first.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
-        Called with every better state of the fit of the paper's model.
+        Called with every better state of the fit of the Wang 2025 model.
+
+    Returns
+    -------
+    Comparison
+        The model error, 1 for a model as close as a second sensor of the same make, and the
+        statistics behind it, measured and simulated.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> comparison = dnanalyze.compare(captures)
+    >>> comparison.error > 1.0
+    True
+    >>> sorted(comparison.baselines)
+    ['gaussian', 'paper']
     """
     held = held or bench(design(captures))
-    paper = fit(captures, held=held, replicates=0, tell=tell).state
+    begun = None if model is not None else with_seed(held, None, seed)
+    model = None if model is None else with_seed(held, model, seed)
+    paper = fit(captures, begun, held=held, replicates=0, tell=tell).state
     m = moments(Readings(held.measured[0]), captures.sensor.black_level)
     plain = held.statistics(gaussian_model(m), errors=True)
     made = held.statistics(model or paper.model, errors=True)
@@ -104,6 +142,7 @@ def compare(
         made[1],
         plain[1],
         held.level(held.train.z(prediction(made, 0, held.train)), z),
+        captures,
     )
 
 

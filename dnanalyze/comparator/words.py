@@ -11,7 +11,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo
-from dnanalyze.digits import number
+from dnanalyze.digits import number, unit_text
 from dnanalyze.loaders.captures import OperatingPoint
 
 NOTICEABLE = 4.0  # floors
@@ -20,7 +20,7 @@ FEWEST = 0.5  # a count below it is none
 
 
 def failures(rows: Sequence[dict[str, Any]], most: int = 12) -> list[str]:
-    """One sentence a statistic that is off by more than a few floors.
+    """One sentence a statistic that is off by more than a few sigma.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def sentence(name: str, group: Sequence[dict[str, Any]]) -> str:
     worst = max(off, key=lambda r: abs(r["discrepancy"]))
     pair = worst["measured"], worst["simulated"]
     said = misfit(info, *pair, worst["discrepancy"], worst.get("floor", 0.0))
-    size = f"{abs(worst['discrepancy']):.0f} floors"
+    size = f"{number(abs(worst['discrepancy']), 2)} sigma"
     if not side_by_side(info, *pair, worst.get("floor", 0.0)):
         size = f"{_amount(worst)}; {size}"
     return f"{said} ({size}) {_where(off, group)}".rstrip()
@@ -92,7 +92,7 @@ def misfit(
         there, model = (_or_none(info, *v) for v in ((measured, simulated), (simulated, measured)))
         return f"{info.title}: {there} measured, {model} in the model"
     words = info.high if discrepancy > 0 else info.low
-    unit = "" if info.unit in ("", "1") else f" {info.unit}"
+    unit = unit_text(info.unit)
     return (
         words.format(
             measured=f"{number(measured)}{unit}",
@@ -118,12 +118,12 @@ def _or_none(info: StatisticInfo, value: float, other: float) -> str:
     """A number with its unit, or that there is none."""
     if value <= max(SHARE * abs(other), FEWEST if info.scale is Scale.ROOT else 0.0):
         return "none"
-    return number(value) + ("" if info.unit in ("", "1") else f" {info.unit}")
+    return number(value) + unit_text(info.unit)
 
 
 def _amount(row: dict[str, Any]) -> str:
     measured, simulated = row["measured"], row["simulated"]
-    unit = f" {row['unit']}" if row["unit"] not in ("", "1") else ""
+    unit = unit_text(row["unit"])
     text = f"measured {number(measured)}, model {number(simulated)}{unit}"
     if row["scale"] == "log" and measured > 0 and simulated > 0:
         power = 10 if "^2" in row["unit"] else 20

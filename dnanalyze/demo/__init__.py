@@ -8,6 +8,7 @@ from dnanalyze.demo.folder import write_folder
 from dnanalyze.demo.hdr_sensor import Channel, generate_channels
 from dnanalyze.demo.hidden import LEVELS
 from dnanalyze.demo.sensor import VirtualSensor, draw_sensor
+from dnanalyze.demo.tiny import tiny
 from dnanalyze.demo.virtual_sensor import CATALOGUED, EFFECTS, OUTSIDE, generate, resolve, truth
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "generate",
     "generate_channels",
     "resolve",
+    "tiny",
     "truth",
     "write_folder",
 ]

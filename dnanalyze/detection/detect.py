@@ -46,6 +46,15 @@ def detect(
     Returns
     -------
     Detection
+        What was found, with every test behind it.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> dnanalyze.detect(captures).filtered
+    False
     """
     entry = kept.held(captures)
     evidence = kept.get(entry) if entry else None
@@ -71,6 +80,7 @@ def detect(
         effect=effect_of(kind, filter_estimate, evidence) if filter_estimate else {},
         series=series,
         answers=tuple(answers),
+        capture_set=captures,
     )
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dnanalyze.detection.series import SuppressionSeries
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.result import Result
 
 if TYPE_CHECKING:
     from dnanalyze.detection.verdict import Answer
@@ -132,22 +134,25 @@ class TailBound:
     ppm_upper: float
 
 
-@dataclass(frozen=True)
-class Detection:
-    """Has the raw data been filtered?
+@dataclass(frozen=True, repr=False)
+class Detection(Result):
+    """Whether the raw frames were filtered, and how.
 
     Parameters
     ----------
     filtered : bool
+        A filter was found.
     kind : str
         "none", "dpc", "denoise" or "temporal_denoise".
     confidence : float
         0 to 1: one minus the corrected p-value of the verdict; for "none" the share of the tests
         that had the power to find something.
     estimate : FilterEstimate, optional
+        Parameters of the filter.
     also : tuple of str
         Further kinds with flagged findings of their own.
     findings : tuple of Finding
+        Every test at every operating point.
     evidence : tuple of str
         Sentences, most telling first.
     ambiguous : tuple of str
@@ -161,6 +166,8 @@ class Detection:
         Suppression of high frequencies over temperature, for the figure.
     answers : tuple of Answer
         The questions with the evidence behind them, for the figures; findings are their summary.
+    capture_set : CaptureSet, optional
+        The frames that were tested.
     """
 
     filtered: bool
@@ -174,10 +181,26 @@ class Detection:
     tail: tuple[TailBound, ...] = ()
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
-    answers: tuple[Answer, ...] = field(default=(), repr=False, compare=False)
+    answers: tuple[Answer, ...] = field(default=(), compare=False)
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    @property
+    def captures(self) -> str:
+        """Name of the captures."""
+        return "" if self.capture_set is None else self.capture_set.name
+
+    def _brief(self) -> str:
+        what = self.kind if self.filtered else "no filter found"
+        return ", ".join(filter(None, (self.captures, what, f"confidence {self.confidence:.3g}")))
 
     def to_plain(self) -> dict[str, Any]:
-        """As in the JSON report; numbers finite or null."""
+        """Return what the JSON report holds; numbers are finite or null.
+
+        Returns
+        -------
+        dict
+            By key; see the documentation of ``detect``.
+        """
         return {
             "filtered": self.filtered,
             "kind": self.kind,

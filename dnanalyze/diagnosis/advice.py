@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.diagnosis.candidate import Candidate
 from dnanalyze.diagnosis.confidence import CERTAIN
-from dnanalyze.digits import number
+from dnanalyze.digits import number, unit_text
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
@@ -42,12 +42,12 @@ class Limit:
     unit: str
 
     def __str__(self) -> str:
-        """Such as ``column_fpn below 0.02 DN would not be seen``."""
+        """Such as ``column_fpn is detectable from sigma = 0.02 DN``."""
         if not np.isfinite(self.value):
-            return f"{self.effect} would not be seen in these captures at any ordinary strength"
-        unit = "" if self.unit == "1" else f" {self.unit}"
+            return f"{self.effect} is not detectable in these captures at any usual strength"
+        unit = unit_text(self.unit)
         least = f"{number(self.value, 2)}{unit}"
-        return f"{self.effect} with {self.parameter} below {least} would not be seen"
+        return f"{self.effect} is detectable from {self.parameter} = {least}"
 
 
 def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:
@@ -167,11 +167,11 @@ def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list
     frames = [n for _, n in held.plan.settings]
     advice = []
     if min(frames) < 2:
-        advice.append("a second frame at each setting tells fixed pattern from temporal noise")
+        advice.append("a second frame at each operating point separates DSNU from temporal noise")
     elif min(frames) < 4:
         advice.append(
-            "eight frames at each setting: with fewer than four, blinking pixels and temporal "
-            "filters cannot be told from noise"
+            "eight frames at each operating point: with fewer than four, blinking pixels and "
+            "temporal filters cannot be separated from noise"
         )
     if candidates and candidates[0].confused_with:
         best = candidates[0]
@@ -179,13 +179,13 @@ def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list
     temperatures = {p.temperature_c for p in points if p.temperature_c is not None}
     if len(temperatures) < 3:
         advice.append(
-            "at least three temperatures, 20 C apart: what grows with temperature is dark "
-            "current, what does not is readout"
+            "at least three temperatures, 20 °C apart: dark current grows with temperature, "
+            "readout effects do not"
         )
     exposures = {p.exposure_s for p in points if p.exposure_s is not None}
     if len(exposures) < 2 and verdict != "adequate":
         advice.append(
-            "the warmest setting again at a quarter of the exposure: charge effects shrink "
+            "the warmest operating point at a quarter of the exposure: charge effects shrink "
             "with it, readout effects do not"
         )
     return advice
@@ -202,9 +202,9 @@ def _to_separate(held: Bench, one: str, other: str) -> str:
         reason = f": {a.confused_with[other]}"
     if a is not None and b is not None and {a.varies, b.varies} == {"fixed", "temporal"}:
         coldest = held.plan.settings[0][0].label()
-        return f"eight more frames at {coldest} tell {one} from {other}{reason}"
+        return f"eight more frames at {coldest} separate {one} from {other}{reason}"
     warmest = held.plan.settings[-1][0].label()
     return (
-        f"eight more frames at {warmest}, and as many at twice the exposure, help to tell {one} "
-        f"from {other}{reason}"
+        f"eight more frames at {warmest}, and as many at twice the exposure, help to separate "
+        f"{one} from {other}{reason}"
     )

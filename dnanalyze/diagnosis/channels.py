@@ -9,7 +9,8 @@ from functools import cached_property, partial
 from itertools import chain
 
 from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
-from dnanalyze.diagnosis.refine import Refinement, Step, add, refine
+from dnanalyze.diagnosis.path import Step
+from dnanalyze.diagnosis.refine import Refinement, add, refine
 from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of
 from dnanalyze.errors import InputError
@@ -282,4 +283,4 @@ def belonging(
         only = f"{seen[name][0]} only" if len(seen[name]) == 1 else ", ".join(seen[name])
         said.append(f"{name}: in {only}, so of that readout")
     own = {c: [n for n in names if n not in shared] for c, names in added.items()}
-    return shared, own, said or ["no channel needs more than what every sensor has"]
+    return shared, own, said or ["no channel needs more than the baseline effects"]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from pathlib import Path
 
 from dnanalyze.diagnosis.adequacy import (
     FEW,
@@ -34,8 +35,9 @@ from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.leftover import leftover
 from dnanalyze.diagnosis.spread_law import spread_law, told
 from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, trials
+from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.least_squares import State, converge, derive, minimise, start
 from dnanalyze.fitting.level import Level
@@ -44,7 +46,8 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
+from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
+from dnanalyze.result import Result
 
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
@@ -52,14 +55,16 @@ EVERY_SENSOR = "every sensor has it: put in together with the others of its kind
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Result):
     """What is missing in a model.
 
     Parameters
     ----------
     captures : str
+        Name of the captures.
     error : float
+        Model error, dimensionless.
     verdict : str
         "adequate", "missing" or "unexplained".
     candidates : list of Candidate
@@ -76,12 +81,15 @@ class Diagnosis:
     model : NoiseModel
         The model that the candidates were tried in, as refitted.
     trials : list of Trial
+        The candidates as they were refitted.
     ordinary : list of str
         What every sensor has and the model had not: put in before others were tried.
     level : Level, optional
         The mean dark level of the model, which an adequate one keeps.
     law : str
         How the spread of dark current changes with temperature, where that was put in; else empty.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     captures: str
@@ -96,6 +104,11 @@ class Diagnosis:
     ordinary: list[str] = field(default_factory=list)
     level: Level | None = None
     law: str = ""
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        best = f", {self.candidates[0].effect}" if self.candidates else ""
+        return f"{self.captures}, model error {number(self.error)}, {self.verdict}{best}"
 
 
 def diagnose(
@@ -103,7 +116,9 @@ def diagnose(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
-    known: dict[str, type[Effect]] | None = None,
+    effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
     held: Bench | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Diagnosis:
@@ -112,26 +127,50 @@ def diagnose(
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        The paper's model by default. It is refitted first, so that only what no parameter can
+        The Wang 2025 model by default. It is refitted first, so that only what no parameter can
         reach counts as missing. Of a model that has nothing of what every sensor has, that is
         missing in any case: it is put in, and what else is missing is asked of the rest.
     exclude : sequence of str
         Effects not to consider.
-    known : dict, optional
-        Effects by name; the built-in catalogue by default.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
         Called with a line of progress.
+
+    Returns
+    -------
+    Diagnosis
+        The verdict and the candidates, best first, with their evidence.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.diagnose(captures)
+    >>> found.verdict, found.candidates[0].effect
+    ('missing', 'column_fpn')
     """
     held = held or bench(design(captures))
-    model = located(held, model or paper_start(held))
-    known = catalogue() if known is None else known
+    model = located(held, with_seed(held, model, seed) or paper_start(held))
+    known = known_effects(effects, known)
     asked = fitted(held, model)
     stages: list[tuple[str, State]] = []
     if lacks_everyday(model, exclude):
-        tell("what every sensor has")
+        tell("baseline effects")
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
@@ -142,7 +181,9 @@ def diagnose(
         said = told(held, state.model)
         tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
         best = missing(held, state, tried)
-    found = replace(judge(captures.name, held, state, tried, best, open_to), law=said)
+    tell("detection limits")
+    found = judge(captures.name, held, state, tried, best, open_to)
+    found = replace(found, law=said, capture_set=captures)
     return beside_everyday(held, asked, stages, found) if stages else found
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
-from dnanalyze.digits import number
+from dnanalyze.digits import number, unit_text
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
@@ -51,15 +51,15 @@ def evidence_for(
     closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
     closer.sort(key=lambda n: -relief[n])
     told = [
-        f"{_sentence(bench, before, name)}; with {effect.name} in, "
-        f"{_size(was, name)} floors become {_size(now, name)}"
+        f"{_sentence(bench, before, name)}; with {effect.name} "
+        f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
         for name in [n for n in closer if was.of(n) >= CLEAR][:most]
     ]
     if not told:
         told = [_in_sum(effect.name, was, now, closer[:most])]
     character = {
-        "fixed": "the same in every frame: a pattern of the silicon or the readout",
-        "temporal": "new in every frame: noise, not a pattern",
+        "fixed": "it is the same in every frame: a nonuniformity of the pixels or of the readout",
+        "temporal": "it differs from frame to frame: temporal noise, not a nonuniformity",
     }.get(effect.varies)
     return [*told, character] if character else told
 
@@ -71,11 +71,11 @@ def _size(of: Profile, name: str) -> str:
 def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
     """What many small reliefs come to, where none stands out by itself."""
     if not names:
-        return f"no statistic comes closer with {effect} in"
-    parts = [f"{infos()[n].title} ({_size(was, n)} floors become {_size(now, n)})" for n in names]
+        return f"no statistic comes closer with {effect}"
+    parts = [f"{infos()[n].title} (from {_size(was, n)} to {_size(now, n)} sigma)" for n in names]
     return (
-        f"no statistic that comes closer with {effect} in was {CLEAR:g} floors off by itself; "
-        f"small misfits fall, most of all {', '.join(parts)}"
+        f"no single statistic that {effect} improves differed by {CLEAR:g} sigma before; several "
+        f"small differences fall, the largest in {', '.join(parts)}"
     )
 
 
@@ -90,8 +90,8 @@ def evidence_against(
         return None
     title = infos()[worst].title
     return (
-        f"{rival_name} instead of {name} would leave {title} {left.of(worst):.1f} floors off, "
-        f"against {right.of(worst):.1f}"
+        f"with {rival_name} instead of {name} the difference in {title} is {left.of(worst):.1f} "
+        f"sigma, not {right.of(worst):.1f} sigma"
     )
 
 
@@ -110,8 +110,8 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
     measured, simulated = float(train.values[i]), info.scale.plain(float(model))
     floor = float(train.floor[i])
     words = misfit(info, measured, simulated, float(z[worst]), floor)
-    unit = "" if info.unit in ("", "1") else f" {info.unit}"
-    size = f"{number(measured)} against {number(simulated)}{unit}"
+    unit = unit_text(info.unit)
+    size = f"measured {number(measured)}, model {number(simulated)}{unit}"
     if side_by_side(info, measured, simulated, floor):
         size = ""
     elif info.scale is Scale.LOG and "{ratio}" not in info.high:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path as FilePath
 
 from dnanalyze.diagnosis.confidence import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.diagnose import EVERY_SENSOR, Diagnosis, judge, missing
@@ -16,9 +17,10 @@ from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of, judged
 from dnanalyze.diagnosis.walk import Walk
+from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import Parameter, paper_start
+from dnanalyze.fitting.fit import Parameter, fit, paper_start, with_seed
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
@@ -28,16 +30,18 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import catalogue, find
+from dnanalyze.model.registry import find, known_effects
+from dnanalyze.result import Result
 
 
-@dataclass(frozen=True)
-class Refinement:
+@dataclass(frozen=True, repr=False)
+class Refinement(Result):
     """A model completed step by step.
 
     Parameters
     ----------
     captures : str
+        Name of the captures.
     steps : list of Step
         The first entry is the starting model.
     effects : list of str
@@ -45,10 +49,17 @@ class Refinement:
     verdict : str
         "adequate", "missing" (stopped early) or "unexplained".
     model : NoiseModel
+        The final model.
     diagnosis : Diagnosis or None
         Of the final model; None where the refinement is not finished.
     bench : Bench
+        The statistics that were fitted, and the simulations of it.
     state : State
+        The last step of the fit.
+    by_hand : bool
+        Of `add`: the user chose the effect.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     captures: str
@@ -59,6 +70,12 @@ class Refinement:
     diagnosis: Diagnosis | None
     bench: Bench
     state: State
+    by_hand: bool = False
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        first, last = (number(self.steps[i].error) for i in (0, -1))
+        return f"{self.captures}, model error {first} to {last}, {', '.join(self.effects)}"
 
     @property
     def finished(self) -> bool:
@@ -91,29 +108,39 @@ def refine(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
-    most_effects: int | None = None,
+    max_effects: int | None = None,
     until_error: float | None = None,
-    known: dict[str, type[Effect]] | None = None,
+    effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
+    seed: int | None = None,
+    most_effects: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
     held: Bench | None = None,
     tell: Callable[[Step], None] = lambda _: None,
     trying: Callable[[str], None] = lambda _: None,
     keep: Callable[[Refinement], None] = lambda _: None,
 ) -> Refinement:
-    """Complete a model.
+    """Add the missing effects to a model until no further one is detectable.
 
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        Where to begin; the paper's model by default.
+        Where to begin; the Wang 2025 model by default.
     exclude : sequence of str
         Effects never to add.
-    most_effects : int, optional
+    max_effects : int, optional
         Stop once this many effects were added.
     until_error : float, optional
-        Stop once the error is at or below this.
-    known : dict, optional
-        Effects by name; the built-in catalogue by default.
+        Stop once the model error is at or below this.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    most_effects : int, optional
+        The former word for ``max_effects``.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell, trying : callable
@@ -121,17 +148,37 @@ def refine(
     keep : callable
         Called with the refinement as it is whenever its model stands complete; from any of these
         models one may go on.
+
+    Returns
+    -------
+    Refinement
+        The model error at each step, and the final model.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.refine(captures, max_effects=1)
+    >>> found.steps[0].error > found.steps[-1].error
+    True
     """
     held = held or bench(design(captures))
-    known = catalogue() if known is None else known
-    begun = located(held, model or paper_start(held))
+    known = known_effects(effects, known)
+    most = most_effects if max_effects is None else max_effects
+    begun = located(held, with_seed(held, model, seed) or paper_start(held))
     state = fitted(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
 
     def kept(path: Path) -> None:
-        keep(_so_far(captures.name, held, path))
+        keep(_so_far(captures, held, path))
 
-    walk = Walk(held, open_to, tuple(begun.names), most_effects, until_error, tell, trying, kept)
+    walk = Walk(held, open_to, tuple(begun.names), most, until_error, tell, trying, kept)
     path = walk.note(Path(state, ()), state, None)
     kept(path)
     if lacks_everyday(begun, exclude):
@@ -142,6 +189,7 @@ def refine(
         kept(path)
     path = by_another_way(walk, walk.to_end(path))
     found = judge(captures.name, held, path.state, path.tried, path.best, known, in_full=False)
+    found = replace(found, capture_set=captures)
     steps = list(path.steps)
     if found.verdict == "unexplained" and walk.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
@@ -149,16 +197,18 @@ def refine(
         steps = [_doubted(s) for s in steps]
     state = path.state
     return Refinement(
-        captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
-    )
+        captures.name, steps, state.model.names, found.verdict, state.model, found, held, state,
+        capture_set=captures,
+    )  # fmt: skip
 
 
-def _so_far(name: str, held: Bench, path: Path) -> Refinement:
+def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
     """A refinement that is not finished."""
     state = path.state
     return Refinement(
-        name, list(path.steps), state.model.names, "missing", state.model, None, held, state
-    )
+        captures.name, list(path.steps), state.model.names, "missing", state.model, None, held,
+        state, capture_set=captures,
+    )  # fmt: skip
 
 
 def _doubted(step: Step) -> Step:
@@ -170,40 +220,83 @@ def _doubted(step: Step) -> Step:
 
 def add(
     captures: CaptureSet,
-    name: str,
-    model: NoiseModel,
+    effect: str,
+    model: NoiseModel | None = None,
     *,
-    known: dict[str, type[Effect]] | None = None,
+    effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
     held: Bench | None = None,
+    tell: Callable[[State], None] = lambda _: None,
 ) -> Refinement:
-    """Put one effect in, refit everything together, and report the error before and after.
+    """Add one effect to a model, refit everything, and compare the model error before and after.
 
     Whether these captures support it is decided as in `diagnose`, of this effect alone: its
     confidence is that against nothing missing, and no rival was asked.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        Dark frames.
+    effect : str
+        Its name in the catalogue.
+    model : NoiseModel, optional
+        Without one the Wang 2025 model is fitted first.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
+    held : Bench, optional
+        Statistics taken earlier.
+    tell : callable
+        Called with every better state of the fit of the Wang 2025 model.
+
+    Returns
+    -------
+    Refinement
+        Two steps, before and after, and the refitted model.
 
     Raises
     ------
     InputError
         The model holds the effect already, or there is none of that name.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.add(captures, "column_fpn")
+    >>> found.effects
+    ['convolved_lognormal', 'column_fpn']
+    >>> [step.added for step in found.steps]
+    [None, 'column_fpn']
     """
-    known = catalogue() if known is None else known
-    effect = find(name, known)
-    if model.get(name) is not None:
+    name, known = effect, known_effects(effects, known)
+    kind = find(name, known)
+    if model is not None and model.get(name) is not None:
         raise InputError(f"{name}: the model holds it already; `dnanalyze fit --model` refits it")
     held = held or bench(design(captures))
+    model = with_seed(held, model, seed)
+    if model is None:
+        model = fit(captures, replicates=0, held=held, tell=tell).model
     model = located(held, model)
     before = minimise(held, start(held, model, knobs_of(model)))
-    seen = prospects(held, before, {name: effect})
-    larger = seen[0].model if seen else before.model.with_effect(effect())
+    seen = prospects(held, before, {name: kind})
+    larger = seen[0].model if seen else before.model.with_effect(kind())
     begun = start(held, larger, knobs_of(larger), like=before)
     after = judged(held, before, name, minimise(held, begun, 8))
-    why = evidence_for(held, before, after.state, effect)
+    why = evidence_for(held, before, after.state, kind)
     error = error_of(held, before)
     supported = missing(held, before, [after]) is not None
     sure = confidence_of(after, [after], error) * (1.0 if supported else STANDS_IN)
     steps = [Step(None, error), Step(name, after.error, sure, why, supported=supported)]
     found = judge(captures.name, held, after.state, [], None, known, in_full=False)
+    found = replace(found, capture_set=captures)
     state = after.state
     return Refinement(
-        captures.name, steps, state.model.names, found.verdict, state.model, found, held, state
-    )
+        captures.name, steps, state.model.names, found.verdict, state.model, found, held, state,
+        by_hand=True, capture_set=captures,
+    )  # fmt: skip

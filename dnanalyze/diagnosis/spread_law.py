@@ -89,8 +89,8 @@ def told(bench: Bench, model: NoiseModel) -> str:
     cold, warm = (math.sqrt(math.expm1(light.value(SPREAD, p) ** 2)) for p in points)
     verb = "falls" if warm < cold else "rises"
     return (
-        f"the spread of dark current over the pixels {verb} from {cold:.3g} of its mean at "
-        f"{celsius[0]:.4g} C to {warm:.3g} at {celsius[-1]:.4g} C"
+        f"the relative standard deviation of dark current {verb} from {cold:.3g} at "
+        f"{celsius[0]:.4g} °C to {warm:.3g} at {celsius[-1]:.4g} °C"
     )
 
 

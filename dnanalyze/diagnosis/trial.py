@@ -118,6 +118,7 @@ def trials(
             continue
         if REACH * p.promise < CLOSE * fell:
             continue
+        tell(p.effect)
         wanted, again = state.loss - WORTH * fell, HOPE * p.promise > CLOSE * fell
         ended = refitted(bench, p, state, wanted, iterations, again)
         if p.levelled is not None and much_left(ended):

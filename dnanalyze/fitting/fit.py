@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,8 +34,10 @@ from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.result import Result
 
 REPLICATES = 24
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
@@ -56,20 +58,26 @@ class Parameter:
     unit: str
 
 
-@dataclass(frozen=True)
-class Fit:
+@dataclass(frozen=True, repr=False)
+class Fit(Result):
     """A fitted model.
 
     Parameters
     ----------
     model : NoiseModel
+        The model with the fitted parameters.
     parameters : list of Parameter
+        Name, value, standard error and unit of each.
     correlations : ndarray
         Between the parameters on their own scales; 0 with those that a statistic tells.
     undetermined : list of str
         Sentences on parameters that these captures cannot tell, alone or from one another.
     bench : Bench
+        The statistics that were fitted, and the simulations of it.
     state : State
+        The last step of the fit.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     model: NoiseModel
@@ -78,6 +86,15 @@ class Fit:
     undetermined: list[str]
     bench: Bench
     state: State
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    @property
+    def captures(self) -> str:
+        """Name of the captures."""
+        return self.bench.plan.captures.name
+
+    def _brief(self) -> str:
+        return f"{self.captures}, {', '.join(self.model.names)}, {len(self.parameters)} parameters"
 
 
 def fit(
@@ -86,6 +103,7 @@ def fit(
     *,
     frozen: Sequence[str] = (),
     replicates: int = REPLICATES,
+    seed: int | None = None,
     held: Bench | None = None,
     tell: Callable[[State], None] = lambda _: None,
 ) -> Fit:
@@ -94,21 +112,60 @@ def fit(
     Parameters
     ----------
     captures : CaptureSet
+        Dark frames.
     model : NoiseModel, optional
-        Where to begin, and which effects and laws; the paper's model by default.
+        Where to begin, and which effects and laws; the Wang 2025 model by default.
     frozen : sequence of str
         Parameters to hold, as ``effect.parameter`` or ``pedestal``.
     replicates : int
         Simulated sensors from which the uncertainties are taken; 0 leaves them out (NaN).
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
         Called with every better state.
+
+    Returns
+    -------
+    Fit
+        The fitted model, its parameters with standard errors, and what is not determined.
+
+    Raises
+    ------
+    InputError
+        Captures too small to halve, or of a channel that the model does not know.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> found = dnanalyze.fit(captures, replicates=0)
+    >>> found.model.names
+    ['convolved_lognormal']
+    >>> found.parameters[0].name, found.parameters[0].unit
+    ('pedestal', 'DN')
     """
     held = held or bench(design(captures))
-    model = located(held, model or paper_start(held), frozen)
+    model = located(held, with_seed(held, model, seed) or paper_start(held), frozen)
     state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
-    return with_uncertainties(held, state, replicates)
+    return replace(with_uncertainties(held, state, replicates), capture_set=captures)
+
+
+def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseModel | None:
+    """The model with this seed; without a model that in which a fit begins; as given without one.
+
+    Raises
+    ------
+    InputError
+        Captures of a readout channel that the model does not know.
+    """
+    if model is not None:
+        require(model, held.plan.captures.channels)
+    if seed is None:
+        return model
+    return replace(model or paper_start(held), seed=seed)
 
 
 def paper_start(held: Bench) -> NoiseModel:
@@ -278,7 +335,9 @@ def _doubts(
     sentences = []
     for i, knob in enumerate(knobs):
         if knob.energy and not seen[i]:
-            sentences.append(f"{knob.name}: held; these captures tell no activation energy")
+            sentences.append(
+                f"{knob.name}: held; these captures do not determine an activation energy"
+            )
         elif not seen[i]:
             sentences.append(f"{knob.name}: nothing in these captures depends on it")
         elif knob.log and spread[i] > VAGUE:
@@ -289,7 +348,7 @@ def _doubts(
         for j in range(i):
             if abs(correlations[i, j]) > ALIKE:
                 sentences.append(
-                    f"{knobs[j].name} and {knobs[i].name}: these captures cannot tell them apart "
+                    f"{knobs[j].name} and {knobs[i].name}: confounded in these captures "
                     f"(correlation {correlations[i, j]:+.3f})"
                 )
     return sentences

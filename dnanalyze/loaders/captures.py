@@ -43,35 +43,86 @@ class OperatingPoint:
             raise InputError(f"channel {str(self.channel)[:40]!r} is no text; quote it")
 
     def label(self) -> str:
-        """Short text for tables and figures, such as ``65 C, 0.05 s``."""
+        """Return short text for tables and figures.
+
+        Returns
+        -------
+        str
+            Such as ``65 °C, 0.05 s``.
+
+        Examples
+        --------
+        >>> from dnanalyze import OperatingPoint
+        >>> OperatingPoint(65.0, 0.05).label()
+        '65 °C, 0.05 s'
+        """
         parts = []
         if self.channel is not None:
             parts.append(self.channel)
         if self.temperature_c is not None:
-            parts.append(f"{self.temperature_c:g} C")
+            parts.append(f"{self.temperature_c:g} °C")
         if self.exposure_s is not None:
             parts.append(f"{self.exposure_s:g} s")
         if self.gain is not None:
             parts.append(f"gain {self.gain:g}")
-        return ", ".join(parts) or "one setting"
+        return ", ".join(parts) or "one operating point"
 
     def exposure_over(self, reference: OperatingPoint) -> float:
-        """Exposure over that of another point; 1 where either is unknown."""
+        """Return the exposure over that of another point.
+
+        Parameters
+        ----------
+        reference : OperatingPoint
+            The other point.
+
+        Returns
+        -------
+        float
+            The ratio; 1 where either exposure is unknown.
+        """
         here, there = self.exposure_s, reference.exposure_s
         return here / there if here is not None and there else 1.0
 
     def gain_over(self, reference: OperatingPoint) -> float:
-        """Analogue gain over that of another point; 1 where either is unknown."""
+        """Return the analogue gain over that of another point.
+
+        Parameters
+        ----------
+        reference : OperatingPoint
+            The other point.
+
+        Returns
+        -------
+        float
+            The ratio; 1 where either gain is unknown.
+        """
         return self.gain / reference.gain if self.gain and reference.gain else 1.0
 
     def warmer(self, by_c: float) -> OperatingPoint:
-        """The point so many C warmer; itself where its temperature is unknown."""
+        """Return the point so many degrees warmer.
+
+        Parameters
+        ----------
+        by_c : float
+            Difference, C.
+
+        Returns
+        -------
+        OperatingPoint
+            The warmer point; itself where its temperature is unknown.
+        """
         if self.temperature_c is None or not by_c:
             return self
         return replace(self, temperature_c=self.temperature_c + by_c)
 
     def sort_key(self) -> tuple[str, float, float, float]:
-        """Order by channel, temperature, exposure, gain; unknown first."""
+        """Return what operating points are sorted by: channel, temperature, exposure, gain.
+
+        Returns
+        -------
+        tuple
+            Unknown values come first.
+        """
         low = float("-inf")
         return (
             self.channel or "",
@@ -83,7 +134,19 @@ class OperatingPoint:
 
 @dataclass(frozen=True)
 class Window:
-    """A rectangle: rows ``top`` to ``bottom``, columns ``left`` to ``right`` (half open)."""
+    """A rectangle: rows ``top`` to ``bottom``, columns ``left`` to ``right`` (half open).
+
+    Parameters
+    ----------
+    top : int
+        First row.
+    bottom : int
+        Row behind the last.
+    left : int
+        First column.
+    right : int
+        Column behind the last.
+    """
 
     top: int
     bottom: int
@@ -101,7 +164,20 @@ class Window:
         return slice(self.top, self.bottom), slice(self.left, self.right)
 
     def grown(self, reach: int, shape: tuple[int, int]) -> Window:
-        """This rectangle with ``reach`` more pixels on every side, kept inside ``shape``."""
+        """Return this rectangle with more pixels on every side.
+
+        Parameters
+        ----------
+        reach : int
+            Pixels.
+        shape : tuple of int
+            Full frame, (rows, columns), which it stays inside.
+
+        Returns
+        -------
+        Window
+            The larger rectangle.
+        """
         return Window(
             max(0, self.top - reach),
             min(shape[0], self.bottom + reach),
@@ -110,7 +186,18 @@ class Window:
         )
 
     def within(self, outer: Window) -> tuple[slice, slice]:
-        """Index of this rectangle in an array that covers ``outer``."""
+        """Return the index of this rectangle in an array that covers another.
+
+        Parameters
+        ----------
+        outer : Window
+            What the array covers.
+
+        Returns
+        -------
+        tuple of slice
+            (rows, columns).
+        """
         return (
             slice(self.top - outer.top, self.bottom - outer.top),
             slice(self.left - outer.left, self.right - outer.left),
@@ -118,7 +205,18 @@ class Window:
 
     @classmethod
     def whole(cls, shape: tuple[int, int]) -> Window:
-        """The full frame."""
+        """Return the full frame.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            (rows, columns).
+
+        Returns
+        -------
+        Window
+            The rectangle of the frame.
+        """
         return cls(0, shape[0], 0, shape[1])
 
 
@@ -231,12 +329,38 @@ class CaptureSet:
         return sum(len(s.frames) for s in self.settings)
 
     def frames(self) -> Iterator[Frame]:
-        """Every frame, setting by setting."""
+        """Iterate over every frame, operating point by operating point.
+
+        Yields
+        ------
+        Frame
+            The next frame.
+        """
         for setting in self.settings:
             yield from setting.frames
 
     def select(self, keep: Callable[[OperatingPoint], bool]) -> CaptureSet:
-        """The settings whose operating point passes ``keep``."""
+        """Return the captures at some operating points.
+
+        Parameters
+        ----------
+        keep : callable
+            Called with an operating point; True keeps it.
+
+        Returns
+        -------
+        CaptureSet
+            The captures that are kept.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> captures = tiny()
+        >>> warm = captures.select(lambda point: point.temperature_c > 40.0)
+        >>> len(warm.settings)
+        2
+        """
         return replace(self, settings=tuple(s for s in self.settings if keep(s.point)))
 
     @property
@@ -246,7 +370,17 @@ class CaptureSet:
         return [n for n in names if n is not None]
 
     def channel(self, name: str) -> CaptureSet:
-        """What one readout channel saw.
+        """Return the captures of one HDR readout channel.
+
+        Parameters
+        ----------
+        name : str
+            Channel.
+
+        Returns
+        -------
+        CaptureSet
+            The frames of that channel.
 
         Raises
         ------
@@ -263,7 +397,18 @@ class CaptureSet:
         return self.select(lambda point: point.channel == name)
 
     def cached(self, folder: str | None) -> CaptureSet:
-        """The same captures, their statistics kept in this folder; None keeps none."""
+        """Return the same captures, with a folder in which their statistics are stored.
+
+        Parameters
+        ----------
+        folder : str or None
+            The folder; None stores none.
+
+        Returns
+        -------
+        CaptureSet
+            The same frames.
+        """
         if self.source is None:
             return self
         return replace(self, source=replace(self.source, cache=folder))

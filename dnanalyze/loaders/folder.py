@@ -34,10 +34,13 @@ def load(
     *,
     config: str | os.PathLike[str] | Config | None = None,
     tolerance_c: float | None = None,
+    channel: str | None = None,
     include_masked: bool = False,
     region: Region | None = None,
 ) -> CaptureSet:
-    """Dark frames of one sensor, grouped by operating point; pixels are read when asked for.
+    """Load the dark frames of one sensor, grouped by operating point.
+
+    Pixels are read when asked for.
 
     A sample of each frame is looked at: identical frames of an operating point count once, and the
     notes tell of these and other frames that are suspect (`dnanalyze.loaders.health`).
@@ -54,11 +57,18 @@ def load(
     tolerance_c : float, optional
         Frames of one operating point span at most this, C. Where the sidecar does not say it
         either, 1.5, or less where the scatter of the temperatures shows several set points.
+    channel : str, optional
+        Only the frames of this HDR readout channel.
     include_masked : bool
         The whole readout, masked pixels and all; the same as ``region="all"``.
     region : {"active", "masked", "all"}, optional
         Which part of the readout makes the frames. Where neither this nor the sidecar says it:
         "active", or "masked" for camera raw files that are lit, which a note then tells.
+
+    Returns
+    -------
+    CaptureSet
+        The frames, which are read when asked for.
 
     Raises
     ------
@@ -81,7 +91,8 @@ def load(
     files = _frame_files(place, sidecar, manifest, notes)
     recordings = _recordings(place, files, sidecar, notes)
     part = asked or _dark_part(recordings, notes)
-    return _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+    found = _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+    return found if channel is None else found.channel(channel)
 
 
 def _sidecar(config: str | os.PathLike[str] | Config | None, place: Place) -> Config:

@@ -61,18 +61,18 @@ def missing(captures: CaptureSet) -> list[str]:
     said = []
     if max(counts) == 1:
         said.append(
-            "Every operating point has a single frame: noise that is fixed and noise that changes "
-            "from frame to frame cannot be told apart."
+            "Every operating point has a single frame: DSNU and temporal dark noise cannot be "
+            "separated."
         )
     elif min(counts) == 1:
         said.append(
             f"{counts.count(1)} of {len(counts)} operating points have a single frame: there, "
-            "fixed and temporal noise cannot be told apart."
+            "DSNU and temporal dark noise cannot be separated."
         )
     if 1 < max(counts) < _FEW_FRAMES:
         said.append(
             f"At most {max(counts)} frames at an operating point: temporal noise of a pixel, "
-            "blinking pixels and drift are seen poorly; 16 or more are better."
+            "blinking pixels and drift are measured poorly; 16 or more are better."
         )
     return said + _missing_temperature(points) + _missing_exposure(points)
 
@@ -92,8 +92,8 @@ def _missing_temperature(points: list[OperatingPoint]) -> list[str]:
         )
     if not tells_slope(known):
         said.append(
-            "One temperature only: no activation energy, and no effect can be told by how it "
-            "moves with temperature."
+            "One temperature only: no activation energy, and no effect can be identified by its "
+            "dependence on temperature."
         )
     return said
 
@@ -114,11 +114,11 @@ def _missing_exposure(points: list[OperatingPoint]) -> list[str]:
         temperatures = (p.temperature_c for p in points)
         by = "by temperature alone" if tells_slope(temperatures) else "not at all"
         said.append(
-            f"One exposure only: what grows with time and what does not are told apart {by}; "
+            f"One exposure only: dark current and offsets are separated {by}; "
             "bias frames or a second exposure would help."
         )
     if max(exposures) == 0:
-        said.append("Bias frames only: they hold no dark current.")
+        said.append("Bias frames only: they contain no dark current.")
     return said
 
 

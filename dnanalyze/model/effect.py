@@ -86,13 +86,61 @@ class Told:
 def parameter(
     default: Law, unit: str, lower: float, upper: float, doc: str, scale: str = "log"
 ) -> Any:
-    """Declare a parameter that the fit may move; it may follow a law over temperature."""
+    """Declare a parameter that the fit may move; it may follow a law over temperature.
+
+    Parameters
+    ----------
+    default : Law
+        A number, or a law over temperature.
+    unit : str
+        Such as "DN".
+    lower : float
+        Least value, in that unit.
+    upper : float
+        Greatest value, in that unit.
+    doc : str
+        What it is, in a few words.
+    scale : str
+        See `ParameterInfo`.
+
+    Returns
+    -------
+    dataclasses.Field
+        The default of a dataclass field.
+
+    Examples
+    --------
+    >>> from dnanalyze import parameter
+    >>> parameter(1.0, "DN", 0.0, 1e3, "standard deviation").default
+    1.0
+    """
     info = ParameterInfo(unit, lower, upper, doc, scale)
     return field(default=default, metadata={"info": info})
 
 
 def choice(default: Any, doc: str, *choices: Any) -> Any:
-    """Declare a discrete setting of an effect, one of ``choices``."""
+    """Declare a discrete setting of an effect, one of ``choices``.
+
+    Parameters
+    ----------
+    default : object
+        The choice without another.
+    doc : str
+        What it is, in a few words.
+    *choices : object
+        Valid values.
+
+    Returns
+    -------
+    dataclasses.Field
+        The default of a dataclass field.
+
+    Examples
+    --------
+    >>> from dnanalyze import choice
+    >>> choice("mean", "rule of the replacement", "mean", "median").default
+    'mean'
+    """
     info = ParameterInfo("", 0, 0, doc, "choice", choices)
     return field(default=default, metadata={"info": info})
 
@@ -124,14 +172,14 @@ class Site:
         frame.
     keep : callable
         ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
-    share : callable
-        As ``keep``, for what does not depend on the window: all parts of the frame get the same.
     field : callable
         ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
     calibration : callable
         ``calibration(n, warmer)`` is frame n, whole, so many C warmer than the reference point, as
         it is before this effect: what a factory would have seen of this silicon. Negative n are
         frames of no capture.
+    share : callable
+        As ``keep``, for what does not depend on the window: all parts of the frame get the same.
     """
 
     shape: tuple[int, int]
@@ -147,28 +195,94 @@ class Site:
     share: Callable[[str, Callable[[], Any]], Any] = _not_kept
 
     def fixed_normal(self, name: str = "") -> np.ndarray:
-        """Standard normal field of the silicon over the window, float32."""
+        """Standard normal field of the silicon over the window, float32.
+
+        Parameters
+        ----------
+        name : str
+            Another name is another field.
+
+        Returns
+        -------
+        ndarray
+            (rows, columns), float32.
+        """
         return self.field(self.silicon.child(name), "normal")
 
     def fixed_uniform(self, name: str = "") -> np.ndarray:
-        """Uniform field of the silicon over the window, float32."""
+        """Uniform field of the silicon over the window, float32.
+
+        Parameters
+        ----------
+        name : str
+            Another name is another field.
+
+        Returns
+        -------
+        ndarray
+            (rows, columns), float32.
+        """
         return self.field(self.silicon.child(name), "uniform")
 
     def normal(self, name: str = "") -> np.ndarray:
-        """Standard normal field of this frame over the window, float32."""
+        """Standard normal field of this frame over the window, float32.
+
+        Parameters
+        ----------
+        name : str
+            Another name is another field.
+
+        Returns
+        -------
+        ndarray
+            (rows, columns), float32.
+        """
         return self.field(self.moment.child(name), "normal")
 
     def uniform(self, name: str = "") -> np.ndarray:
-        """Uniform field of this frame over the window, float32."""
+        """Uniform field of this frame over the window, float32.
+
+        Parameters
+        ----------
+        name : str
+            Another name is another field.
+
+        Returns
+        -------
+        ndarray
+            (rows, columns), float32.
+        """
         return self.field(self.moment.child(name), "uniform")
 
     def columns(self, stream: Stream) -> np.ndarray:
-        """One standard normal a column of the window, float32."""
+        """One standard normal a column of the window, float32.
+
+        Parameters
+        ----------
+        stream : Stream
+            Random numbers of the silicon or of the frame.
+
+        Returns
+        -------
+        ndarray
+            (columns,), float32.
+        """
         line = Window(0, 1, self.window.left, self.window.right)
         return stream.normal(line, self.shape[1])[0]
 
     def rows(self, stream: Stream) -> np.ndarray:
-        """One standard normal a row of the window, float32."""
+        """One standard normal a row of the window, float32.
+
+        Parameters
+        ----------
+        stream : Stream
+            Random numbers of the silicon or of the frame.
+
+        Returns
+        -------
+        ndarray
+            (rows,), float32.
+        """
         line = Window(0, 1, self.window.top, self.window.bottom)
         return stream.normal(line, self.shape[0])[0]
 
@@ -193,7 +307,18 @@ class Site:
         return self.point.gain_over(self.reference)
 
     def thermal(self, ea_ev: float) -> float:
-        """Arrhenius growth from the reference temperature to here."""
+        """Return the Arrhenius growth from the reference temperature to here.
+
+        Parameters
+        ----------
+        ea_ev : float
+            Activation energy, eV.
+
+        Returns
+        -------
+        float
+            Factor; 1 where a temperature is unknown.
+        """
         if self.reference.temperature_c is None:
             return 1.0
         return arrhenius(self.point.temperature_c, self.reference.temperature_c, ea_ev)
@@ -250,11 +375,34 @@ class Effect:
 
         With ``memory`` m the signal has shape (m + 1, rows, columns), the present frame last, and
         the result is the present frame alone.
+
+        Parameters
+        ----------
+        signal : ndarray
+            (rows, columns), float32, DN.
+        site : Site
+            Where and when, with the random numbers.
+
+        Returns
+        -------
+        ndarray
+            (rows, columns), float32, DN.
         """
         raise NotImplementedError
 
     def variance(self, point: OperatingPoint) -> float | None:
-        """Variance that it adds to a pixel over the frame, DN^2, where a closed form exists."""
+        """Variance that it adds to a pixel over the frame, DN^2, where a closed form exists.
+
+        Parameters
+        ----------
+        point : OperatingPoint
+            Where.
+
+        Returns
+        -------
+        float or None
+            DN^2; None without a closed form.
+        """
         return None
 
     @classmethod
@@ -263,6 +411,16 @@ class Effect:
 
         Several where the effect has kinds (each is tried). Those of the catalogue's effects are
         made in ``guesses``; another effect may have a ``guess`` of its own.
+
+        Parameters
+        ----------
+        clues : Clues
+            What the model leaves over.
+
+        Returns
+        -------
+        list of Effect
+            One a kind.
         """
         from dnanalyze.model.guesses import guess_of
 
@@ -270,9 +428,19 @@ class Effect:
         return [cls()] if make is None else make(cls, clues)
 
     def told(self, measured: Located) -> dict[str, Told]:
-        """Its "held" numbers as these captures tell them, where a statistic does, by name.
+        """Return its "held" numbers as these captures state them, where a statistic does.
 
         A fit begins with them, leaves them alone and reports them with these errors.
+
+        Parameters
+        ----------
+        measured : Located
+            What was read off the captures.
+
+        Returns
+        -------
+        dict
+            Parameter to its number and standard error.
         """
         return {}
 
@@ -281,11 +449,31 @@ class Effect:
 
         A fit without the effect bends it to make up for it. ``name`` as "effect.parameter" or
         "pedestal"; (1, 0) for what is not bent. ``noise``: of the quietest frames, DN.
+
+        Parameters
+        ----------
+        name : str
+            Parameter, as "effect.parameter" or "pedestal".
+        unit : str
+            Its unit.
+        noise : float
+            Of the quietest frames, DN.
+
+        Returns
+        -------
+        tuple of float
+            (factor, shift).
         """
         return 1.0, 0.0
 
     def margin(self) -> int:
-        """Pixels around the window that it looks at, with its present choices."""
+        """Return how far around the window it looks, with its present choices.
+
+        Returns
+        -------
+        int
+            Pixels.
+        """
         return self.reach
 
     def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float] | None:
@@ -293,44 +481,137 @@ class Effect:
 
         Where that is told, and much: a fit without it then has another sensor's dark current, noise
         and level, and is begun again with the rest of what the frames say at a glance.
+
+        Parameters
+        ----------
+        point : OperatingPoint
+            Where.
+        reference : OperatingPoint
+            Where the model's numbers are stated.
+
+        Returns
+        -------
+        tuple of float or None
+            (DN, DN^2); None where that is not known.
         """
         return None
 
     @classmethod
     def odds(cls, others: Collection[str]) -> float:
-        """Odds of it against another effect, before the data speak, beside these in the model."""
+        """Odds of it against another effect, before the data speak, beside these in the model.
+
+        Parameters
+        ----------
+        others : collection of str
+            Effects in the model.
+
+        Returns
+        -------
+        float
+            Odds; 1 is no preference.
+        """
         return 1.0
 
     def lies_in(self, window: Window) -> bool:
-        """Whether any of it lies in this part of the field; named places may say that none does."""
+        """Whether any of it lies in this part of the field; named places may say that none does.
+
+        Parameters
+        ----------
+        window : Window
+            Part of the field.
+
+        Returns
+        -------
+        bool
+            False where it surely does not.
+        """
         return True
 
     def relatives(self) -> list[Effect]:
-        """Other forms that show nearly alike, with numbers to match; tried once this one fits."""
+        """Other forms that show nearly alike, with numbers to match; tried once this one fits.
+
+        Returns
+        -------
+        list of Effect
+            None by default.
+        """
         return []
 
     def hot_signal(self, reference: OperatingPoint) -> HotSignal | None:
-        """Where it is extra dark signal in few pixels, what all effects of that kind have."""
+        """Where it is extra dark signal in few pixels, what all effects of that kind have.
+
+        Parameters
+        ----------
+        reference : OperatingPoint
+            Where the model's numbers are stated.
+
+        Returns
+        -------
+        HotSignal or None
+            None for all other effects.
+        """
         return None
 
     @classmethod
     def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
-        """This effect with such an extra dark signal; several where it has kinds."""
+        """This effect with such an extra dark signal; several where it has kinds.
+
+        Parameters
+        ----------
+        hot : HotSignal
+            What to describe.
+
+        Returns
+        -------
+        list of Effect
+            None by default.
+        """
         return []
 
     def warm_up(self, point: OperatingPoint) -> int:
-        """Frames before the first that were taken alike, of those that ``memory`` looks at.
+        """Return how many frames were taken alike before the first, of those ``memory`` looks at.
 
         For earlier ones stands the first of all.
+
+        Parameters
+        ----------
+        point : OperatingPoint
+            Where.
+
+        Returns
+        -------
+        int
+            Frames.
         """
         return 0
 
     def idle(self) -> tuple[str, ...]:
-        """Parameters that change nothing under the present choices; a fit leaves them alone."""
+        """Return the parameters that change nothing under the present choices.
+
+        A fit leaves them alone.
+
+        Returns
+        -------
+        tuple of str
+            Names.
+        """
         return ()
 
     def value(self, name: str, point: OperatingPoint) -> float:
-        """A parameter's value at an operating point, whatever its law."""
+        """A parameter's value at an operating point, whatever its law.
+
+        Parameters
+        ----------
+        name : str
+            Parameter.
+        point : OperatingPoint
+            Where.
+
+        Returns
+        -------
+        float
+            In the unit of the parameter.
+        """
         return value_at(getattr(self, name), point)
 
     @classmethod
@@ -340,7 +621,23 @@ class Effect:
 
     @classmethod
     def from_plain(cls, raw: dict[str, Any]) -> Effect:
-        """Build from a mapping as written in YAML; unknown names are refused."""
+        """Build from a mapping as written in YAML; unknown names are refused.
+
+        Parameters
+        ----------
+        raw : dict
+            Parameter to number or law.
+
+        Returns
+        -------
+        Effect
+            The effect.
+
+        Raises
+        ------
+        InputError
+            An unknown parameter, or a value outside its bounds.
+        """
         known = cls.parameters()
         for key in raw:
             if key not in known:
@@ -353,7 +650,13 @@ class Effect:
         return cls(**values)
 
     def to_plain(self) -> dict[str, Any]:
-        """As written in YAML."""
+        """Return the effect as it is written in YAML.
+
+        Returns
+        -------
+        dict
+            Parameter to number, law or choice.
+        """
         plain = {}
         for key in self.parameters():
             value = getattr(self, key)

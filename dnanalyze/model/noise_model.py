@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,18 @@ class NoiseModel:
         return max((e.placing for e in self.effects), default=Placing.EVERYWHERE)
 
     def reference_of(self, channel: str | None) -> OperatingPoint:
-        """Where the amplitudes of a channel are stated."""
+        """Return the operating point at which the amplitudes of a channel are stated.
+
+        Parameters
+        ----------
+        channel : str or None
+            HDR readout channel.
+
+        Returns
+        -------
+        OperatingPoint
+            The reference.
+        """
         return next((r for r in self.channel_references if r.channel == channel), self.reference)
 
     @property
@@ -71,22 +83,61 @@ class NoiseModel:
         return sorted(self.effects, key=lambda e: e.stage)
 
     def get(self, name: str) -> Effect | None:
-        """The effect of that name, if present."""
+        """Return the effect of that name.
+
+        Parameters
+        ----------
+        name : str
+            Name of the effect.
+
+        Returns
+        -------
+        Effect or None
+            None where the model has none of that name.
+        """
         return next((e for e in self.effects if e.name == name), None)
 
     def with_effect(self, effect: Effect) -> NoiseModel:
-        """The model with this effect added, or replaced where it is present."""
+        """Return the model with this effect added, or replaced where it is present.
+
+        Parameters
+        ----------
+        effect : Effect
+            The effect with its parameters.
+
+        Returns
+        -------
+        NoiseModel
+            A new model.
+        """
         if self.get(effect.name) is None:
             return replace(self, effects=(*self.effects, effect))
         new = tuple(effect if e.name == effect.name else e for e in self.effects)
         return replace(self, effects=new)
 
     def without(self, name: str) -> NoiseModel:
-        """The model without the effect of that name."""
+        """Return the model without the effect of that name.
+
+        Parameters
+        ----------
+        name : str
+            Name of the effect.
+
+        Returns
+        -------
+        NoiseModel
+            A new model.
+        """
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
 
     def to_plain(self) -> dict[str, Any]:
-        """As written in YAML."""
+        """Return the model as it is written in YAML.
+
+        Returns
+        -------
+        dict
+            By key; see ``load_model``.
+        """
         own = self.channel_references
         more = {"channel_references": [_plain_point(r) for r in own]} if own else {}
         return {
@@ -162,11 +213,54 @@ def _seed(raw: Any) -> int:
     return raw
 
 
-def load_model(path: Path, known: dict[str, type[Effect]] | None = None) -> NoiseModel:
-    """Read a model file (YAML)."""
-    return model_from_plain(read_yaml(path), str(path), known)
+def load_model(
+    path: str | PathLike[str], known: dict[str, type[Effect]] | None = None
+) -> NoiseModel:
+    """Read a model file (YAML).
+
+    Parameters
+    ----------
+    path : str or PathLike
+        The file.
+    known : dict, optional
+        Effects by name; the built-in catalogue by default.
+
+    Returns
+    -------
+    NoiseModel
+        The model.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or holds no model; one line names the key.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> dnanalyze.load_model("sample_configs/model.yaml").names[:2]
+    ['convolved_lognormal', 'dark_shot_noise']
+    """
+    return model_from_plain(read_yaml(Path(path)), str(path), known)
 
 
 def dump_model(model: NoiseModel) -> str:
-    """The model as YAML text."""
+    """Return a model as YAML text, which `load_model` reads.
+
+    Parameters
+    ----------
+    model : NoiseModel
+        The model.
+
+    Returns
+    -------
+    str
+        YAML.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> print(dnanalyze.dump_model(dnanalyze.NoiseModel((), 64.0)).splitlines()[1])
+    pedestal: 64.0
+    """
     return yaml.safe_dump(model.to_plain(), sort_keys=False)

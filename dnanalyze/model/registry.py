@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import pkgutil
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -33,11 +34,53 @@ def built_in() -> dict[str, type[Effect]]:
 
 
 def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
-    """The built-in catalogue with the effects of the user's own Python files."""
+    """Return all effects by name: the built-in catalogue and the user's own files.
+
+    Parameters
+    ----------
+    files : tuple of path
+        Python files with classes derived from ``dnanalyze.Effect``.
+
+    Returns
+    -------
+    dict
+        Name to class.
+
+    Raises
+    ------
+    InputError
+        A file that is no Python file or holds no effect.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> "column_fpn" in dnanalyze.catalogue()
+    True
+    """
     effects_by_name = dict(built_in())
     for path in files:
         effects_by_name |= _load_file(path)
     return effects_by_name
+
+
+def known_effects(
+    effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
+    known: Mapping[str, type[Effect]] | None = None,
+) -> dict[str, type[Effect]]:
+    """The effects that a model may be given.
+
+    Parameters
+    ----------
+    effects : sequence of path, or mapping
+        The user's own Python files, beside the built-in catalogue; or all effects by name.
+    known : mapping, optional
+        All effects by name: the former word for it.
+    """
+    if known is not None:
+        return dict(known)
+    if isinstance(effects, Mapping):
+        return dict(effects)
+    return catalogue(tuple(Path(path) for path in effects))
 
 
 def find(name: str, known: dict[str, type[Effect]]) -> type[Effect]:

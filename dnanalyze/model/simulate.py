@@ -26,11 +26,12 @@ def simulate(
     threads: int = 1,
     device: str = "cpu",
 ) -> CaptureSet:
-    """A capture set whose frames are drawn when they are read.
+    """Simulate the frames of a model; each is drawn when it is read.
 
     Parameters
     ----------
     model : NoiseModel
+        What to simulate; its seed selects the virtual sensor.
     shape : tuple of int
         (rows, columns).
     settings : sequence of (OperatingPoint, int)
@@ -46,10 +47,27 @@ def simulate(
     device : str
         "cpu", or "cuda" for a GPU; the pixels do not depend on it beyond rounding.
 
+    Returns
+    -------
+    CaptureSet
+        The frames, which are drawn when they are read.
+
     Raises
     ------
     InputError
         The device is unknown or not to be had.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze import NoiseModel, OperatingPoint
+    >>> model = NoiseModel((dnanalyze.catalogue()["read_noise"](sigma=2.0),), pedestal=64.0)
+    >>> captures = dnanalyze.simulate(model, (64, 64), [(OperatingPoint(25.0), 4)])
+    >>> frame = captures.settings[0].frames[0].read()
+    >>> frame.shape
+    (64, 64)
+    >>> bool(abs(frame.std() - 2.0) < 0.1)
+    True
     """
     draw = (
         _drawn_by_threads(model, shape, memo or Memo(), threads)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.words import is_number, listing
+from dnanalyze.report.words import celsius, is_number, listing, symbol
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,16 +146,16 @@ def headline(result: Any) -> str:
             continue
         first = [p.sensor for p in known if p.rank == 1]
         told = "" if len(known) == len(result.sensors) else f" of the {len(known)} ranked"
-        title = f"{ranking.title} ({ranking.unit}){told}"
+        title = f"{ranking.title} ({symbol(ranking.unit)}){told}"
         if len(first) == 1:
             leads.setdefault(first[0], []).append(title)
         else:
             alike.append(title)
-    at = f" at {middle:g} °C" if is_number(middle) else ""
+    at = f" at {celsius(middle)}" if is_number(middle) else ""
     if not leads:
-        return f"No sensor is told apart from the others in dark current, noise or hot pixels{at}."
-    parts = [f"{name} leads in {listing(titles)}" for name, titles in leads.items()]
-    parts += [f"the best are not distinguishable in {listing(alike)}"] if alike else []
+        return f"The sensors do not differ significantly in dark current, noise or hot pixels{at}."
+    parts = [f"{name} is best in {listing(titles)}" for name, titles in leads.items()]
+    parts += [f"the best do not differ significantly in {listing(alike)}"] if alike else []
     return f"Of {len(result.sensors)} sensors{at}, {'; '.join(parts)}."
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dnanalyze.report.words import is_number, plural
+from dnanalyze.report.words import is_number, number, plural
 
 
 def title(captures: Any) -> str:
@@ -19,8 +19,8 @@ def spread(values: list[float], unit: str) -> str:
     if not known:
         return ""
     if len(known) == 1:
-        return f"{known[0]:g} {unit}"
-    return f"{known[0]:g} to {known[-1]:g} {unit}"
+        return f"{number(known[0])} {unit}"
+    return f"{number(known[0])} to {number(known[-1])} {unit}"
 
 
 def known(captures: Any, key: str) -> list[float]:

@@ -11,7 +11,7 @@ from dnanalyze.report.plain import document
 from dnanalyze.report.words import error_way, is_number, listing, naming, number, sentence
 
 Document = dict[str, Any]
-COLUMNS = ("channel", "verdict", "its own effects", "error at the start", "error at the end")
+COLUMNS = ("channel", "verdict", "own effects", "initial error", "final error")
 
 
 def refinement(where: str, command: str, result: Any, output: Path | None) -> Document:
@@ -85,7 +85,11 @@ def headline(result: Any) -> str:
     own = {c: names for c, names in result.own.items() if names}
     places = [f"{listing(_names(result.channels[c], names))} in {c}" for c, names in own.items()]
     found = [*result.shared, *places]
-    text = f"Found: {listing(found)}" if found else "No channel needs more than every sensor has"
+    text = (
+        f"Identified: {listing(found)}"
+        if found
+        else "No channel needs more than the baseline effects"
+    )
     first, last = result.steps[0].error, result.error
     shown = f"; {error_way(first, last)}" if is_number(last) else ""
     return f"{text}{shown}, with one model of all channels"

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-from dnanalyze.report.words import family_title, number, plural
+from dnanalyze.report.words import family_title, number, plural, unit_text
 
 MOST_ROWS = 20
 
 
 def limit(check: Any) -> str:
     """``1.9 to 2.1 DN``, ``at most 1.3``."""
-    unit = f" {check.unit}" if check.unit and check.unit != "1" else ""
+    unit = unit_text(check.unit)
     low, high = math.isfinite(check.lower), math.isfinite(check.upper)
     if low and high:
         return f"{number(check.lower, 5)} to {number(check.upper, 5)}{unit}"
@@ -25,17 +25,17 @@ def limit(check: Any) -> str:
 
 
 def excess(check: Any) -> str:
-    """By how much a value is outside: ``+0.31 DN (+12 %, 5.2 floors)``."""
+    """By how much a value is outside: ``+0.31 DN (+12 %, 5.2 sigma)``."""
     if math.isnan(check.value):
         return f"no value: {check.reason}"
     edge = check.upper if check.beyond > 0 else check.lower
-    unit = f" {check.unit}" if check.unit and check.unit != "1" else ""
+    unit = unit_text(check.unit)
     sign = "+" if check.beyond > 0 else "\N{MINUS SIGN}"
     more = []
     if edge and math.isfinite(edge):
         more.append(f"{sign}{number(100 * abs(check.beyond / edge), 2)} %")
     if check.floors_beyond is not None:
-        more.append(f"{number(abs(check.floors_beyond), 2)} floors")
+        more.append(f"{number(abs(check.floors_beyond), 2)} sigma")
     tail = f" ({', '.join(more)})" if more else ""
     return f"{sign}{number(abs(check.beyond), 3)}{unit} beyond its limit{tail}"
 
@@ -53,10 +53,10 @@ def headline(result: Any) -> str:
     """Passed or failed, in one sentence."""
     total = plural(len(result.checks), "target")
     known = len(result.known_misses)
-    tail = f"; {known} known to be missed and not enforced" if known else ""
+    tail = f"; {known} known to be violated and not enforced" if known else ""
     if result.passed:
-        return f"Passed: {total} held{tail}."
-    return f"Failed: {len(result.failures)} of {total} broken{tail}."
+        return f"Passed: {total} met{tail}."
+    return f"Failed: {len(result.failures)} of {total} violated{tail}."
 
 
 def junit(result: Any) -> str:
@@ -103,16 +103,16 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
     """A summary for a pull request or a job's page."""
     lines = [f"### {'✅' if result.passed else '❌'} Dark noise: {headline(result)}", ""]
     rows = result.failures[:MOST_ROWS]
-    lines += _table("broken target", rows)
+    lines += _table("violated target", rows)
     if len(result.failures) > MOST_ROWS:
         lines += [f"and {len(result.failures) - MOST_ROWS} more.", ""]
     if result.known_misses:
-        lines += ["<details><summary>Known misses, not enforced</summary>", ""]
+        lines += ["<details><summary>Known violations, not enforced</summary>", ""]
         lines += [*_table("target", result.known_misses[:MOST_ROWS]), "</details>", ""]
     if rows:
         own = f" --model {model}" if model else ""
         command = f"dnanalyze compare {result.captures}{own} --report compare.html"
-        lines += [f"To see it: `{command.replace('`', '')}`", ""]
+        lines += [f"To see the figures: `{command.replace('`', '')}`", ""]
     rate = result.false_failures
     if rate:
         lines += [
@@ -120,7 +120,9 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
             f"about once in {1 / rate:,.0f} runs.",
             "",
         ]
-    lines.append(f"Held: {_cell(model or result.simulation)} against {_cell(targets)}.")
+    lines.append(
+        f"Checked: {_cell(model or result.simulation)} with the targets of {_cell(targets)}."
+    )
     return "\n".join(lines) + "\n"
 
 
@@ -128,7 +130,7 @@ def _table(title: str, rows: Sequence[Any]) -> list[str]:
     if not rows:
         return []
     lines = [
-        f"| {title} | limit | simulated | measured | off by | figure |",
+        f"| {title} | limit | simulated | measured | deviation | figure |",
         "|---|---|---|---|---|---|",
     ]
     for c in rows:

@@ -112,6 +112,27 @@ def findings(result: Any) -> pd.DataFrame:
     return _frame([{k: getattr(f, k) for k in keys} for f in result.findings])
 
 
+def checks(result: Any) -> pd.DataFrame:
+    """The targets with their limits and values."""
+    rows = [
+        _point(c.point)
+        | {
+            "name": c.name,
+            "kind": c.kind,
+            "plane": c.plane,
+            "min": c.lower,
+            "max": c.upper,
+            "value": c.value,
+            "measured": c.measured,
+            "unit": c.unit,
+            "passed": c.passed,
+            "enforced": c.enforced,
+        }
+        for c in result.checks
+    ]
+    return _frame(rows)
+
+
 def worst(rows: list[Any], family: str | None = None, most: int = 8) -> list[Any]:
     """Rows of a comparison by the size of their discrepancy, each statistic once, worst first."""
     own = [r for r in rows if is_number(r["discrepancy"]) and family in (None, r["family"])]

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from dnanalyze.digits import is_number, number
+from dnanalyze.digits import is_number, number, symbol, unit_text
+from dnanalyze.loaders.captures import OperatingPoint
 
 FAMILIES = {
-    "level": "Level and noise",
+    "level": "Mean dark signal and noise",
     "distribution": "Distribution",
     "tails": "Hot-pixel tail",
     "spectrum": "Spectrum",
     "lines": "Rows and columns",
-    "neighbours": "Neighbours",
-    "time": "Time",
+    "neighbours": "Neighbouring pixels",
+    "time": "Frame to frame",
     "codes": "Codes",
     "shading": "Shading",
     "trends": "Over temperature",
@@ -29,16 +31,26 @@ def family_title(name: str) -> str:
 
 def with_error(value: Any, error: Any, unit: str = "") -> str:
     """``1.23 ± .04 DN``, the error to two digits and the value to the same decimal place."""
-    tail = f" {unit}" if unit and unit != "1" else ""
+    tail = unit_text(unit)
     if not (is_number(value) and is_number(error)) or error <= 0:
-        return number(value, 4) + tail
-    decimals = max(0, 1 - math.floor(math.log10(error)))
+        return number(value) + tail
+    places = 1 - math.floor(math.log10(error))
+    value, error, decimals = round(value, places), round(error, places), max(0, places)
     if decimals > 6 or abs(value) >= 1e6:
         return f"{number(value, 4)} ± {number(error, 2)}{tail}"
-    return f"{value:.{decimals}f} ± {error:.{decimals}f}{tail}"
+    return f"{value:,.{decimals}f} ± {error:,.{decimals}f}{tail}"
 
 
-POINT_FORMS = {"temperature_c": "{:.4g} °C", "exposure_s": "{:.4g} s", "gain": "gain {:.4g}"}
+def celsius(value: Any) -> str:
+    """``-10.2 °C``."""
+    return f"{number(value)} °C"
+
+
+POINT_FORMS = {
+    "temperature_c": celsius,
+    "exposure_s": lambda v: f"{number(v)} s",
+    "gain": lambda v: f"gain {number(v)}",
+}
 
 
 def varied(rows: Iterable[Mapping[str, Any]]) -> set[str]:
@@ -61,7 +73,7 @@ def percent(share: Any) -> str:
 
 def probability(p: Any) -> str:
     """A p-value; below what numbers can hold it is said to be so."""
-    return "< 1e-300" if p == 0 else number(p, 2)
+    return "< 10⁻³⁰⁰" if p == 0 else number(p, 2)
 
 
 def point_label(row: Any, only: Iterable[str] | None = None) -> str:
@@ -79,10 +91,10 @@ def point_label(row: Any, only: Iterable[str] | None = None) -> str:
     parts = [str(get("channel"))] if get("channel") is not None else []
     for key, form in POINT_FORMS.items():
         if is_number(get(key)):
-            parts.append(form.format(get(key)))
+            parts.append(form(get(key)))
     if get("plane"):
         parts.append(str(get("plane")))
-    return ", ".join(parts) or "one setting"
+    return ", ".join(parts) or "one operating point"
 
 
 def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
@@ -99,21 +111,21 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
         if percent > 900:
             return f"×{number(measured / simulated, 2)}"
         return f"{percent:+.1f} %" if abs(percent) < 10 else f"{percent:+.0f} %"
-    tail = f" {unit}" if unit and unit != "1" else ""
-    return f"{'+' if measured > simulated else '−'}{number(abs(measured - simulated), 2)}{tail}"
+    tail = unit_text(unit)
+    return f"{'+' if measured > simulated else '-'}{number(abs(measured - simulated), 2)}{tail}"
 
 
 def closeness(error: Any) -> str:
-    """What an error means."""
+    """What a model error means."""
     if not is_number(error):
-        return "the model could not be held against these frames"
+        return "the model could not be compared with these captures"
     if error < 1.3:
-        return "the model is as close to this sensor as a second one of its make would be"
+        return "the model is as close to this sensor as a second sensor of the same make"
     if error < 2:
-        return "the model is close to this sensor, yet a small part of it is missing"
+        return "the model is close to this sensor; a small difference remains"
     if error < 5:
-        return "the model misses part of this sensor"
-    return "the model misses much of this sensor"
+        return "the model does not describe part of this sensor"
+    return "the model does not describe much of this sensor"
 
 
 def sentence(text: str) -> str:
@@ -139,15 +151,18 @@ def plural(count: int, noun: str) -> str:
 
 
 def compare_headline(error: Any, baselines: Mapping[str, Any]) -> str:
-    """The verdict of a comparison in one sentence, the Gaussian beside it."""
-    text = f"Error {number(error)}: {closeness(error)}"
+    """The verdict of a comparison in one sentence, the Gaussian model beside it."""
+    text = f"Model error {number(error)}: {closeness(error)}"
     gaussian = baselines.get("gaussian")
     if is_number(error) and is_number(gaussian):
-        text += f"; a plain Gaussian of the same mean and spread errs by {number(gaussian)}"
+        text += (
+            "; a Gaussian model of the same mean and standard deviation has a model error of "
+            f"{number(gaussian)}"
+        )
     return sentence(text)
 
 
-SURE = 0.9  # confidence below which a name is only possible
+SURE = 0.9  # confidence below which an effect is only possible
 NAMED = 3  # statistics that a sentence names
 
 
@@ -178,7 +193,7 @@ def error_way(before: Any, after: Any) -> str:
     from dnanalyze.comparator.error import LUCK, way
 
     if not (is_number(before) and is_number(after)):
-        return f"the error goes from {number(before)} to {number(after)}"
+        return f"the model error goes from {number(before)} to {number(after)}"
     gone = way(before, after)
     if gone == "stays":
         where = (
@@ -186,20 +201,20 @@ def error_way(before: Any, after: Any) -> str:
             if number(before) == number(after)
             else (f"goes from {number(before)} to {number(after)}")
         )
-        return f"the error {where}, within its scatter of {100 * LUCK:.0f} %"
-    return f"the error {gone} from {number(before)} to {number(after)}"
+        return f"the model error {where}, within its scatter of {100 * LUCK:.0f} %"
+    return f"the model error {gone} from {number(before)} to {number(after)}"
 
 
 def candidates_of(found: Any) -> tuple[list[Any], list[Any]]:
-    """The candidates of a diagnosis, and apart from them what every sensor has."""
-    every = [c for c in found.candidates if c.effect in found.ordinary]
-    return [c for c in found.candidates if c.effect not in found.ordinary], every
+    """The candidates of a diagnosis, and apart from them the baseline effects."""
+    baseline = [c for c in found.candidates if c.effect in found.ordinary]
+    return [c for c in found.candidates if c.effect not in found.ordinary], baseline
 
 
 def leading(found: Any) -> Any:
     """The candidate that a diagnosis names first, or None."""
-    others, every = candidates_of(found)
-    return next(iter(others or every), None)
+    others, baseline = candidates_of(found)
+    return next(iter(others or baseline), None)
 
 
 def diagnose_headline(found: Any) -> str:
@@ -209,54 +224,54 @@ def diagnose_headline(found: Any) -> str:
 
 def _diagnosed(found: Any) -> str:
     ordinary = found.ordinary
-    every = f"what every sensor has ({listing(ordinary)})"
+    baseline = f"the baseline effects ({listing(ordinary)})"
     others, named = candidates_of(found)
     put_in = [c.error_after for c in named]
     if found.verdict == "adequate":
         return (
-            "Adequate: nothing is missing that these frames could show "
-            f"(error {number(found.error)})."
+            "Adequate: no missing effect is detectable in these captures "
+            f"(model error {number(found.error)})."
         )
     if found.verdict == "missing" and found.candidates and found.candidates[0].effect in ordinary:
         return sentence(
-            f"Missing: {every}; with it {error_way(found.error, put_in[-1])}, and nothing else is "
-            "missing that these frames could show"
+            f"Missing: {baseline}; with them {error_way(found.error, put_in[-1])}, and no other "
+            "missing effect is detectable in these captures"
         )
     if found.verdict == "missing" and others:
-        return _missing(found, others[0], every if ordinary else "")
-    error, text = found.error, f"Unexplained: something is missing (error {number(found.error)})"
+        return _missing(found, others[0], baseline if ordinary else "")
+    error = found.error
+    text = f"Unexplained: an effect is missing (model error {number(error)})"
     if ordinary:
         error = put_in[-1]
-        text = (
-            f"Unexplained: with {every} {error_way(found.error, error)}; something else is missing"
-        )
+        text = f"Unexplained: with {baseline} {error_way(found.error, error)}"
+        text += "; another effect is missing"
     left = statistics_named(found.unexplained)
     if not others:
-        return sentence(f"{text}, and no effect of the catalogue accounts for {left or 'it'}")
+        return sentence(f"{text}, and no effect of the catalogue explains {left or 'it'}")
     best = others[0]
     nearest = with_rivals(best.effect, best.confidence, best.confused_with)
-    text += f". The nearest is {nearest}: with it {error_way(error, best.error_after)}"
+    text += f". The closest candidate is {nearest}: with it {error_way(error, best.error_after)}"
     if best.leaves:
-        return sentence(f"{text}, but it leaves unexplained: {statistics_named(best.leaves)}")
-    return sentence(f"{text}, but these captures do not support it; unexplained: {left}")
+        return sentence(f"{text}, but it does not explain {statistics_named(best.leaves)}")
+    return sentence(f"{text}, but these captures do not support it; not explained: {left}")
 
 
-def _missing(found: Any, best: Any, every: str) -> str:
-    """What is missing, the error with it, and what it leaves or may be confused with."""
-    beside, it = (f", beside {every}", "all of it") if every else ("", "it")
+def _missing(found: Any, best: Any, baseline: str) -> str:
+    """What is missing, the model error with it, what it does not explain, the confounders."""
+    beside, it = (f", beside {baseline}", "all of them") if baseline else ("", "it")
     text = (
         f"Missing: {naming(best.effect, best.confidence)}, with {percent(best.confidence)} "
         f"confidence{beside}; with {it} {error_way(found.error, best.error_after)}"
     )
     if found.unexplained:
-        text += f"; it leaves unexplained: {statistics_named(found.unexplained)}"
+        text += f"; it does not explain {statistics_named(found.unexplained)}"
     if best.confused_with:
-        text += f". These frames cannot always tell it from {listing(best.confused_with)}"
+        text += f". It is confounded with {listing(best.confused_with)} in these captures"
     return sentence(text)
 
 
 def with_remarks(headline: str, result: Any) -> str:
-    """A headline, and what else it must say: a law that was put in, a level that is not kept."""
+    """A headline, and what else it must say: a law put in, a mean dark signal that is off."""
     law, level = getattr(result, "law", ""), getattr(result, "level", None)
     more = [sentence(law)] if law else []
     if level is not None and not level.kept:
@@ -265,11 +280,11 @@ def with_remarks(headline: str, result: Any) -> str:
 
 
 def level_words(level: Any) -> str:
-    """How far the mean dark level is off at its worst operating point."""
+    """How far the mean dark signal is off at its worst operating point."""
     share = "" if level.relative is None else f"{number(100 * abs(level.relative), 2)} %, "
     where = ", ".join(filter(None, (point_label(level.point), level.plane)))
     return (
-        f"the mean dark level at {where} is off by {number(abs(level.difference_dn), 2)} DN "
+        f"the mean dark signal at {where} is off by {number(abs(level.difference_dn), 2)} DN "
         f"({share}{number(level.standard_errors, 2)} standard errors)"
     )
 
@@ -299,33 +314,33 @@ def _refined(result: Any) -> str:
         for name in net_additions([s.added for s in steps])
     ]
     if not added:
-        text = f"Nothing was added; {error_way(first, last)}"
+        text = f"No effect was added; {error_way(first, last)}"
     else:
-        text = f"{error_way(first, last).capitalize()} with {listing(added)}"
+        text = f"{sentence(error_way(first, last))[:-1]} with {listing(added)}"
     if not result.finished:
-        return sentence(f"{text}; not finished: what is left was not asked yet")
+        return sentence(f"{text}; not finished: the residual was not tested yet")
     left = statistics_named(result.unexplained)
     ending = {
-        "adequate": "nothing is left to find in these frames",
+        "adequate": "no further missing effect is detectable in these captures",
         "missing": _stopped(result),
-        "unexplained": f"no effect of the catalogue accounts for what stays unexplained: {left}",
+        "unexplained": f"no effect of the catalogue explains the residual in {left}",
     }
     return sentence(f"{text}; {ending.get(verdict, verdict)}")
 
 
 def _stopped(result: Any) -> str:
-    """What is missing yet in a refinement that was told to stop."""
+    """What is missing yet in a refinement that reached a limit of the user's."""
     found = [] if result.diagnosis is None else list(result.diagnosis.candidates)
     if found:
         best = found[0]
         name = with_rivals(best.effect, best.confidence, best.confused_with)
-        return f"it stopped as told; the next to add is {name}"
+        return f"it stopped at the requested limit; the next effect to add is {name}"
     left = statistics_named(result.unexplained)
-    return f"it stopped as told, and what is left was not asked: {left}"
+    return f"it stopped at the requested limit; the residual was not tested: {left}"
 
 
 def add_headline(result: Any) -> str:
-    """What one effect that the user named does to the error, and whether it is supported."""
+    """What one effect that the user chose does to the model error, and whether it is supported."""
     before, after = result.steps[0], result.steps[-1]
     text = f"With {after.added} {error_way(before.error, after.error)}"
     if not after.supported:
@@ -333,12 +348,12 @@ def add_headline(result: Any) -> str:
     elif naming(after.added, after.confidence) != after.added:
         text += f"; these captures support it weakly ({percent(after.confidence)} confidence)"
     else:
-        text += f"; these captures support it ({percent(after.confidence)} against nothing missing)"
+        text += f"; these captures support it ({percent(after.confidence)} confidence)"
     if result.unexplained:
         left = statistics_named(result.unexplained)
-        text += f". The model leaves unexplained: {left}; `dnanalyze diagnose` asks for the rest"
+        text += f". The model does not explain {left}; `dnanalyze diagnose` tests other effects"
     elif result.verdict == "adequate":
-        text += ". Nothing is left to find in these frames"
+        text += ". No further missing effect is detectable in these captures"
     return with_remarks(sentence(text), result)
 
 
@@ -365,3 +380,44 @@ def texts(items: Any) -> list[str]:
             for key, value in items.items()
         ]
     return [sentence(str(item)) for item in items]
+
+
+def parameter_rows(result: Any) -> tuple[list[tuple[str, str, str, str]], str]:
+    """Name, value with standard error, unit and operating point of each parameter.
+
+    Beside them what all those operating points have in common, which the rows leave out.
+    """
+    points = [_where(p.name, result.model) for p in result.parameters]
+    known = [vars(point) for point in points if point is not None]
+    apart = varied(known)
+    common = {k: v for k, v in (known[0] if known else {}).items() if k not in apart}
+    rows = [
+        (
+            p.name,
+            with_error(p.value, p.se),
+            symbol(p.unit),
+            point_label(point, apart) if apart and point is not None else "",
+        )
+        for p, point in zip(result.parameters, points, strict=True)
+    ]
+    return rows, point_label(common) if any(v is not None for v in common.values()) else ""
+
+
+def _where(name: str, model: Any) -> OperatingPoint | None:
+    """The operating point at which a model states a parameter; None for an energy."""
+    effect, _, rest = name.partition(".")
+    parameter, _, part = rest.partition(".")
+    if "ea_ev" in (parameter, part):
+        return None
+    effect, _, row = effect.partition("[")
+    if "[" in parameter:
+        parameter, _, row = parameter.partition("[")
+    bearer = model.get(effect)
+    law: Any = model.pedestal if effect == "pedestal" else getattr(bearer, parameter, None)
+    number_of_row = row.rstrip("]")
+    if hasattr(law, "points") and number_of_row.isdigit():
+        found = law.points[int(number_of_row)]
+        return replace(model.reference, **{k: v for k, v in vars(found).items() if v is not None})
+    if hasattr(law, "at_c"):
+        return replace(model.reference, temperature_c=law.at_c)
+    return model.reference

@@ -10,14 +10,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dnanalyze_cli import show_benchmark
 from rich.console import Console
 
-from dnanalyze.benchmark import record as records
-from dnanalyze.benchmark.criteria import CRITERIA, SINGLE
-from dnanalyze.benchmark.laws import Reading, common_temperatures, estimate
-from dnanalyze.benchmark.record import ABSENT, Figure, SensorRecord, gain_of, strengths
-from dnanalyze.benchmark.run import benchmark, side_by_side, unique_names
+from dnanalyze.benchmarking import record as records
+from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE
+from dnanalyze.benchmarking.laws import Reading, common_temperatures, estimate
+from dnanalyze.benchmarking.record import ABSENT, Figure, SensorRecord, gain_of, strengths
+from dnanalyze.benchmarking.run import benchmark, side_by_side, unique_names
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
@@ -29,6 +28,7 @@ from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
 from dnanalyze.report import benchmark as results
 from dnanalyze.report.pages.benchmark import _rankings, benchmark_page
+from dnanalyze.report.terminal.benchmark import result as shown
 
 P = OperatingPoint
 
@@ -125,8 +125,22 @@ def test_ranks_go_by_the_errors_that_are_printed():
     row = _rankings(result).tables[0].rows[-1]
     assert "not distinguishable from vague" in row[-1]
     console = Console(width=80, record=True, file=io.StringIO())
-    show_benchmark.result(console, result)
+    shown(console, result)
     assert "fine and vague are not distinguishable" in " ".join(console.export_text().split())
+
+
+def test_the_result_prints_tabulates_draws_and_shows_itself():
+    found, _ = ranked([("one", 500.0, 1.0), ("<two>", 63.0, 1.0)])
+    assert found.summary().startswith("  ") or "sensor" in found.summary()
+    assert max(map(len, found.summary().splitlines())) <= 80
+    assert found.to_dict() == results.document([s.folder for s in found.sensors], found)
+    assert list(found.to_dataframe()["sensor"].unique()) == ["<two>", "one"]
+    assert repr(found) == "<BenchmarkResult: one, <two>>"
+    html = found._repr_html_()
+    assert "&lt;two&gt;" in html
+    assert "<two>" not in html
+    with pytest.raises(InputError, match="valid: temperature, spectra, errors"):
+        found.plot("pie")
 
 
 def test_who_is_told_from_the_best_is_no_first_whatever_stands_between():
@@ -350,11 +364,11 @@ def test_the_headline_compares_electrons_where_they_are_known():
     low = made_record("low", 3.0, dn_per_e=Figure(0.05, 0.0005, ""))
     high = made_record("high", 9.0, dn_per_e=Figure(0.5, 0.005, ""))
     assert headline(side_by_side([low, high], [45.0])) == (
-        "Of 2 sensors at 45 °C, high leads in dark current (e-/s)."
+        "Of 2 sensors at 45 °C, high is best in dark current (e⁻/s)."
     )
     best = made_record("best", 1.0, filtered=True, filter_kind="dpc", dn_per_e=high.dn_per_e)
-    assert "high leads in dark current (e-/s) of the 2 ranked" in headline(
+    assert "high is best in dark current (e⁻/s) of the 2 ranked" in headline(
         side_by_side([low, best, high], [45.0])
     )
     unknown = [made_record("low", 3.0), made_record("high", 9.0)]
-    assert "low leads in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))
+    assert "low is best in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))

@@ -199,7 +199,7 @@ def test_files_that_are_no_targets_are_refused_in_one_line(content, words, tmp_p
     [
         (
             {"statistic": "mean", "at": {"temperature_c": 85}, "max": 1},
-            "no frames at 85 C; the captures have 25 C",
+            "no frames at 85 °C; the captures have 25 °C",
         ),
         ({"statistic": "mean", "at": {"channel": "hcg"}, "max": 1}, "no frames at hcg"),
         (
@@ -238,7 +238,9 @@ def test_junit_and_markdown_are_well_formed_and_name_the_failure(targets):
         int(suite.get("failures")) == len(result.failures) == len(suite.findall("testcase/failure"))
     )
     messages = [f.get("message") for f in suite.findall("testcase/failure")]
-    assert any("floors" in m and "DN" in m and "see 'Level and noise'" in m for m in messages)
+    assert any(
+        "sigma" in m and "DN" in m and "see 'Mean dark signal and noise'" in m for m in messages
+    )
     text = markdown(result, "T.yaml", "M.yaml")
     assert result.failures[0].subject in text
     assert "dnanalyze compare" in text

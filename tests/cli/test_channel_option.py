@@ -125,7 +125,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
         assert set(written["channels"]) == {"hcg", "lcg"}
         assert load_model(file).names == ["convolved_lognormal"]
         shown = capsys.readouterr().out
-        assert "Found: column_fpn in hcg; the error falls from 6.5 to 1.2" in shown
+        assert "Identified: column_fpn in hcg; the model error falls from 6.5 to 1.2" in shown
         assert max(map(len, shown.splitlines())) <= 80
     assert seen["most_effects"] == 3
     assert "column_fpn: in hcg only" in (tmp_path / "refine.html").read_text()
@@ -146,7 +146,7 @@ def test_diagnose_over_channels_names_the_channel_of_each_candidate(
     assert written["channels"]["lcg"]["verdict"] == "adequate"
     assert {c["channel"] for c in written["candidates"]} == {"hcg"}  # adequate: none
     assert "channel" in table.read_text().splitlines()[0]
-    assert "2 channels, each by itself: missing" in capsys.readouterr().out
+    assert "2 channels, each diagnosed separately: missing" in capsys.readouterr().out
     assert "hcg: Candidates" in page.read_text()
 
 

@@ -79,7 +79,7 @@ def test_every_command_writes_its_json_and_shows_its_verdict(
 def test_the_verdict_comes_before_the_numbers(folder, calls, capsys):
     main(["compare", str(folder), "-q"])
     text = capsys.readouterr().out
-    assert text.index("Error 6.5") < text.index("Failure 0") < text.index("family")
+    assert text.index("Model error 6.5") < text.index("Failure 0") < text.index("family")
     main(["diagnose", str(folder), "-q"])
     text = capsys.readouterr().out
     assert text.index("Missing: column_fpn") < text.index("candidate")
@@ -120,7 +120,7 @@ def test_refine_is_steered(folder, calls, tmp_path):
     assert main(["refine", str(folder), "--model", str(model), "--seed", "7", *steer, "-q"]) == 0
     named = calls["refine"][1]
     assert named["exclude"] == ("rts", "dpc")
-    assert named["most_effects"] == 2
+    assert named["max_effects"] == 2
     assert named["until_error"] == 1.5
     assert named["model"].seed == 7
 
@@ -245,7 +245,7 @@ def test_an_interrupted_refinement_leaves_all_files_of_one_step_and_says_how_to_
     assert load_model(model).names == ["convolved_lognormal"]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["m.yaml", "r.html", "r.json"]
     (line,) = capsys.readouterr().err.splitlines()
-    words = shlex.split(line.split("go on with: ")[1])
+    words = shlex.split(line.split("continue with: ")[1])
     assert words[:3] == ["dnanalyze", "refine", str(folder)]
     assert words[3:7] == ["--model", str(model), "-o", str(model)]
     assert words[words.index("--max-effects") + 1] == "2"  # one is in already

@@ -1,7 +1,9 @@
 """What a user sees while a command works: frames as they are read, and one note on compiling."""
 
 import numpy as np
+import pytest
 import report_fakes as fakes
+from dnanalyze_cli.clocks import clock, remaining
 from dnanalyze_cli.session import Progress, Session
 from dnanalyze_cli.watched import watched
 
@@ -17,6 +19,8 @@ class Bars:
 
     def update(self, task, **fields):
         self.seen.append(fields)
+
+    reset = update
 
 
 def test_each_frame_moves_the_bar_once_and_is_what_it_was():
@@ -43,7 +47,7 @@ def test_reading_and_fitting_are_told_apart(monkeypatch):
     bars = Bars()
     Progress(bars, 0).bench(fakes.captures())
     told = [s.get("description") or s["count"] for s in bars.seen if any(s.values())]
-    assert told == ["Reading", *(f"{n} of 12" for n in range(1, 13)), "Fitting"]
+    assert told == ["Reading frames", *(f"{n} of 12" for n in range(1, 13)), "Fitting"]
 
 
 def test_without_a_terminal_nothing_is_told(monkeypatch, capsys):
@@ -63,3 +67,24 @@ def test_compiling_is_told_once_in_a_run(capsys):
         with session.progress("Working"), event.trigger_event("numba:compile"):
             pass
     assert capsys.readouterr().err.count("compiling for this machine") == 1
+
+
+@pytest.mark.parametrize(
+    ("done", "total", "elapsed", "left"),
+    [(5, 10, 20.0, 20.0), (10, 10, 20.0, 0.0), (1, 1000, 20.0, None), (5, 10, 0.5, None),
+     (5, None, 20.0, None), (0, 10, None, None)],
+)  # fmt: skip
+def test_what_remains_is_told_where_steps_are_counted(done, total, elapsed, left):
+    assert remaining(done, total, elapsed) == left
+
+
+def test_times_read_as_clocks():
+    assert [clock(s) for s in (5.9, 65, 3723)] == ["0:05", "1:05", "1:02:03"]
+
+
+def test_a_phase_within_a_phase_shares_its_bar(monkeypatch):
+    session = Session("fit")
+    with session.progress("Writing the results") as outer, session.progress("Comparing") as inner:
+        assert inner is outer
+    with session.progress("Again") as later:
+        assert later is not outer

@@ -31,16 +31,16 @@ def test_a_sentence_has_size_and_place():
     }  # fmt: skip
     said = sentence("mean", [row])
     assert "1.5 DN above" in said
-    assert "12 floors" in said
-    assert "25 C" in said
+    assert "12 sigma" in said
+    assert "25 °C" in said
 
 
 def test_places_are_told_by_what_differs():
     series = [OperatingPoint(t, 0.05, 1.0) for t in (25.0, 45.0)]
-    assert short_labels(series) == ["25 C", "45 C"]
-    assert short_labels(series[:1]) == ["25 C, 0.05 s, gain 1"]
+    assert short_labels(series) == ["25 °C", "45 °C"]
+    assert short_labels(series[:1]) == ["25 °C, 0.05 s, gain 1"]
     grid = [OperatingPoint(t, e) for t in (25.0, 45.0) for e in (0.1, 1.0)]
-    assert listed(short_labels(grid)[:2]) == "25 C, 0.1 s; 25 C, 1 s"
+    assert listed(short_labels(grid)[:2]) == "25 °C, 0.1 s; 25 °C, 1 s"
 
 
 def test_no_ratio_to_a_number_that_may_be_zero():
@@ -58,10 +58,10 @@ def test_no_ratio_to_a_number_that_may_be_zero():
         "scale": "root", "channel": None, "temperature_c": 25.0, "exposure_s": None,
     }  # fmt: skip
     said = sentence("hot_count_8", [row])
-    assert said.endswith("40 pixels measured, none in the model (9 floors) at 25 C")
+    assert said.endswith("40 pixels measured, none in the model (9 sigma) at 25 °C")
 
 
 def test_thousands_are_written_out():
     known = catalogue()
-    assert "1235 DN above" in misfit(known["mean"], 1300.0, 65.4, 9.0)
-    assert "is 1200 times" in misfit(known["temporal_noise"], 1200.0, 1.0, 9.0)
+    assert "1,230 DN above" in misfit(known["mean"], 1300.0, 65.4, 9.0)
+    assert "is 1,200 times" in misfit(known["temporal_noise"], 1200.0, 1.0, 9.0)

@@ -98,7 +98,7 @@ def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
     found = diagnose(captures, known=KNOWN, held=held, tell=told.append)
     assert found.verdict == "missing"
     assert [c.effect for c in found.candidates] == list(EVERYDAY)
-    assert "what every sensor has" in told
+    assert "baseline effects" in told
     full = diagnose(captures, found.model, known=KNOWN, held=held)
     assert full.verdict == "adequate"
     assert full.error == pytest.approx(found.candidates[-1].error_after, rel=0.1)

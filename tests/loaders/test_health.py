@@ -59,7 +59,7 @@ def test_a_copy_at_another_operating_point_is_told_and_kept(tmp_path):
     captures = folder(tmp_path, [*frames(2, seed=5), some[0]], name="T25C_exp_2s")
     assert captures.frame_count == 6
     (note,) = captures.notes
-    assert "T25C_exp_2s_02.npy (25 C, 2 s) has the same pixels as T25C_exp_1s_00.npy" in note
+    assert "T25C_exp_2s_02.npy (25 °C, 2 s) has the same pixels as T25C_exp_1s_00.npy" in note
 
 
 def test_copies_of_one_frame_everywhere_leave_one_at_each_operating_point(tmp_path):
@@ -69,7 +69,7 @@ def test_copies_of_one_frame_everywhere_leave_one_at_each_operating_point(tmp_pa
     assert [len(s.frames) for s in captures.settings] == [1, 1]
     copies, elsewhere = captures.notes
     assert "and so 2 more: identical frames count once" in copies
-    assert elsewhere.startswith("T45C_exp_1s_00.npy (45 C, 1 s) has the same pixels as")
+    assert elsewhere.startswith("T45C_exp_1s_00.npy (45 °C, 1 s) has the same pixels as")
 
 
 def test_frames_nearly_all_at_one_code_may_be_equal_at_two_operating_points(tmp_path):
@@ -103,14 +103,14 @@ def test_pixels_that_are_nearly_all_at_one_code_are_told(tmp_path, share, said):
     rng = np.random.default_rng(0)
     some = [np.where(rng.random(SHAPE) < share, 0, 5).astype(np.uint16) for _ in range(3)]
     notes = folder(tmp_path, some).notes
-    assert any("have one code, 0 DN at 25 C, 1 s" in n for n in notes) == said
+    assert any("have one code, 0 DN at 25 °C, 1 s" in n for n in notes) == said
     assert len(notes) == said
 
 
 @pytest.mark.parametrize("slope", [0.05, -0.5])
 def test_a_level_that_drifts_is_told(tmp_path, slope):
     (note,) = folder(tmp_path, frames(8, moved=lambda k: slope * k)).notes
-    assert "moves within 1 of 1 operating points, at 25 C, 1 s by" in note
+    assert "moves within 1 of 1 operating points, at 25 °C, 1 s by" in note
     told = float(note.split(" by ")[1].split()[0])
     assert told == pytest.approx(7 * abs(slope), abs=0.1)
 

@@ -52,7 +52,7 @@ A, B, C = "T20C_exp_1s__a", "T40C_exp_1s__b", "T20C_exp_0s__a"
         (["a"], ["single frame", "No temperature", "No exposure"], ["At most"]),
         (
             [A, "T20C_exp_1s__b"],
-            ["At most 2 frames", "One temperature", "told apart not at all"],
+            ["At most 2 frames", "One temperature", "separated not at all"],
             ["single frame"],
         ),
         ([A, B], ["single frame", "by temperature alone"], ["One temperature"]),

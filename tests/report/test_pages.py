@@ -120,7 +120,7 @@ def test_a_clean_sensor_is_called_clean():
     assert 'class="verdict good"' in text
     mosaic = fakes.captures(cfa=(("R", "G"), ("G", "B")))
     text = detect_page(mosaic, fakes.detection())
-    for word in ("passed defect-pixel correction", "over 99.9 %", "2000 to 3000", "dynamic"):
+    for word in ("passed defect-pixel correction", "over 99.9 %", "2,000 to 3,000", "dynamic"):
         assert word in text
 
 

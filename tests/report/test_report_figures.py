@@ -174,7 +174,7 @@ def test_family_errors_stand_beside_the_baselines():
     result = fakes.comparison()
     made = heatmap.families(result.families, result.baselines, result.error)
     text = words_of(made)
-    for word in ("Level and noise", "a second sensor", "this model", "Gaussian"):
+    for word in ("Mean dark signal and noise", "a second sensor", "this model", "Gaussian"):
         assert word in text
     assert "Hot-pixel tail" not in text  # NaN
     assert heatmap.families({}, {}, 1.0) is None

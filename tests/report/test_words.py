@@ -18,8 +18,9 @@ from dnanalyze.report import words
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (0, "0"), (1.0, "1"), (12.345, "12.3"), (0.001234, "0.00123"), (123456.0, "123456"),
-        (1.5e7, "1.5e7"), (-2.0e-6, "-2e-6"), (999.6, "1000"), (math.nan, "–"), (None, "–"),
+        (0, "0"), (1.0, "1"), (12.345, "12.3"), (0.001234, "0.00123"), (123456.0, "123,000"),
+        (1.5e7, "1.5 × 10⁷"), (-2.0e-6, "-2 × 10⁻⁶"), (999.6, "1,000"), (math.nan, "–"),
+        (None, "–"),
     ],
 )  # fmt: skip
 def test_numbers_are_short(value, text):
@@ -28,12 +29,14 @@ def test_numbers_are_short(value, text):
 
 @given(st.floats(-1e12, 1e12).filter(lambda v: v == 0 or abs(v) > 1e-9))
 def test_a_number_keeps_its_value_to_three_digits(value):
-    assert float(words.number(value)) == pytest.approx(value, rel=6e-3)
+    text = words.number(value).translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789", ","))
+    assert float(text.replace(" × 10", "e")) == pytest.approx(value, rel=6e-3)
 
 
 def test_errors_have_two_digits_and_the_value_the_same_place():
     assert words.with_error(1.23456, 0.0123, "DN") == "1.235 ± 0.012 DN"
     assert words.with_error(145.6, 3.0) == "145.6 ± 3.0"
+    assert words.with_error(5615.0, 1196.0, "DN^2") == "5,600 ± 1,200 DN²"
     assert words.with_error(2.0, math.nan, "s") == "2 s"
     assert words.with_error(2.0, 0.0) == "2"
 
@@ -43,7 +46,8 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     off = Level(False, at, "", -12.3, -0.031, 41.2)
     text = words.with_remarks("Adequate.", SimpleNamespace(level=off))
     assert text == (
-        "Adequate. The mean dark level at -5 °C, 300 s is off by 12 DN (3.1 %, 41 standard errors)."
+        "Adequate. The mean dark signal at -5 °C, 300 s is off by 12 DN (3.1 %, 41 standard "
+        "errors)."
     )
     bare = SimpleNamespace(level=replace(off, relative=None, plane="Gr"))
     assert "at -5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(
@@ -58,7 +62,7 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     [
         (16.0, 1.0, "DN^2", "log", "+12.0 dB"), (1.1, 1.0, "DN", "linear", "+10 %"),
         (1.02, 1.0, "DN", "linear", "+2.0 %"), (20.0, 1.0, "DN", "linear", "×20"),
-        (0.0, 33.0, "pixels", "root", "−33 pixels"), (-1.0, 1.0, "DN", "linear", "−2 DN"),
+        (0.0, 33.0, "pixels", "root", "-33 pixels"), (-1.0, 1.0, "DN", "linear", "-2 DN"),
         (0.04, 0.01, "", "linear", "+0.03"), (1.0, 1.0, "DN", "linear", "0 %"),
         (math.nan, 1.0, "DN", "linear", "–"),
     ],
@@ -74,7 +78,7 @@ def test_labels_say_only_what_differs():
     assert [words.point_label(p, only) for p in POINTS] == ["25 °C", "65 °C", "105 °C"]
     assert words.point_label(POINTS[0]) == "25 °C, 0.05 s, gain 1"
     assert words.point_label(POINTS[0], set()) == "25 °C, 0.05 s, gain 1"
-    assert words.point_label({}) == "one setting"
+    assert words.point_label({}) == "one operating point"
 
 
 def test_verdicts_name_the_effect_the_confidence_and_the_rival():
@@ -90,9 +94,13 @@ def test_verdicts_name_the_effect_the_confidence_and_the_rival():
 @pytest.mark.parametrize(
     ("verdict", "beside", "told"),
     [
-        ("missing", 1, ("Missing: column_fpn", "97 %", "beside what every", "6.5 to 1.1")),
-        ("missing", 0, ("Missing: what every", "6.5 to 2.1", "nothing else")),
-        ("unexplained", 0, ("Unexplained: with what every", "6.5 to 2.1", "something else")),
+        (
+            "missing",
+            1,
+            ("Missing: column_fpn", "97 %", "beside the baseline effects", "6.5 to 1.1"),
+        ),
+        ("missing", 0, ("Missing: the baseline effects", "6.5 to 2.1", "no other")),
+        ("unexplained", 0, ("Unexplained: with the baseline", "6.5 to 2.1", "another effect")),
     ],
 )
 def test_what_every_sensor_has_is_told_beside_what_else_is_missing(verdict, beside, told):
@@ -115,21 +123,21 @@ def test_the_headline_of_what_is_unexplained_agrees_with_the_list():
     assert "no effect of the catalogue" not in text
     assert "possibly column_fpn (or column_gain)" in text
     assert "falls from 6.5 to 1.1" in text
-    assert "leaves unexplained: power of the temporal noise" in text
+    assert "does not explain power of the temporal noise" in text
     found.candidates = []
-    assert "no effect of the catalogue accounts for" in words.diagnose_headline(found)
+    assert "no effect of the catalogue explains" in words.diagnose_headline(found)
 
 
 def test_a_name_below_90_percent_is_a_possible_one_everywhere():
-    from dnanalyze_cli import show
     from report_fakes import captures
 
     from dnanalyze.report.pages.diagnose import diagnose_page
+    from dnanalyze.report.terminal.diagnosis import diagnosis as show
 
     found = diagnosis()
     found.candidates[0].confidence = 0.55
     console = Console(width=80, record=True, file=io.StringIO())
-    show.diagnosis(console, captures(), found)
+    show(console, captures(), found)
     told = [
         words.diagnose_headline(found),
         console.export_text().split("candidate")[1],
@@ -169,21 +177,21 @@ def test_an_effect_that_is_not_needed_is_said_to_be_unsupported():
     assert "falls from 0.874 to 0.5" in text
     assert "not supported" not in text
     assert "in no catalogue" not in text  # nothing else was asked
-    assert "leaves unexplained: pixels above 5" in text
+    assert "does not explain pixels above 5" in text
 
 
 def test_a_refinement_says_what_stays_and_how_sure_it_is():
-    from dnanalyze_cli import show
     from report_fakes import captures
 
     from dnanalyze.report.pages.refine import refine_page
+    from dnanalyze.report.terminal.refinement import refinement as show
 
     found = refinement()
     found.steps = found.steps[:2]  # row_fpn, 60 %, or row_noise
     found.verdict, found.unexplained = "unexplained", ["temporal_psd_0.35_0.5"]
     found.diagnosis = diagnosis("unexplained")
     console = Console(width=80, record=True, file=io.StringIO())
-    show.refinement(console, captures(), found, None)
+    show(console, captures(), found)
     shown, page = console.export_text(), refine_page(captures(), found)
     assert max(map(len, shown.splitlines())) <= 80
     for text in (words.refine_headline(found), shown, page):
@@ -198,9 +206,9 @@ def test_a_refinement_says_what_stays_and_how_sure_it_is():
 def test_a_refinement_that_was_told_to_stop_names_what_is_next():
     found = refinement()
     found.verdict, found.diagnosis = "missing", diagnosis("missing")
-    assert "the next to add is column_fpn" in words.refine_headline(found)
+    assert "the next effect to add is column_fpn" in words.refine_headline(found)
     found.diagnosis.candidates, found.unexplained = [], ["hot_count_5"]
-    assert "was not asked: " in words.refine_headline(found)
+    assert "was not tested: " in words.refine_headline(found)
     found.finished = False
     assert "not finished" in words.refine_headline(found)
 
@@ -227,8 +235,8 @@ def test_certainty_is_never_claimed():
     assert words.percent(0.97) == "97 %"
     assert words.percent(1e-9) == "under 0.1 %"
     assert words.percent(None) == "–"
-    assert words.probability(0.0) == "< 1e-300"
-    assert words.probability(1.23e-9) == "1.2e-9"
+    assert words.probability(0.0) == "< 10⁻³⁰⁰"
+    assert words.probability(1.23e-9) == "1.2 × 10⁻⁹"
 
 
 def test_sentences_keep_the_names_of_effects():

@@ -106,7 +106,7 @@ def test_the_github_workflow_passes_and_fails_as_it_should(noise):
         model.write_text(good)
     assert codes == [0, 1, 0]
     assert "Failed" in summary
-    assert "temporal_noise at 25 C" in summary
+    assert "temporal_noise at 25 °C" in summary
     assert ET.parse(noise / "dark-noise.xml").getroot().find(".//failure") is not None
 
 
@@ -147,7 +147,7 @@ def test_the_sample_model_of_channels_is_simulated_and_combined(tmp_path):
     assert drawn.channels == sorted(how.names)
     combined = simulate_combined(load_model(model), how, (32, 32), [(OperatingPoint(45.0, 0.1), 2)])
     codes = combined.settings[0].frames[0].read()
-    # dark charge of 400 e-/s median at 45 C: 80 DN of the first channel, 1 code per 2 DN from 64
+    # dark charge of 400 e-/s median at 45 °C: 80 DN of the first channel, 1 code per 2 DN from 64
     assert abs(float(np.median(how.decode(codes))) - 80.0) < 4.0
     named = tmp_path / "named"
     for setting in drawn.settings:

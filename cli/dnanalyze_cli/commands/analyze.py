@@ -4,49 +4,29 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from dnanalyze_cli.options import (
-    Captures,
-    Channel,
-    Config,
-    Csv,
-    Json,
-    NoCache,
-    Quiet,
-    Report,
-    Scheduler,
-    Tolerance,
-)
-from dnanalyze_cli.session import Session
+from dnanalyze_cli.options import NoCache, ReadOptions, Scheduler, takes
 
 
-def analyze(
-    captures: Captures,
-    json: Json = None,
-    report: Report = None,
-    csv: Csv = None,
-    config: Config = None,
-    tolerance_c: Tolerance = None,
-    channel: Channel = None,
-    scheduler: Scheduler = None,
-    no_cache: NoCache = False,
-    quiet: Quiet = False,
-) -> None:
-    """Every statistic at every operating point, with its uncertainty."""
+@takes(ReadOptions)
+def analyze(options: ReadOptions, scheduler: Scheduler = None, no_cache: NoCache = False) -> None:
+    """Measure every statistic at every operating point, with its standard error."""
     from dnanalyze.analyzers.analyze import analyze as run
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
     from dnanalyze.report import documents, tables
-    from dnanalyze_cli import show
+    from dnanalyze.report.terminal.statistics import statistics as show
 
-    session = Session("analyze", captures, json, report, csv, quiet=quiet, cache=not no_cache)
-    found = session.load(config, tolerance_c, channel)
-    with session.progress("Analyzing") as tick:
+    session = options.session("analyze", cache=not no_cache)
+    found = options.load(session)
+    with session.progress("Reading frames") as tick:
         statistics = run(found, progress=tick, scheduler=scheduler)
         if found.source and found.source.cache:
+            tick(0, None)
+            tick.now("Storing statistics")
             with suppress(InputError):  # too small to halve, which these commands will say
                 bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
-    show.statistics(session.console, found, statistics)
+    show(session.console, found, statistics)
 
     def page() -> str:
         from dnanalyze.report.pages.analyze import analyze_page
@@ -54,5 +34,7 @@ def analyze(
         return analyze_page(found, statistics)
 
     session.write(
-        documents.statistics(captures, statistics), page, lambda: tables.statistics(statistics)
+        documents.statistics(options.captures, statistics),
+        page,
+        lambda: tables.statistics(statistics),
     )

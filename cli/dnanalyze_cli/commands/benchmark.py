@@ -19,8 +19,9 @@ def benchmark(
         str | None,
         typer.Option(
             "--at",
+            "--temperatures",
             metavar="C,C,...",
-            help="Temperatures at which to compare; default: inside what all have measured.",
+            help="Temperatures, °C, to compare at; default: within the range of all sensors.",
         ),
     ] = None,
     quick: Annotated[
@@ -36,9 +37,9 @@ def benchmark(
     quiet: Quiet = False,
 ) -> None:
     """Several sensors side by side: EMVA dark figures, tails, spectra, effects, filters."""
-    from dnanalyze.benchmark.run import benchmark as run
+    from dnanalyze.benchmarking.run import benchmark as run
     from dnanalyze.report import benchmark as results
-    from dnanalyze_cli import show_benchmark
+    from dnanalyze.report.terminal.benchmark import result as show
 
     temperatures = sorted(set(celsius("--at", at)))
     sessions = [
@@ -46,9 +47,9 @@ def benchmark(
     ]
     session = sessions[0]
     found = [s.load(config, tolerance_c, channel) for s in sessions]
-    with session.progress("Comparing sensors") as progress:
-        result = run(found, temperatures=temperatures, quick=quick, tell=progress.now)
-    show_benchmark.result(session.console, result)
+    with session.progress("Measuring the sensors") as progress:
+        result = run(found, at=temperatures, quick=quick, tell=progress.now)
+    show(session.console, result)
 
     def page() -> str:
         from dnanalyze.report.pages.benchmark import benchmark_page

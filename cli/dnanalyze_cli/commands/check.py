@@ -1,4 +1,4 @@
-"""``dnanalyze check``: does the simulation keep to its targets; exit 0 within, 1 outside."""
+"""``dnanalyze check``: does the simulation meet its targets; exit 0 within, 1 outside."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def check(
         str,
         typer.Argument(
             metavar="CAPTURES",
-            help="The measured frames, with --model; else the simulated frames to hold.",
+            help="The measured frames, with --model; else the simulated frames to check.",
             show_default=False,
         ),
     ],
@@ -37,11 +37,11 @@ def check(
         typer.Option(
             "--model",
             metavar="M.yaml",
-            help="Hold this model's frames, at the settings of CAPTURES.",
+            help="Check frames of this model, at the operating points of CAPTURES.",
         ),
     ] = None,
     targets: Annotated[
-        Path | None, typer.Option("--targets", metavar="T.yaml", help="The limits to keep to.")
+        Path | None, typer.Option("--targets", metavar="T.yaml", help="The limits to meet.")
     ] = None,
     init: Annotated[
         Path | None,
@@ -49,7 +49,7 @@ def check(
             "--init",
             metavar="T.yaml",
             help="Write a targets file from the measured CAPTURES, with margins that a correct "
-            "simulation breaks once in a thousand runs.",
+            "simulation violates once in a thousand runs.",
         ),
     ] = None,
     measured: Annotated[
@@ -84,17 +84,18 @@ def check(
     no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> int:
-    """Hold a simulation against targets: exit 0 within, 1 outside, 2 bad input."""
+    """Check a simulation with targets: exit 0 within, 1 outside, 2 bad input."""
     from dnanalyze.checking.check import check as run
     from dnanalyze.checking.margins import propose
     from dnanalyze.checking.targets import dump_targets, load_targets
     from dnanalyze.model.channel_models import require
     from dnanalyze.report import check as report
     from dnanalyze.report.files import atomic_write, check_output
-    from dnanalyze_cli import show_check
+    from dnanalyze.report.terminal.check import proposed
+    from dnanalyze.report.terminal.check import result as show
 
     if (targets is None) == (init is None):
-        raise InputError("check: give either --targets T.yaml to hold, or --init T.yaml to write")
+        raise InputError("check: give either --targets T.yaml to check, or --init T.yaml to write")
     if init is not None and (junit or markdown or json):
         raise InputError(
             "check --init: only writes the targets; leave out --junit, --markdown, --json"
@@ -119,10 +120,10 @@ def check(
     if limits is not None and channel is not None:
         limits = limits.of_channel(channel)
     if limits is None:
-        with session.progress("Drawing sensors" if own else "Analyzing") as progress:
+        with session.progress("Simulating sensors" if own else "Measuring") as progress:
             made = propose(found, own, tell=progress.now)
         session.write({}, model=lambda: dump_targets(made))
-        show_check.proposed(session.console, found, made)
+        proposed(session.console, found, made)
         return 0
     other = None
     if measured is not None:
@@ -133,9 +134,9 @@ def check(
                 "check: with --model CAPTURES are the measurement; leave out --measured"
             )
         other = load(measured, config=config, tolerance_c=tolerance_c)
-    with session.progress("Holding") as progress:
+    with session.progress("Checking") as progress:
         result = run(found, limits, own, measured=other, progress=progress)
-    show_check.result(session.console, found, result)
+    show(session.console, found, result)
     simulation = str(model) if model is not None else captures
     texts = [
         (junit, report.junit(result)),

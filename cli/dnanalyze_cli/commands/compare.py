@@ -1,64 +1,27 @@
-"""``dnanalyze compare``: the model against the measurement."""
+"""``dnanalyze compare``: the model beside the measurement."""
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import (
-    Captures,
-    Channel,
-    Config,
-    Csv,
-    EffectFiles,
-    Json,
-    Model,
-    NoCache,
-    Quiet,
-    Report,
-    Seed,
-    Tolerance,
-)
-from dnanalyze_cli.session import Session
+from dnanalyze_cli.options import ModelOptions, takes
 
 
-def compare(
-    captures: Captures,
-    model: Model = None,
-    json: Json = None,
-    report: Report = None,
-    csv: Csv = None,
-    config: Config = None,
-    tolerance_c: Tolerance = None,
-    channel: Channel = None,
-    effects: EffectFiles = None,
-    seed: Seed = None,
-    no_cache: NoCache = False,
-    quiet: Quiet = False,
-) -> None:
-    """The model against the measurement; without --model the paper's model is fitted first."""
+@takes(ModelOptions)
+def compare(options: ModelOptions) -> None:
+    """Compare a model with the captures; without --model the Wang 2025 model is fitted first."""
     from dnanalyze.comparator.compare import compare as run
     from dnanalyze.fitting.fit import fit
     from dnanalyze.report import documents, tables
-    from dnanalyze_cli import show
+    from dnanalyze.report.terminal.comparison import comparison as show
 
-    session = Session(
-        "compare",
-        captures,
-        json,
-        report,
-        csv,
-        effects=tuple(effects or ()),
-        quiet=quiet,
-        cache=not no_cache,
-    )
-    own = session.model(model)
-    found = session.load(config, tolerance_c, channel)
-    own = session.seeded(found, own, seed)
+    session = options.session("compare")
+    found, own = options.begin(session)
     with session.progress("Comparing") as progress:
         held = progress.bench(found)
         tell = progress.fitting(held)
-        if own is not None and model is None:  # the paper's, of that seed: fitted like any
+        if own is not None and options.model is None:  # of that seed: fitted like any
             own = fit(found, own, replicates=0, held=held, tell=tell).model
         comparison = run(found, model=own, held=held, tell=tell)
-    show.comparison(session.console, found, comparison)
+    show(session.console, found, comparison)
 
     def page() -> str:
         from dnanalyze.report.pages.compare import compare_page
@@ -66,5 +29,7 @@ def compare(
         return compare_page(found, comparison)
 
     session.write(
-        documents.comparison(captures, comparison), page, lambda: tables.comparison(comparison)
+        documents.comparison(options.captures, comparison),
+        page,
+        lambda: tables.comparison(comparison),
     )

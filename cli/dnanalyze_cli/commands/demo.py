@@ -52,22 +52,23 @@ def _tell(
     quiet: bool,
     keep: bool,
 ) -> None:
-    """Make the frames, compare the paper's model with them, let `refine` find what is hidden."""
+    """Make the frames, compare the Wang 2025 model with them, let `refine` find what is hidden."""
     import numpy as np
 
     from dnanalyze.comparator.compare import compare
     from dnanalyze.demo import draw_sensor, generate, truth, write_folder
     from dnanalyze.diagnosis.refine import refine
     from dnanalyze.report import documents, words
+    from dnanalyze.report.terminal.comparison import comparison as show_comparison
+    from dnanalyze.report.terminal.refinement import refinement as show_refinement
     from dnanalyze.report.words import number
-    from dnanalyze_cli import show
 
     where = f"Frames: {folder}" if keep else "Name a folder to keep the frames."
     session = Session("demo", str(folder), json, report, quiet=quiet, cache=False)
     print = session.console.print
     sensor = draw_sensor(np.random.default_rng(seed))
     hidden = {hide: level}
-    with session.progress("Exposing"):
+    with session.progress("Simulating frames"):
         made = generate(sensor, hidden, SHAPE, frames=FRAMES, seed=seed)
         write_folder(made, folder, truth(sensor, hidden, seed))
     print(
@@ -77,18 +78,18 @@ def _tell(
     found = session.load()
     with session.progress("Comparing"):
         first = compare(found)
-    print("2. The paper's model, fitted and held against it (`dnanalyze compare`):\n")
-    show.comparison(session.console, found, first)
-    print("3. What is missing, added until nothing is left to find (`dnanalyze refine`):\n")
+    print("2. The Wang 2025 model, fitted and compared with it (`dnanalyze compare`):\n")
+    show_comparison(session.console, found, first)
+    print("3. Missing effects, added until no further one is detectable (`dnanalyze refine`):\n")
     with session.progress("Refining") as progress:
-        result = refine(found, trying=lambda name: progress.now(f"Trying {name}"))
-        progress.now("Errors of the parameters")
+        result = refine(found, trying=progress.trying)
+        progress.now("Standard errors of the parameters")
         _ = result.parameters
-    show.refinement(session.console, found, result, folder)
-    verdict = "found" if hide in result.effects else "not found"
+    show_refinement(session.console, found, result)
+    verdict = "identified" if hide in result.effects else "not identified"
     print(f"\n4. What was hidden: {hide}, {level}. It was {verdict}.")
     last = number(result.steps[-1].error)
-    print(f"   Error {number(first.error)} with the paper's model, {last} now.")
+    print(f"   Model error {number(first.error)} with the Wang 2025 model, {last} now.")
 
     def page() -> str:
         from dnanalyze.report.pages.refine import refine_page

@@ -2,77 +2,50 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import (
-    Captures,
-    Channel,
-    Config,
-    Csv,
-    EffectFiles,
-    Json,
-    Model,
-    NoCache,
-    Quiet,
-    Report,
-    Seed,
-    Tolerance,
-)
-from dnanalyze_cli.session import Session
+from dnanalyze_cli.options import Exclude, ModelOptions, takes
 
 
-def diagnose(
-    captures: Captures,
-    model: Model = None,
-    json: Json = None,
-    report: Report = None,
-    csv: Csv = None,
-    config: Config = None,
-    tolerance_c: Tolerance = None,
-    channel: Channel = None,
-    effects: EffectFiles = None,
-    seed: Seed = None,
-    no_cache: NoCache = False,
-    quiet: Quiet = False,
-) -> None:
-    """Which effect is missing, ranked, with the evidence for and against."""
+@takes(ModelOptions)
+def diagnose(options: ModelOptions, exclude: Exclude = None) -> None:
+    """Rank the effects that may be missing in a model, with the evidence for and against."""
     from dnanalyze.diagnosis.diagnose import diagnose as run
+    from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables
-    from dnanalyze_cli import over_channels, show
+    from dnanalyze.report.terminal.diagnosis import diagnosis as show
+    from dnanalyze_cli import over_channels
 
-    session = Session(
-        "diagnose",
-        captures,
-        json,
-        report,
-        csv,
-        effects=tuple(effects or ()),
-        quiet=quiet,
-        cache=not no_cache,
-    )
-    own = session.model(model)
-    found = session.load(config, tolerance_c, channel)
-    own = session.seeded(found, own, seed)
+    session = options.session("diagnose")
+    known = session.known()
+    for name in exclude or ():
+        find(name, known)
+    found, own = options.begin(session)
     if len(found.channels) > 1:
-        over_channels.diagnose(session, found, own, session.known())
+        for name in exclude or ():
+            known.pop(name)
+        over_channels.diagnose(session, found, own, known)
         return
-    with session.progress("Reading") as progress:
+    with session.progress("Reading frames") as progress:
         held = progress.bench(found)
         diagnosis = run(
             found,
             model=own,
-            known=session.known(),
+            exclude=tuple(exclude or ()),
+            known=known,
             held=held,
-            tell=lambda name: progress.now(f"Trying {name}"),
+            tell=progress.trying,
         )
-    show.diagnosis(session.console, found, diagnosis)
+    show(session.console, found, diagnosis)
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare
         from dnanalyze.report.pages.diagnose import diagnose_page
 
-        with session.progress("Comparing"):
+        with session.progress("Comparing the model with the captures"):
             comparison = compare(found, diagnosis.model, held=held)
         return diagnose_page(found, diagnosis, comparison)
 
     session.write(
-        documents.diagnosis(captures, diagnosis), page, lambda: tables.candidates(diagnosis)
+        documents.diagnosis(options.captures, diagnosis),
+        page,
+        lambda: tables.candidates(diagnosis),
     )

@@ -18,13 +18,13 @@ def effects(name: Name = None, json: Json = None, effects: EffectFiles = None) -
     """The catalogue; with a name, its physics, formula, units, fingerprint, references."""
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents
-    from dnanalyze_cli import show
+    from dnanalyze.report.terminal.effects import catalogue, effect
 
     session = Session("effects", json=json, effects=tuple(effects or ()))
     known = session.known()
     if name:
         known = {name: find(name, known)}
-        show.effect(session.console, known[name])
+        effect(session.console, known[name])
     else:
-        show.catalogue(session.console, known)
+        catalogue(session.console, known)
     session.write(documents.effects(known))

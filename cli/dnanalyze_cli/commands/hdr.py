@@ -48,7 +48,7 @@ def hdr(
     seed: Seed = None,
     quiet: Quiet = False,
 ) -> None:
-    """Combined HDR frames against the channels' models, and the noise steps between channels."""
+    """Compare combined HDR frames with the models of their channels; noise steps between them."""
     from rich.text import Text
 
     from dnanalyze.comparator.combined import compare_combined
@@ -81,7 +81,7 @@ def hdr(
         )
     console = session.console
     console.print(Text(capture.one_line(found), style="dim"))
-    verdict = sentence(f"Error {number(result.error)}: {closeness(result.error)}")
+    verdict = sentence(f"Model error {number(result.error)}: {closeness(result.error)}")
     console.print(Text(verdict, style="bold"))
     for failure in result.failures[:6]:
         console.print(Text(f"  {sentence(failure)}"))

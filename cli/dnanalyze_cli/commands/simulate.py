@@ -106,7 +106,7 @@ def simulate(
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.report import documents
     from dnanalyze.report.files import atomic_folder
-    from dnanalyze_cli import show
+    from dnanalyze.report.terminal.simulation import written
 
     session = Session("simulate", like, json=json, effects=tuple(effects or ()), quiet=quiet)
     own = session.model(model)
@@ -129,7 +129,7 @@ def simulate(
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
     with atomic_folder(out) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
-    show.written(session.console, made, out, format)
+    written(session.console, made, out, format)
     session.write(documents.simulation(made, out, format, model, own.seed, like))
 
 

@@ -1,4 +1,4 @@
-"""Equally spaced peaks in the distribution of the fixed pattern: dark current in steps."""
+"""Equally spaced peaks in the distribution of the DSNU: dark current in steps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     Parameters
     ----------
     ordered : Ordered
-        Pixels of the fixed pattern, DN.
+        Pixels of the DSNU, DN.
     residue : float
         Standard deviation of the temporal noise that is left in it, DN; spacings start at 3 of it.
 

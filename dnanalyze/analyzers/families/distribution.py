@@ -1,4 +1,4 @@
-"""The distribution of the fixed pattern, of the noise between frames and of single frames."""
+"""The distribution of the DSNU, of the temporal dark noise and of single frames."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ FEWEST = 4.0  # pixels expected beyond a quantile for it to be stated
 CURVE_BINS = 512
 
 _SUBJECT = {
-    "pattern": "the fixed pattern",
-    "temporal": "the noise between frames",
+    "pattern": "the DSNU",
+    "temporal": "the temporal dark noise",
     "frame": "a single frame",
 }
 
@@ -49,14 +49,14 @@ INFOS = (
     *(_quantile_info("temporal", level) for level in TEMPORAL_LEVELS),
     *(_quantile_info("frame", level) for level in LEVELS),
     StatisticInfo(
-        "temporal_kurtosis", "distribution", "1", "excess kurtosis of the noise between frames",
-        high="the noise between frames has heavier tails than the model's",
-        low="the noise between frames has lighter tails than the model's",
+        "temporal_kurtosis", "distribution", "1", "excess kurtosis of the temporal dark noise",
+        high="the temporal dark noise has heavier tails than the model's",
+        low="the temporal dark noise has lighter tails than the model's",
     ),
     StatisticInfo(
         "pattern_steps", "distribution", "1", "equally spaced peaks of the pattern", Scale.LOG,
-        high="the fixed pattern's histogram has equally spaced peaks that the model lacks",
-        low="the fixed pattern's histogram lacks the equally spaced peaks of the model",
+        high="the DSNU's histogram has equally spaced peaks that the model lacks",
+        low="the DSNU's histogram lacks the equally spaced peaks of the model",
     ),
     StatisticInfo("pattern_step_dn", "distribution", "DN", "spacing of the peaks", compared=False),
     *(
@@ -74,7 +74,7 @@ INFOS = (
     StatisticInfo("lognormal_mu", "distribution", "ln DN", "log-normal fit, mu", compared=False),
     StatisticInfo("lognormal_delta", "distribution", "1", "log-normal fit, delta", compared=False),
     StatisticInfo("lognormal_shift", "distribution", "DN", "log-normal fit, shift", compared=False),
-    StatisticInfo("peak_count", "distribution", "1", "peaks of the fixed pattern", compared=False),
+    StatisticInfo("peak_count", "distribution", "1", "peaks of the DSNU", compared=False),
 )  # fmt: skip
 
 PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
@@ -108,7 +108,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     residue = math.sqrt(acc.temporal_mean / acc.frames)
     steps = pattern_steps(acc.pattern_ordered, residue)
     if steps is None:
-        out.missing["pattern_steps"] = "the fixed pattern is not wider than its temporal residue"
+        out.missing["pattern_steps"] = "the DSNU is not wider than its temporal residue"
         out.missing["pattern_step_dn"] = out.missing["pattern_steps"]
     else:
         out.values["pattern_steps"], out.values["pattern_step_dn"] = steps
@@ -244,7 +244,7 @@ def _lognormal(errors: QuantileErrors, out: FamilyResult) -> None:
     q = errors.values[at]
     fit = lognormal_through(q)
     if fit is None:
-        out.missing.update(dict.fromkeys(names, "the fixed pattern is not skewed to the right"))
+        out.missing.update(dict.fromkeys(names, "the DSNU is not skewed to the right"))
         return
     gradient = np.zeros((PROBABILITIES.size, 3))
     for k in range(3):

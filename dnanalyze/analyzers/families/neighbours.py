@@ -109,7 +109,7 @@ def finish(acc: Accumulated) -> FamilyResult:
         _correlations("temporal", lags, result)
         _local_variances(tiles, result)
     else:
-        why = "one frame does not tell the fixed pattern from the temporal noise"
+        why = "one frame does not tell the DSNU from the temporal noise"
         result.missing["neighbours"] = why
     _halos(acc, result)
     return result
@@ -173,7 +173,7 @@ def _local_variances(sums: _Sums, result: FamilyResult) -> None:
         error = max(sums.error(weights) / n / cv, math.sqrt(2 / n) / 5)
         result.values["local_variance_cv"] = Value(cv, error)
     else:
-        result.missing["local_variance_cv"] = "the noise between frames is the same in all tiles"
+        result.missing["local_variance_cv"] = "the temporal dark noise is the same in all tiles"
     n = float(sums.total[HAAR_COUNT])
     m2, m4 = (float(sums.total[at]) / n for at in (HAAR_SECOND, HAAR_FOURTH))
     if not m2 > 0:

@@ -17,7 +17,7 @@ _AWAY = {
 }
 _OF = {
     "frame": "in single frames",
-    "pattern": "in the fixed pattern",
+    "pattern": "in the DSNU",
     "temporal": "between frames",
 }
 

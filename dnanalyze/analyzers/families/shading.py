@@ -1,4 +1,4 @@
-"""Shading: how the fixed pattern, and the noise, vary over the field.
+"""Shading: how the DSNU, and the noise, vary over the field.
 
 Cosine coefficients of block means. Charge has its shot noise with it, an offset of the readout has
 none: where the noise is shaded like the pattern, that is charge.
@@ -27,11 +27,11 @@ _REACH = 8.0  # times the typical temporal variance; a pixel's own is cut there
 _RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
 
 _NOISE_UNLIKE = (
-    "the noise between frames varies over the field otherwise than in the model: shading of charge "
+    "the temporal dark noise varies over the field otherwise than in the model: shading of charge "
     "has its shot noise with it, shading by the readout has none"
 )
 _UNLIKE = (
-    "the fixed pattern is shaded over the field otherwise than in the model: glow, a thermal "
+    "the DSNU is shaded over the field otherwise than in the model: glow, a thermal "
     "gradient, or a readout ramp"
 )
 
@@ -50,9 +50,9 @@ def _noise_order(i: int, j: int) -> StatisticInfo:
 def _power(name: str, orders: str) -> StatisticInfo:
     return StatisticInfo(
         name, "shading", "DN^2", f"mean square of the shading of orders {orders}", Scale.LOG,
-        high="the fixed pattern is more uneven over the field than in the model, {ratio} times in "
+        high="the DSNU is more uneven over the field than in the model, {ratio} times in "
         "power: a low-frequency pattern is missing",
-        low="the fixed pattern is more even over the field than in the model",
+        low="the DSNU is more even over the field than in the model",
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Spectra of the single frame, of the fixed pattern and of the temporal noise.
+"""Spectra of the single frame, of the DSNU and of the temporal noise.
 
 The off-axis modes are averaged over bands of the radial frequency rho; the modes on the axes, which
 whole columns or whole rows share, stand apart. Column and row offsets alone make a radial 1/rho
@@ -93,7 +93,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     result = FamilyResult()
     if acc.frames < 2:
         result.missing["spectrum"] = (
-            "one frame does not tell the fixed pattern from the temporal noise: only frame_ spectra"
+            "one frame does not tell the DSNU from the temporal noise: only frame_ spectra"
         )
     whole = acc.plan.wants(INFOS[0].family)
     for part in _parts(acc) if whole else _pattern_alone(acc):

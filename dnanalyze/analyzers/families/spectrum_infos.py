@@ -10,7 +10,7 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo
 
 _OF = {
     "frame": "of the single frame",
-    "pattern": "of the fixed pattern",
+    "pattern": "of the DSNU",
     "temporal": "of the temporal noise",
 }
 

@@ -115,7 +115,7 @@ class Series:
 
 
 def _series(points: list[OperatingPoint], settings: Sequence[SettingStatistics]) -> Series:
-    """Errors are those within this sensor: its fixed pattern is common to all settings."""
+    """Errors are those within this sensor: its DSNU is common to all settings."""
     level, error = [], []
     for point in points:
         here = [s for s in settings if s.point == point]

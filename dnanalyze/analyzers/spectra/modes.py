@@ -246,7 +246,7 @@ def reduce_power(power: np.ndarray, modes: Modes) -> ReducedPower:
 
 
 def frame_repeats(total: float, temporal: float, frames: int) -> float:
-    """Independent spectra that the mean over ``frames`` is worth, which share their fixed pattern.
+    """Independent spectra that the mean over ``frames`` is worth, which share their DSNU.
 
     A mode of fixed power p and temporal power t has a mean of variance p^2 + (2 p t + t^2) / K.
     """

@@ -14,7 +14,7 @@ from dnanalyze.analyzers.spectra.modes import SMALLEST_SIDE, good_size, transfor
 class Spectra:
     """Sum over frames of |FFT|^2 of the winsorised frames, and the sum of these frames.
 
-    The second is needed to take the fixed pattern out of the first:
+    The second is needed to take the DSNU out of the first:
     temporal power = (mean_n |Y_n|^2 - |mean_n Y_n|^2) K / (K - 1).
     """
 

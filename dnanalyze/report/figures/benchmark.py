@@ -36,7 +36,7 @@ def look_of(place: int) -> dict[str, Any]:
 
 def over_temperature(result: Any) -> Picture | None:
     """Readings and laws of each sensor, the common temperatures marked."""
-    from dnanalyze.benchmark.criteria import CRITERIA
+    from dnanalyze.benchmarking.criteria import CRITERIA
 
     shown = [c for c in CRITERIA if c.name in PANELS]
     if not any(s.readings[c.name] for s in result.sensors for c in shown):
@@ -72,8 +72,8 @@ def _positive(ax: Any) -> bool:
 def _series(
     ax: Any, readings: Sequence[Any], criterion: Any, result: Any, look: dict[str, Any]
 ) -> None:
-    from dnanalyze.benchmark.laws import estimate
-    from dnanalyze.benchmark.run import REACH
+    from dnanalyze.benchmarking.laws import estimate
+    from dnanalyze.benchmarking.run import REACH
 
     good = [r for r in readings if r.value > 0]
     if not good:

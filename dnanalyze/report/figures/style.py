@@ -7,12 +7,14 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.errors import InputError
 from dnanalyze.report.words import point_label, varied
 
 # Okabe and Ito's palette: told apart by every kind of colour vision, and by lightness in grey.
@@ -175,13 +177,87 @@ def styled() -> Iterator[None]:
 
 
 def figure(rows: int, columns: int, height: float, width: float = WIDTH, **options: Any) -> Any:
-    """A figure and its axes as a 2-D array."""
+    """A figure and its axes as a 2-D array: a new one, or the user's within `drawn_on`."""
     from matplotlib.figure import Figure
 
+    canvas = _CANVAS.get()
+    if canvas is not None:
+        return canvas, canvas.divided(rows, columns, height, width, **options)
     fig = Figure(figsize=(width, height), layout="constrained")
     engine: Any = fig.get_layout_engine()
     engine.set(w_pad=0.08, h_pad=0.06, wspace=0.02, hspace=0.04)
     return fig, fig.subplots(rows, columns, squeeze=False, **options)
+
+
+class Canvas:
+    """The user's own axes, or a new pyplot figure, in the place of a page's figure.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or None
+    """
+
+    def __init__(self, ax: Any) -> None:
+        self.ax = ax
+        self.axes: list[Any] = []
+
+    def divided(self, rows: int, columns: int, height: float, width: float, **options: Any) -> Any:
+        """So many axes as a 2-D array: one is the user's own, several divide its place."""
+        from matplotlib import pyplot
+
+        self.fig = (
+            self.ax.figure
+            if self.ax is not None
+            else pyplot.figure(figsize=(width, height), layout="constrained")
+        )
+        if self.ax is None:
+            made = self.fig.subplots(rows, columns, squeeze=False, **options)
+        elif rows == columns == 1:
+            made = np.array([[self.ax]])
+        else:
+            made = self._within(rows, columns, **options)
+        self.axes += list(made.ravel())
+        return made
+
+    def _within(self, rows: int, columns: int, **options: Any) -> Any:
+        """Axes in the place of the user's one, which stays as an empty frame around them."""
+        place = self.ax.get_subplotspec()
+        if place is None:
+            raise InputError(
+                "ax: this kind has several panels; give axes of a grid (plt.subplots), or none"
+            )
+        self.ax.set_axis_off()
+        ratios = options.pop("gridspec_kw", {})
+        return place.subgridspec(rows, columns, **ratios).subplots(squeeze=False, **options)
+
+    def legend(self, *arguments: Any, **options: Any) -> Any:
+        """Above a figure of its own; within the first axes where the figure is the user's."""
+        if self.ax is None:
+            return self.fig.legend(*arguments, **options)
+        kept = {k: v for k, v in options.items() if k in ("handles", "labels", "handlelength")}
+        return self.axes[0].legend(*arguments, **kept)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.fig, name)
+
+
+_CANVAS: ContextVar[Canvas | None] = ContextVar("canvas", default=None)
+
+
+@contextmanager
+def drawn_on(ax: Any = None) -> Iterator[list[Any]]:
+    """Within the block figures are drawn on ``ax``, or by pyplot; gives the axes that were made.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes, optional
+    """
+    canvas = Canvas(ax)
+    token = _CANVAS.set(canvas)
+    try:
+        yield canvas.axes
+    finally:
+        _CANVAS.reset(token)
 
 
 def picture(draw: Callable[[], Any], caption: str, alt: str) -> Picture | None:
@@ -190,6 +266,8 @@ def picture(draw: Callable[[], Any], caption: str, alt: str) -> Picture | None:
         fig = draw()
         if fig is None:
             return None
+        if _CANVAS.get() is not None:
+            return Picture("", caption, alt)
         stream = io.StringIO()
         fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None}, dpi=150)
     svg = stream.getvalue()

@@ -124,7 +124,7 @@ def test_a_full_well_found_at_one_setting_holds_at_the_others():
     assert full.share > 0.99  # all pixels full: alone it would look as any quiet sensor
     kept, said = unsaturated(captures)
     assert [s.point.temperature_c for s in kept.settings] == [20.0, 56.0]
-    assert any(text.startswith("90 C") and "plateau" in text for text in said)
+    assert any(text.startswith("90 °C") and "plateau" in text for text in said)
     assert notes(captures, [type(cold)()] * 4) == []
 
 

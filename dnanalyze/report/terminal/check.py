@@ -15,29 +15,30 @@ from dnanalyze.report.words import number, plural
 MOST = 12
 
 
-def result(console: Console, captures: Any, held: Any) -> None:
-    """The verdict, then each broken target with its size and its figure."""
-    console.print(Text(capture.one_line(captures), style="dim"))
-    console.print()
-    style = "bold" if held.passed else "bold red"
-    console.print(Padding(Text(headline(held), style=style), (0, 0, 1, 2)))
-    for check in held.failures[:MOST]:
+def result(console: Console, captures: Any, outcome: Any) -> None:
+    """The verdict, then each violated target with its size and its figure."""
+    if captures is not None:
+        console.print(Text(capture.one_line(captures), style="dim"))
+        console.print()
+    style = "bold" if outcome.passed else "bold red"
+    console.print(Padding(Text(headline(outcome), style=style), (0, 0, 1, 2)))
+    for check in outcome.failures[:MOST]:
         console.print(Padding(Text(f"✗ {check.name}", style="bold"), (0, 0, 0, 2)))
         value = "" if check.value != check.value else f"{number(check.value, 4)}, "
         console.print(Padding(Text(f"{value}{excess(check)}"), (0, 0, 0, 4)))
         text = f"limit {limit(check)}; see {look(check)}"
         console.print(Padding(Text(text, style="dim"), (0, 0, 0, 4)))
-    if len(held.failures) > MOST:
-        console.print(f"  and {len(held.failures) - MOST} more; --json lists all", style="dim")
-    if held.failures:
+    if len(outcome.failures) > MOST:
+        console.print(f"  and {len(outcome.failures) - MOST} more; --json lists all", style="dim")
+    if outcome.failures:
         console.print()
         console.print(
-            "`dnanalyze compare CAPTURES --model M.yaml --report R.html` draws them.", style="dim"
+            "`dnanalyze compare CAPTURES --model M.yaml --report R.html` shows them.", style="dim"
         )
 
 
 def proposed(console: Console, captures: Any, made: Any) -> None:
-    """What the new targets file holds."""
+    """What the new targets file contains."""
     console.print(Text(capture.one_line(captures), style="dim"))
     console.print()
     missed = [t for t in made.targets if not t.enforced]
@@ -46,5 +47,5 @@ def proposed(console: Console, captures: Any, made: Any) -> None:
     console.print(Padding(Text(text, style="bold"), (0, 0, 0, 2)))
     if missed:
         names = ", ".join(dict.fromkeys(str(t.statistic) for t in missed))
-        text = f"Not enforced, since the model misses them now ({len(missed)}): {names}"
+        text = f"Not enforced, since the model violates them now ({len(missed)}): {names}"
         console.print(Padding(Text(text), (1, 0, 0, 2)))

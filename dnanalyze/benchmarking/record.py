@@ -11,8 +11,8 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
-from dnanalyze.benchmark.criteria import CRITERIA, SINGLE, Criterion
-from dnanalyze.benchmark.laws import Reading
+from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE, Criterion
+from dnanalyze.benchmarking.laws import Reading
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from dnanalyze.benchmark.criteria import CRITERIA, ERRORS, SINGLE, Criterion
-from dnanalyze.benchmark.laws import common_temperatures, estimate
-from dnanalyze.benchmark.record import ABSENT, ELECTRON, Figure, SensorRecord, record
+from dnanalyze.benchmarking.criteria import CRITERIA, ERRORS, SINGLE, Criterion
+from dnanalyze.benchmarking.laws import common_temperatures, estimate
+from dnanalyze.benchmarking.record import ABSENT, ELECTRON, Figure, SensorRecord, record
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.result import Result
 
 REACH = 3.0  # measured spans of temperature, as far outside which a law is still read
 TELLING = 2.0  # standard errors of a difference, from which two sensors are told apart
@@ -73,8 +74,8 @@ class Ranking:
         return next((p.figure for p in self.places if p.sensor == sensor), ABSENT)
 
 
-@dataclass(frozen=True)
-class Benchmark:
+@dataclass(frozen=True, repr=False)
+class BenchmarkResult(Result):
     """Sensors side by side.
 
     Parameters
@@ -84,6 +85,7 @@ class Benchmark:
     temperatures : list of float
         Where they are compared, C.
     rankings : list of Ranking
+        One a criterion and temperature.
     notes : list of str
         What to know before believing it.
     """
@@ -93,31 +95,50 @@ class Benchmark:
     rankings: list[Ranking]
     notes: list[str]
 
+    def _brief(self) -> str:
+        return ", ".join(s.name for s in self.sensors)
+
 
 def benchmark(
     captures: Sequence[CaptureSet],
     *,
-    temperatures: Sequence[float] = (),
+    at: Sequence[float] = (),
     quick: bool = False,
+    temperatures: Sequence[float] = (),
     tell: Callable[[str], None] = lambda _: None,
-) -> Benchmark:
-    """Hold sensors side by side.
+) -> BenchmarkResult:
+    """Compare several sensors.
 
     Parameters
     ----------
     captures : sequence of CaptureSet
         Two or more; the readout channels of one count as sensors of their own.
-    temperatures : sequence of float
-        Where to compare, C; by default inside what all have measured.
+    at : sequence of float
+        Temperatures at which to compare, C; by default within the range that all have measured.
     quick : bool
         Leave the refinement out.
+    temperatures : sequence of float
+        The former word for ``at``.
     tell : callable
         Called with a line of progress.
+
+    Returns
+    -------
+    BenchmarkResult
+        The figures of every sensor, ranked by criterion.
 
     Raises
     ------
     InputError
         Fewer than two capture sets.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> found = dnanalyze.benchmark([tiny(seed=1), tiny(seed=2)], at=[45.0], quick=True)
+    >>> len(found.sensors)
+    2
     """
     parts = [part for c in captures for part in by_channel(c)]
     if len(parts) < 2:
@@ -127,7 +148,7 @@ def benchmark(
         record(name, c.name, c, quick=quick, tell=tell)
         for name, c in zip(names, parts, strict=True)
     ]
-    return side_by_side(made, temperatures)
+    return side_by_side(made, at or temperatures)
 
 
 def by_channel(captures: CaptureSet) -> list[CaptureSet]:
@@ -147,7 +168,9 @@ def unique_names(folders: Sequence[str]) -> list[str]:
     return [f"{name} ({i})" for i, name in enumerate(names, 1)]
 
 
-def side_by_side(sensors: Sequence[SensorRecord], temperatures: Sequence[float] = ()) -> Benchmark:
+def side_by_side(
+    sensors: Sequence[SensorRecord], temperatures: Sequence[float] = ()
+) -> BenchmarkResult:
     """Compare what was recorded of each sensor; see `benchmark`."""
     ranges = [(s.temperatures[0], s.temperatures[-1]) for s in sensors if s.temperatures]
     common = list(temperatures) or common_temperatures(ranges)
@@ -168,7 +191,7 @@ def side_by_side(sensors: Sequence[SensorRecord], temperatures: Sequence[float] 
         figures = [Figure(s.errors[kind], 0.0) if kind in s.errors else ABSENT for s in sensors]
         rankings.append(_rank(criterion, None, sensors, figures))
     told = [r for r in rankings if any(p.figure.known for p in r.places)]
-    return Benchmark(list(sensors), common, told, _notes(sensors, common, ranges))
+    return BenchmarkResult(list(sensors), common, told, _notes(sensors, common, ranges))
 
 
 def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:

@@ -67,7 +67,7 @@ SINGLE = (
 )  # fmt: skip
 
 ERRORS = (
-    Criterion("error_gaussian", "error of a plain Gaussian", "", (), thermal=False, better=""),
-    Criterion("error_paper", "error of the paper's model", "", (), thermal=False, better=""),
-    Criterion("error_refined", "error of the refined model", "", (), thermal=False, better=""),
+    Criterion("error_gaussian", "model error, Gaussian model", "", (), thermal=False, better=""),
+    Criterion("error_paper", "model error, Wang 2025 model", "", (), thermal=False, better=""),
+    Criterion("error_refined", "model error, refined model", "", (), thermal=False, better=""),
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -16,21 +15,19 @@ from dnanalyze.report import capture, channel_results
 from dnanalyze.report.words import leading, naming, number, percent, sentence
 
 
-def refinement(console: Console, captures: Any, result: Any, output: Path | None) -> None:
-    """What belongs where, and the error of each channel and of the one model."""
+def refinement(console: Console, captures: Any, result: Any) -> None:
+    """The effects of each channel, its model error, and that of the one model of all channels."""
     _head(console, captures, channel_results.headline(result))
     for finding in result.findings:
         console.print(Padding(Text(sentence(finding)), (0, 0, 0, 2)))
     console.print()
     _table(console, channel_results.COLUMNS, channel_results.rows(result), words=3)
-    console.print(f"The model holds all channels: error {number(result.error)}.")
-    if output is None:
-        console.print("It was not kept; name a file with -o to keep it.", style="dim")
+    console.print(f"One model of all channels: model error {number(result.error)}.")
 
 
 def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict: str) -> None:
     """Each channel's verdict and best candidate, with the evidence for it."""
-    _head(console, captures, f"{len(found)} channels, each by itself: {verdict}")
+    _head(console, captures, f"{len(found)} channels, each diagnosed separately: {verdict}")
     rows = []
     for name, d in found.items():
         best = leading(d)
@@ -44,7 +41,7 @@ def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict
                 percent(best.confidence) if best else "–",
             )
         )
-    titles = ("channel", "verdict", "candidate", "error", "error after", "confidence")
+    titles = ("channel", "verdict", "candidate", "model error", "error after", "confidence")
     _table(console, titles, rows, words=3)
     for name, d in found.items():
         if d.verdict == "missing" and (best := leading(d)):

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dnanalyze.report.benchmark import groups, headline, summary
-from dnanalyze.report.words import listing, number, sentence, with_error
+from dnanalyze.report.words import celsius, listing, number, sentence, symbol, with_error
 
 SHOWN = {
     "dark_current", "temporal_noise", "dsnu", "hot_pixels", "row_noise", "read_noise",
@@ -19,10 +19,10 @@ SHOWN = {
 }  # fmt: skip
 
 
-def result(console: Console, held: Any) -> None:
-    """The verdict, the figures at one common temperature, what each is made of, the caveats."""
-    console.print(Padding(Text(headline(held), style="bold"), (0, 0, 1, 2)))
-    names = [s.name for s in held.sensors]
+def result(console: Console, outcome: Any) -> None:
+    """The verdict, the figures at one common temperature, the effects of each, the caveats."""
+    console.print(Padding(Text(headline(outcome), style="bold"), (0, 0, 1, 2)))
+    names = [s.name for s in outcome.sensors]
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, header_style="dim")
     wide = len(names) < 4
     table.add_column("figure", no_wrap=wide)
@@ -32,24 +32,26 @@ def result(console: Console, held: Any) -> None:
     if not wide:
         legend = ", ".join(f"{a} {b}" for a, b in zip(letters, names, strict=True))
         console.print(Padding(Text(legend), (0, 0, 1, 2)))
-    for ranking in summary(held):
+    for ranking in summary(outcome):
         if ranking.base not in SHOWN:
             continue
-        at = f", {ranking.temperature_c:g} °C" if ranking.temperature_c is not None else ""
-        unit = f" [{ranking.unit}]" if ranking.unit not in ("", "1") else ""
+        at = f", {celsius(ranking.temperature_c)}" if ranking.temperature_c is not None else ""
+        unit = f" [{symbol(ranking.unit)}]" if ranking.unit not in ("", "1") else ""
         cells = (_cell(ranking.of(name), wide) for name in names)
         table.add_row(Text(f"{ranking.title}{unit}{at}"), *cells)
     console.print(Padding(table, (0, 0, 1, 2)))
-    for ranking in summary(held):
+    for ranking in summary(outcome):
         for names in groups(ranking) if ranking.base in SHOWN else ():
             text = f"{ranking.title}: {listing(names)} are not distinguishable"
             console.print(Padding(Text(sentence(text), style="dim"), (0, 0, 0, 2)))
-    for sensor in held.sensors:
+    for sensor in outcome.sensors:
         made = ", ".join(e.effect for e in sensor.effects)
         if made:
             error = number(sensor.errors.get("refined"))
-            console.print(Padding(Text(f"{sensor.name}: {made} (error {error})"), (0, 0, 0, 2)))
-    for note in held.notes:
+            console.print(
+                Padding(Text(f"{sensor.name}: {made} (model error {error})"), (0, 0, 0, 2))
+            )
+    for note in outcome.notes:
         console.print(Padding(Text(sentence(note), style="dim"), (0, 0, 0, 2)))
 
 

@@ -1,0 +1,1 @@
+"""How each type of result looks, in the file of the type's name."""

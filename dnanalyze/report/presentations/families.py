@@ -1,0 +1,48 @@
+"""The figures of the families of statistics, measured alone or beside a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+
+from dnanalyze.report.figures import (
+    codes,
+    distribution,
+    lines,
+    planes,
+    shading,
+    spectrum,
+    tails,
+    timeline,
+    trends,
+)
+from dnanalyze.report.figures.style import Layer
+from dnanalyze.report.presentation import Draw
+
+KINDS = {
+    "temperature": trends.over_temperature,
+    "distribution": distribution.histograms,
+    "tails": tails.exceedance,
+    "spectrum": spectrum.spectra,
+    "spectrum_2d": planes.planes,
+    "profiles": lines.profiles,
+    "time": timeline.frame_means,
+    "codes": codes.roughness,
+    "shading": shading.maps,
+}
+
+
+def family_plots(drawn: Callable[[], Sequence[Layer]]) -> dict[str, Draw]:
+    """The figures by kind.
+
+    Parameters
+    ----------
+    drawn : callable
+        Gives the layers, the measured first; called once, when the first figure is drawn.
+    """
+    once = cache(drawn)
+    return {kind: partial(_one, figure, once) for kind, figure in KINDS.items()}
+
+
+def _one(figure: Callable[..., object], drawn: Callable[[], Sequence[Layer]]) -> object:
+    return figure(drawn())

@@ -1,0 +1,47 @@
+"""A refinement: its terminal text, document, table, page and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+
+from dnanalyze.report import documents, tables, words
+from dnanalyze.report.figures.waterfall import waterfall
+from dnanalyze.report.pages.refine import refine_page
+from dnanalyze.report.presentation import Draw, Presentation
+from dnanalyze.report.presentations.families import family_plots
+from dnanalyze.report.presentations.fit import simulated
+from dnanalyze.report.terminal.refinement import refinement
+
+
+def _terminal(console: Console, result: Any) -> None:
+    refinement(console, result.capture_set, result)
+
+
+def _headline(result: Any) -> str:
+    return words.add_headline(result) if result.by_hand else words.refine_headline(result)
+
+
+def _document(result: Any) -> dict[str, Any]:
+    if result.by_hand:
+        return documents.addition(result.captures, result.steps[-1].added, result, None)
+    return documents.refinement(result.captures, result, None)
+
+
+def _plots(result: Any) -> Mapping[str, Draw]:
+    names = [words.step_name(s.added, place) for place, s in enumerate(result.steps)]
+    errors = [s.error for s in result.steps]
+    own: dict[str, Draw] = {"steps": lambda: waterfall(names, errors)}
+    return own | family_plots(lambda: simulated(result))
+
+
+PRESENTATION = Presentation(
+    _terminal,
+    _headline,
+    _document,
+    tables.steps,
+    lambda result: refine_page(result.capture_set, result, by_hand=result.by_hand),
+    _plots,
+)

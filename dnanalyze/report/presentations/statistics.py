@@ -1,0 +1,33 @@
+"""Statistics: their terminal text, document, table, page and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+
+from dnanalyze.report import documents, tables
+from dnanalyze.report.figures.style import layers
+from dnanalyze.report.pages.analyze import analyze_page, headline
+from dnanalyze.report.presentation import Draw, Presentation
+from dnanalyze.report.presentations.families import family_plots
+from dnanalyze.report.terminal.statistics import statistics
+
+
+def _terminal(console: Console, result: Any) -> None:
+    statistics(console, result.capture_set, result)
+
+
+def _plots(result: Any) -> Mapping[str, Draw]:
+    return family_plots(lambda: layers(result))
+
+
+PRESENTATION = Presentation(
+    _terminal,
+    headline,
+    lambda result: documents.statistics(result.name, result),
+    tables.statistics,
+    lambda result: analyze_page(result.capture_set, result),
+    _plots,
+)

@@ -1,0 +1,213 @@
+"""Every type of result: what it prints, holds, writes, draws, and shows in a notebook."""
+
+import json
+import math
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "report"))
+import report_fakes as fakes
+
+import dnanalyze
+from dnanalyze.checking.check import Check
+from dnanalyze.diagnosis.candidate import Candidate
+from dnanalyze.diagnosis.path import Step
+from dnanalyze.model.noise_model import load_model
+
+NAME = "folder/<sensor> & co"
+HOSTILE = "<script>alert(1)</script>"
+
+
+def statistics():
+    return replace(fakes.statistics(), name=NAME, capture_set=fakes.captures())
+
+
+def fitted():
+    plain = fakes.fit()
+    bench = Held(fakes.captures())
+    return dnanalyze.Fit(
+        plain.model, plain.parameters, plain.correlations, plain.undetermined, bench, None,
+        fakes.captures(),
+    )  # fmt: skip
+
+
+class Held:
+    """As much of a bench as a figure asks for."""
+
+    def __init__(self, captures):
+        self.plan = type("Plan", (), {"captures": captures})
+        self.measured = (fakes.statistics(), fakes.statistics())
+
+    def statistics(self, model, errors):
+        return [fakes.statistics(2.5), fakes.statistics(2.5)]
+
+
+def comparison():
+    return dnanalyze.Comparison(NAME, **vars(fakes.comparison()), capture_set=fakes.captures())
+
+
+def diagnosis():
+    plain = fakes.diagnosis()
+    candidates = [Candidate(**vars(c)) for c in plain.candidates]
+    candidates[0] = replace(candidates[0], evidence=[HOSTILE])
+    found = vars(plain) | {"candidates": candidates}
+    return dnanalyze.Diagnosis(NAME, **found, capture_set=fakes.captures())
+
+
+def refinement(by_hand=False):
+    plain = fakes.refinement()
+    steps = [
+        Step(s.added, s.error, s.confidence, s.evidence, s.confused_with) for s in plain.steps[:3]
+    ]
+    made = dnanalyze.Refinement(
+        NAME, steps, plain.effects, plain.verdict, plain.model, diagnosis(),
+        Held(fakes.captures()), None, by_hand, fakes.captures(),
+    )  # fmt: skip
+    vars(made)["parameters"] = plain.parameters  # which it would simulate for
+    return made
+
+
+def detection():
+    return replace(fakes.detection(), capture_set=fakes.captures())
+
+
+def checked():
+    at = fakes.POINTS[0]
+    checks = [
+        Check("temporal_noise at 25 °C", "statistic", "temporal_noise", at, "", 1.9, 2.1, value,
+              2.0, "DN", passed, floor=0.02)
+        for value, passed in ((2.0, True), (2.5, False))
+    ]  # fmt: skip
+    checks.append(
+        Check("pooled error", "error", "pooled", at, "", -math.inf, 1.3, 1.1, None, "1", True)
+    )
+    return dnanalyze.CheckResult(NAME, "model.yaml", checks, 1e-3, fakes.captures())
+
+
+MADE = {
+    "Statistics": statistics, "Fit": fitted, "Comparison": comparison, "Diagnosis": diagnosis,
+    "Refinement": refinement, "Detection": detection, "CheckResult": checked,
+}  # fmt: skip
+
+
+@pytest.fixture(params=MADE)
+def result(request):
+    yield MADE[request.param]()
+    plt.close("all")
+
+
+def test_the_summary_is_plain_text_of_80_columns(result):
+    text = result.summary()
+    assert max(map(len, text.splitlines())) <= 80
+    assert "\x1b" not in text
+    assert text.startswith("<sensor> & co: 3 operating points")
+
+
+def test_the_document_is_json_of_finite_numbers(result):
+    made = result.to_dict()
+    assert re.fullmatch(r"dnanalyze/[a-z]+/1", made["schema"])
+    assert made["captures"] == NAME
+    assert json.loads(json.dumps(made, allow_nan=False)) == made
+
+
+def test_the_table_has_rows(result):
+    table = result.to_dataframe()
+    assert isinstance(table, pd.DataFrame)
+    assert len(table) > 0
+
+
+def test_the_repr_is_one_short_line(result):
+    text = repr(result)
+    assert text.startswith(f"<{type(result).__name__}: ")
+    assert "\n" not in text
+    assert len(text) < 160
+
+
+def test_a_notebook_gets_escaped_html_that_fetches_nothing(result):
+    html = result._repr_html_()
+    assert "<script" not in html
+    assert "<sensor>" not in html
+    assert not re.search(r"(src|href)=\"(?!data:)", html)
+    assert "data:image/svg+xml" in html
+
+
+def test_it_is_saved_by_suffix(result, tmp_path):
+    result.save(tmp_path / "r.json")
+    assert json.loads((tmp_path / "r.json").read_text()) == result.to_dict()
+    result.save(str(tmp_path / "r.csv"))
+    assert len(pd.read_csv(tmp_path / "r.csv")) == len(result.to_dataframe())
+    if getattr(result, "model", None) is None:
+        with pytest.raises(dnanalyze.InputError, match=r"valid: \.json, \.html, \.csv$"):
+            result.save(tmp_path / "r.yaml")
+    else:
+        result.save(tmp_path / "r.yaml")
+        assert load_model(tmp_path / "r.yaml") == result.model
+    with pytest.raises(dnanalyze.InputError, match="unknown suffix"):
+        result.save(tmp_path / "r.pickle")
+    assert not list(tmp_path.glob("*.pickle"))
+
+
+def test_it_is_drawn_on_new_axes_or_on_the_users(result):
+    axes = result.plot()
+    first = axes if isinstance(axes, plt.Axes) else axes[0]
+    assert isinstance(first, plt.Axes)
+    assert plt.fignum_exists(first.figure.number)
+    figure, (left, right) = plt.subplots(1, 2)
+    drawn = np.atleast_1d(result.plot(ax=right))
+    assert all(ax.figure is figure for ax in drawn)
+    assert not left.has_data()
+    assert any(ax.has_data() for ax in drawn)
+
+
+def test_an_unknown_kind_is_refused_with_the_valid_ones(result):
+    with pytest.raises(dnanalyze.InputError, match=r"kind='pie': unknown; valid: [a-z_]+"):
+        result.plot("pie")
+
+
+def test_a_figure_of_one_panel_is_drawn_on_the_axes_given():
+    _, ax = plt.subplots()
+    assert comparison().plot("families", ax=ax) is ax
+    assert refinement().plot("steps", ax=ax) is ax
+    plt.close("all")
+
+
+def test_what_the_captures_lack_is_said():
+    bare = fakes.statistics()
+    bare = replace(bare, settings=tuple(replace(s, curves={}) for s in bare.settings))
+    with pytest.raises(dnanalyze.InputError, match="nothing to draw; kinds: temperature"):
+        bare.plot("tails")
+    plt.close("all")
+
+
+@pytest.mark.parametrize("make", [comparison, checked, statistics])
+def test_the_report_is_a_page(make, tmp_path):
+    make().save(tmp_path / "r.html")
+    text = (tmp_path / "r.html").read_text()
+    assert text.startswith("<!DOCTYPE html>")
+    assert "<sensor>" not in text
+
+
+def test_a_report_without_captures_says_what_is_wanted(tmp_path):
+    with pytest.raises(dnanalyze.InputError, match="holds no captures"):
+        replace(comparison(), capture_set=None).save(tmp_path / "r.html")
+
+
+def test_the_summary_is_what_the_terminal_prints():
+    from dnanalyze.report.terminal.common import as_text
+    from dnanalyze.report.terminal.refinement import refinement as shown
+
+    made = refinement()
+    assert made.summary() == as_text(lambda console: shown(console, fakes.captures(), made))
+
+
+def test_an_effect_added_by_hand_is_reported_as_such():
+    made = refinement(by_hand=True)
+    assert made.to_dict()["schema"] == "dnanalyze/add/1"
+    assert made.summary().splitlines()[2].strip().startswith("With column_fpn")

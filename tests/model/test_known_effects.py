@@ -1,0 +1,20 @@
+"""Which effects a model may be given: the catalogue, a user's files, or those named."""
+
+from pathlib import Path
+
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.registry import built_in, known_effects
+
+OWN = Path(__file__).resolve().parents[2] / "sample_configs" / "own_effect.py"
+
+
+def test_a_users_file_stands_beside_the_catalogue():
+    assert known_effects() == built_in()
+    more = known_effects([str(OWN)])
+    assert set(more) > set(built_in())
+
+
+def test_a_mapping_stands_for_all_effects_under_either_word():
+    only = {"read_noise": ReadNoise}
+    assert known_effects(only) == only
+    assert known_effects(known=only) == only
