@@ -17,7 +17,6 @@ from dnanalyze.report.words import (
     number,
     refine_headline,
     sentence,
-    step_name,
 )
 
 
@@ -50,13 +49,12 @@ def refinement_page(captures: Any, result: Any, comparison: Any) -> str:
 
 
 def _steps(channel: str, part: Any) -> Section:
-    names = [step_name(s.added, place) for place, s in enumerate(part.steps)]
     table = Table(STEP_COLUMNS, step_rows(part.steps))
     return Section(
         f"channel-{channel}",
         f"Channel {channel}",
         text=[refine_headline(part)],
-        pictures=[waterfall(names, [s.error for s in part.steps])],
+        pictures=[waterfall(part.steps)],
         tables=[table],
     )
 

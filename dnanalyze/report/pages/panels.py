@@ -36,10 +36,11 @@ Drawn = Sequence[Layer]
 
 
 def _some(names: Sequence[str], caption: str) -> Callable[[Drawn], Picture | None]:
-    return lambda drawn: over_temperature.panels(drawn, names, caption)
+    return lambda drawn: over_temperature.statistics(drawn, names, caption)
 
 
-FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
+Draw = Callable[[Drawn], Picture | Sequence[Picture | None] | None]
+FIGURES: dict[str, tuple[Draw, ...]] = {
     "level": (
         trends.over_temperature,
         _some(
@@ -83,6 +84,7 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
     "spectrum": (spectrum.spectra, planes.planes),
     "lines": (
         lines.profiles,
+        lines.spectra,
         _some(
             (
                 "column_outliers",
@@ -171,12 +173,22 @@ def family_panels(
             Section(
                 f"family-{name}",
                 family_title(name),
-                pictures=[figure(drawn) for figure in FIGURES.get(name, ())],
+                pictures=pictures_of(drawn, name),
                 tables=[t for t in (off_table(rows, name), *tables) if t is not None],
                 badge=number(error) if known else "",
                 calm=not known or error < CALM,  # type: ignore[operator]
             )
         )
+    return made
+
+
+def pictures_of(drawn: Drawn, family: str) -> list[Picture]:
+    """Every figure of a family that has something to show."""
+    made: list[Picture] = []
+    for figure in FIGURES.get(family, ()):
+        found = figure(drawn)
+        some = [found] if found is None or isinstance(found, Picture) else found
+        made += [p for p in some if p is not None]
     return made
 
 

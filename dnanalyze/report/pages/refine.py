@@ -70,7 +70,7 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
             Section(
                 "steps",
                 "The error, step by step",
-                pictures=[waterfall(names, [s.error for s in steps])],
+                pictures=[waterfall(steps)],
                 tables=[Table(STEP_COLUMNS, step_rows(steps))],
             ),
             Section("why", "Why each was added", points=why),
