@@ -17,6 +17,7 @@ from dnanalyze.report.figures.style import (
     Cell,
     Picture,
     curve,
+    frequency_axis,
     log_axis,
     panels,
     quantity,
@@ -156,11 +157,9 @@ def draw_spectra(ax: Any, result: Any) -> Any:
         if found is not None:
             ax.plot(*thinned(*found, 200), **look_of(place, sensor.name))
     if ax.lines:
-        ax.set_xscale("log")
         ax.set_yscale("log")
-        log_axis(ax.xaxis)
         log_axis(ax.yaxis)
-        ax.set_xlabel("radial frequency [cycles/pixel]")
+        frequency_axis(ax, "radial frequency [cycles/pixel]")
         ax.set_ylabel("power / median power above 0.25")
     return ax
 

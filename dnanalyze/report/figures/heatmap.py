@@ -13,6 +13,7 @@ from dnanalyze.report.figures.style import (
     GAUSSIAN,
     INK,
     MODEL,
+    PAPER,
     QUIET,
     Cell,
     Picture,
@@ -22,7 +23,9 @@ from dnanalyze.report.figures.style import (
 from dnanalyze.report.tables import info, worst
 from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label, varied
 
-LINEAR = 2.0  # sigma up to which the colour scale is linear, logarithmic beyond
+LINEAR = 3.0  # sigma up to which the colour scale is linear, logarithmic beyond
+LOWEST = 30.0  # sigma at the end of the colours, at least
+CLEAR, FEWEST = 2.0, 8  # statistics that are off by less are not worth a row, beyond the first few
 ROW, COLUMN, MARGIN = 0.185, 0.46, 1.2  # inch
 COLOURS = "RdBu_r"
 Rows = Sequence[Mapping[str, Any]]
@@ -45,7 +48,7 @@ def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
     if not names:
         return ax
     limit = _limit(float(np.nanmax(np.abs(grid))))
-    norm = SymLogNorm(LINEAR, linscale=0.6, vmin=-limit, vmax=limit, base=10)
+    norm = SymLogNorm(LINEAR, linscale=0.5, vmin=-limit, vmax=limit, base=10)
     ax.grid(visible=False)
     image = ax.imshow(grid, cmap=COLOURS, norm=norm, aspect="auto")
     ax.set_yticks(range(len(names)), [info(r["name"]).title for r in names])
@@ -61,7 +64,7 @@ def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
         image, ax=ax, location="bottom", fraction=0.03, aspect=34, pad=0.02, shrink=0.9
     )
     bar.set_label(quantity("(measured − model) / σ, reproducibility standard deviation", ""))
-    ticks = [t for t in (2, 10, 100, 1000, 10**4, 10**5) if t <= limit]
+    ticks = [t for t in (3, 10, 30, 100, 300, 1000, 10**4, 10**5) if t <= limit]
     bar.set_ticks([*(-t for t in reversed(ticks)), 0, *ticks])
     bar.ax.xaxis.set_major_formatter(lambda v, _: f"{v:,.0f}".replace("-", "−"))
     bar.minorticks_off()
@@ -102,6 +105,7 @@ def _grid(rows: Rows, most: int) -> tuple[list[Mapping[str, Any]], list[str], np
     points = list(dict.fromkeys(point_label(r, parts) for r in own))
     order = list(FAMILIES)
     names = worst(own, most=most)
+    names = [r for n, r in enumerate(names) if n < FEWEST or abs(r["discrepancy"]) >= CLEAR]
     names.sort(key=lambda r: order.index(r["family"]) if r["family"] in order else 99)
     place = {r["name"]: n for n, r in enumerate(names)}
     grid = np.full((len(names), len(points)), np.nan)
@@ -113,8 +117,10 @@ def _grid(rows: Rows, most: int) -> tuple[list[Mapping[str, Any]], list[str], np
 
 
 def _limit(largest: float) -> float:
-    """The next of 10, 20, 50, 100, ... above."""
-    decade = 10.0 ** math.floor(math.log10(max(largest, 10.0)))
+    """The next of 30, 50, 100, 200, ... above: what is a few sigma stays pale."""
+    if largest <= LOWEST:
+        return LOWEST
+    decade = 10.0 ** math.floor(math.log10(largest))
     return next(k * decade for k in (1, 2, 5, 10) if k * decade >= largest or k == 10)
 
 
@@ -177,8 +183,9 @@ def draw_families(
     ax.set_xlim(0, max(1.2, top) * (1.6 if top > 20 else 1.14))
     ax.axvline(1.0, color=INK, linewidth=0.9, linestyle=(0, (3, 2)), zorder=3)
     for place, value in zip(places, values, strict=True):
-        ax.annotate(number(value), (max(value, 1.0) if 0.8 < value < 1.0 else value, place),
-                    (4, 0), textcoords="offset points", va="center", fontsize=7.5)  # fmt: skip
+        ax.annotate(number(value), (value, place),
+                    (4, 0), textcoords="offset points", va="center", fontsize=7.5, zorder=4,
+                    bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})  # fmt: skip
     ax.set_xlabel("model error (dimensionless)")
     return ax
 

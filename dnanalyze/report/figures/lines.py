@@ -13,6 +13,7 @@ from dnanalyze.report.figures.style import (
     Picture,
     chosen,
     curve,
+    frequency_axis,
     has,
     labels,
     log_axis,
@@ -53,11 +54,9 @@ def draw_line_spectrum(
             continue
         ax.plot(*_pooled(*found), **layer.line)
     if ax.lines:
-        ax.set_xscale("log")
         ax.set_yscale("log")
-        log_axis(ax.xaxis)
         log_axis(ax.yaxis)
-        ax.set_xlabel("frequency [cycles/pixel]")
+        frequency_axis(ax, "frequency [cycles/pixel]")
         ax.set_ylabel(f"power of the {side} means [DN²]")
     return ax
 
@@ -71,7 +70,7 @@ def profiles(drawn: Sequence[Layer]) -> Picture | None:
         def draw(ax: Any) -> None:
             draw_profile(ax, drawn, setting, side).set_title(f"{side} means, {title}")
 
-        return Cell(draw, 5.15, 1.9, share=side)
+        return Cell(draw, 5.15, 1.9)
 
     return panels(
         [
@@ -97,7 +96,7 @@ def spectra(drawn: Sequence[Layer]) -> Picture | None:
             draw_line_spectrum(ax, drawn, setting, side, part)
             ax.set_title(f"{side}s, {PARTS[part]}, {title}")
 
-        return Cell(draw, 2.55, 2.2, share=part)
+        return Cell(draw, 2.5, 2.2)
 
     cells, shown = [], []
     for side in SIDES:

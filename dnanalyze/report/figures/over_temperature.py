@@ -53,7 +53,8 @@ def draw_statistic(ax: Any, drawn: Sequence[Layer], name: str) -> Any:
         for run in runs(settings):
             seen = [n for n in run if math.isfinite(y[n])]
             if seen:
-                ax.plot(x[seen], y[seen], marker="o", markersize=3.2, **look)
+                size = 5.0 if layer.band else 2.8  # so that each shows where they coincide
+                ax.plot(x[seen], y[seen], marker="o", markersize=size, **look)
         if layer.band:
             ends = np.array(
                 [ends_of(v, about.scale) if _finite(v) else (math.nan,) * 2 for v in values]
@@ -76,12 +77,10 @@ def draw_statistic(ax: Any, drawn: Sequence[Layer], name: str) -> Any:
 def statistics(
     drawn: Sequence[Layer], names: Sequence[str], caption: str, most: int = 8
 ) -> Picture | None:
-    """A small panel a statistic; those that fewer than two operating points have are left out."""
+    """A small panel a statistic; those that say nothing here are left out."""
     measured = drawn[0].statistics
     own = one_plane(measured)
-    wanted = [
-        n for n in dict.fromkeys(names) if sum(_finite(s.values.get(n)) for s in own) > 1
-    ][:most]  # fmt: skip
+    wanted = [n for n in dict.fromkeys(names) if _tells(drawn, n)][:most]
     if not wanted:
         return None
 
@@ -97,6 +96,16 @@ def statistics(
         caption + bars + plane,
         "Over the operating points: " + ", ".join(info(n).title for n in wanted),
     )
+
+
+def _tells(drawn: Sequence[Layer], name: str) -> bool:
+    """Two operating points have it, and it is not the same everywhere, such as a count of 0."""
+    own = one_plane(drawn[0].statistics)
+    if sum(_finite(s.values.get(name)) for s in own) < 2:
+        return False
+    alike = [k.like(s) for k in drawn if k.label != "Gaussian" for s in own]
+    found = [s.values[name].value for s in alike if s is not None and name in s.values]
+    return len({v for v in found if math.isfinite(v)}) > 1
 
 
 def _finite(value: Value | None) -> bool:

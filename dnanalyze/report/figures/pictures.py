@@ -9,6 +9,7 @@ from typing import Any
 from dnanalyze.errors import InputError
 from dnanalyze.report.figures.looks import styled
 from dnanalyze.report.figures.svg import svg_of
+from dnanalyze.report.figures.ticks import log_axis
 
 WIDTH = 10.4  # inch: the width of the page's column
 
@@ -149,6 +150,8 @@ def _share(cells: Sequence[Cell], axes: Sequence[Any]) -> None:
         low, high = zip(*(ax.get_ylim() for ax in same), strict=True)
         for ax in same:
             ax.set_ylim(min(low), max(high))
+            if ax.get_yscale() == "log":
+                log_axis(ax.yaxis)
 
 
 def _drawn(cell: Cell) -> tuple[Any, Any]:

@@ -22,7 +22,8 @@ from dnanalyze.report.figures.style import (
 
 PARTS = {"pattern": "DSNU", "temporal": "temporal noise"}
 DARKEST, BRIGHTEST = -8.0, 14.0  # dB about the median that the colours span
-BAR = "power over its median [dB]"
+WIDEST = 90  # columns of half a plane that a panel can show
+BAR = "power / median power [dB]"
 
 
 def draw_plane(ax: Any, setting: Any, part: str = "pattern") -> Any:
@@ -39,8 +40,9 @@ def draw_plane(ax: Any, setting: Any, part: str = "pattern") -> Any:
     rows, columns = power.shape
     dv, du = 0.5 / (rows - 1), 0.5 / (columns - 1)  # half a cell: the outermost are centred on .5
     ax.grid(visible=False)
+    # whole decibels: finer steps cannot be seen, and make a picture of noise ten times as heavy
     ax.imshow(
-        power, vmin=DARKEST, vmax=BRIGHTEST, aspect="auto", origin="lower",
+        np.rint(power), vmin=DARKEST, vmax=BRIGHTEST, aspect="auto", origin="lower",
         extent=(-0.5 - du, 0.5 + du, -0.5 - dv, 0.5 + dv),
     )  # fmt: skip
     ax.set_xticks([-0.5, 0, 0.5])
@@ -58,7 +60,7 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
         def draw(ax: Any) -> None:
             draw_plane(ax, layer.like(setting), part).set_title(f"{PARTS[part]}, {title}")
 
-        return Cell(draw, 2.3, 2.15)
+        return Cell(draw, 2.2, 2.15)
 
     cells, shown = [], []
     for part in PARTS:
@@ -89,6 +91,11 @@ def _plane(setting: Any, part: str) -> np.ndarray | None:
     found = curve(setting, f"{part}_psd2d")
     if found is None or found[0].ndim != 2:
         return None
-    right = 10 * (found[0] - np.median(found[0]))
+    power = found[0]
+    if power.shape[1] > WIDEST:  # pairs of columns, u = 0 by itself: whole rows stay a sharp line
+        starts = [0, *range(1, power.shape[1], 2)]
+        counts = np.diff([*starts, power.shape[1]])
+        power = np.log10(np.add.reduceat(10**power, starts, axis=1) / counts)
+    right = 10 * (power - np.median(power))
     right = np.vstack([right, right[:1]])  # v = 1/2 is v = -1/2
     return np.hstack([right[::-1, :0:-1], right])

@@ -16,6 +16,7 @@ from dnanalyze.report.figures.style import (
     Picture,
     chosen,
     curve,
+    frequency_axis,
     has,
     labels,
     log_axis,
@@ -55,11 +56,9 @@ def draw_spectrum(
     if full is not None:
         f, s, _ = _pooled(full, setting)
         ax.plot(f, s, color=QUIET, linewidth=0.7, zorder=1.5, label=FULL)
-    ax.set_xscale("log")
     ax.set_yscale("log")
-    log_axis(ax.xaxis)
     log_axis(ax.yaxis)
-    ax.set_xlabel("radial frequency [cycles/pixel]")
+    frequency_axis(ax, "radial frequency [cycles/pixel]")
     ax.set_ylabel(f"power of the {PARTS[part]} [DN²]")
     return ax
 
@@ -75,7 +74,7 @@ def spectra(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
         def draw(ax: Any) -> None:
             draw_spectrum(ax, drawn, setting, part).set_title(f"{PARTS[part]}, {title}")
 
-        return Cell(draw, share=part)
+        return Cell(draw)
 
     cells, shown = [], []
     for part in some:

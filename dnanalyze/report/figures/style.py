@@ -20,12 +20,14 @@ from dnanalyze.report.figures.palette import (
     QUIET,
 )
 from dnanalyze.report.figures.pictures import Cell, Picture, figure, panels, picture
+from dnanalyze.report.figures.ticks import frequency_axis, log_axis, power_label
 from dnanalyze.report.words import point_label, varied
 
 __all__ = [
     "ACCENT", "GAUSSIAN", "HAIRLINE", "INK", "MODEL", "PAPER", "QUIET", "Cell", "Layer", "Picture",
-    "axis_of", "chosen", "curve", "figure", "has", "labels", "layers", "log_axis", "main_run",
-    "one_plane", "panels", "picture", "plane_note", "power_label", "quantity", "runs", "thinned",
+    "axis_of", "chosen", "curve", "figure", "frequency_axis", "has", "labels", "layers", "log_axis",
+    "main_run", "one_plane", "panels", "picture", "plane_note", "power_label", "quantity", "runs",
+    "thinned",
 ]  # fmt: skip
 
 
@@ -175,33 +177,6 @@ def quantity(text: str, unit: str) -> str:
     """Label of an axis: what it holds and its unit."""
     shown = UNITS.get(unit, unit)
     return f"{text} [{shown}]" if shown else text
-
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def power_label(value: float, _position: int = 0) -> str:
-    """Tick of a log axis without mathematics fonts: 0.01, 100, 10⁵."""
-    if value <= 0:
-        return ""
-    exponent = round(math.log10(value))
-    if not math.isclose(value, 10.0**exponent, rel_tol=1e-6):
-        return f"{value:g}"
-    return f"{value:g}" if -3 <= exponent <= 3 else "10" + str(exponent).translate(_RAISED)
-
-
-def log_axis(axis: Any) -> None:
-    """Ticks at powers of ten in plain text; at 1, 2, 5 where the axis spans little."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
-    low, high = axis.get_view_interval()
-    decades = math.log10(high / low) if low > 0 and high > low else 1.0
-    subs = (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
-    if decades < 0.35:  # within a factor of two even 1, 2, 5 give too few
-        subs = tuple(float(k) / 2 for k in range(2, 20))
-    axis.set_major_locator(LogLocator(10, subs=subs, numticks=7))
-    axis.set_major_formatter(FuncFormatter(power_label))
-    axis.set_minor_locator(NullLocator())
 
 
 def curve(setting: SettingStatistics | None, *names: str) -> tuple[np.ndarray, ...] | None:

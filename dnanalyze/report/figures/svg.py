@@ -8,7 +8,11 @@ from typing import Any
 
 from dnanalyze.report.figures.palette import turning
 
-PAGE_FONT = "'Helvetica Neue','Liberation Sans',Arial,sans-serif"
+# what matplotlib states in a style sheet, which would speak for the whole page, and the page's font
+ROOT = (
+    "font-family:'Helvetica Neue','Liberation Sans',Arial,sans-serif;"
+    "stroke-linejoin:round;stroke-linecap:butt"
+)
 
 
 def svg_of(fig: Any) -> str:
@@ -16,11 +20,18 @@ def svg_of(fig: Any) -> str:
     stream = io.StringIO()
     fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None}, dpi=150)
     text = stream.getvalue()
-    text = text[text.index("<svg") :].replace("'DejaVu Sans'", PAGE_FONT)
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
-    text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", text, flags=re.S)
+    text = text.replace("<svg ", f'<svg style="{ROOT}" ', 1)
+    text = text.replace("font-family: 'DejaVu Sans'; ", "").replace(
+        "; font-family: 'DejaVu Sans'", ""
+    )
+    text = re.sub(r' transform="rotate\(-?0 [^"]*"', "", text)
     text = re.sub(r'(?<= d=")[^"]+', lambda m: _path(m[0]), text)
-    text = re.sub(r"(?<=style=\")[^\"]+", lambda m: turning(m[0].replace("; ", ";")), text)
+    text = re.sub(r'(?<= [xy]=")[^"]+', lambda m: _path(m[0]), text)
+    text = re.sub(
+        r"(?<=style=\")[^\"]+", lambda m: turning(m[0].replace("; ", ";").replace(": ", ":")), text
+    )
     # only what is referred to needs a name
     used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', text))
     text = re.sub(r' id="([^"]+)"', lambda m: m[0] if m[1] in used else "", text)
@@ -29,7 +40,7 @@ def svg_of(fig: Any) -> str:
 
 
 def _path(commands: str) -> str:
-    """A path to a tenth of a screen's pixel."""
+    """A path, or a place, to a hundredth of a point."""
     tidy = re.sub(r"(\.\d\d)\d+", r"\1", commands)
     return re.sub(r"\s+", " ", tidy).strip()
 

@@ -87,7 +87,8 @@ def draw_arrhenius(ax: Any, drawn: Sequence[Layer]) -> Any:
         y[y <= 0] = math.nan
         if np.isfinite(y).any():
             look = layer.line | ({"linestyle": ""} if layer is drawn[0] else {})
-            ax.plot(inverse, y, marker="o", markersize=3.4, **look)
+            size = 5.0 if layer.band else 2.8
+            ax.plot(inverse, y, marker="o", markersize=size, **look)
     if not ax.lines:
         return ax
     _law(ax, drawn[0], warm, pedestal)

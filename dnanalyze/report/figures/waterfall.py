@@ -12,6 +12,7 @@ from dnanalyze.report.figures.style import (
     GAUSSIAN,
     INK,
     MODEL,
+    PAPER,
     QUIET,
     Cell,
     Picture,
@@ -92,8 +93,9 @@ def draw_waterfall(ax: Any, steps: Sequence[Any]) -> Any:
     for place, value in enumerate(heights):
         high = max(value, values[place - 1]) if 0 < place < len(values) else value
         ax.annotate(number(value), (place, high), (0, 3), textcoords="offset points",
-                    ha="center", va="bottom", fontsize=8)  # fmt: skip
-    ax.axhline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)), zorder=0.5)
+                    ha="center", va="bottom", fontsize=8, zorder=4,
+                    bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.6})  # fmt: skip
+    ax.axhline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)), zorder=1.5)
     names = [*(s.name for s in shown), "final model"][: ends[-1] + 1]
     ax.set_xticks(range(len(names)), [_lines(n) for n in names])
     ax.grid(visible=False, axis="x")

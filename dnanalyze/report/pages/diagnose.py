@@ -9,6 +9,7 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.candidates import candidates
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare
+from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
     candidates_of,
@@ -25,7 +26,7 @@ TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
 
 
 def sections(result: Any) -> list[Section]:
-    """Candidates with their evidence, what is unexplained, the limits, the next capture."""
+    """Candidates with evidence, statistics not explained, recommended captures, limits."""
     found = list(result.candidates)
     others, every = candidates_of(result)
     evidence = [
@@ -43,20 +44,22 @@ def sections(result: Any) -> list[Section]:
             pictures=[candidates(found, result.error, result.ordinary)],
             tables=[
                 *_candidates("candidate", others),
-                *_candidates("what every sensor has, put in step by step", every),
+                *_candidates("baseline effect, added step by step", every),
             ],
         ),
         *evidence,
         Section(
             "unexplained",
-            "What stays unexplained",
+            "Statistics not explained",
             points=[sentence(named(n)) for n in result.unexplained],
         ),
-        Section("next", "The next capture", points=texts(result.next_capture)),
+        Section("next", "Recommended captures", points=texts(result.next_capture)),
         Section(
             "limits",
-            "What would not have been seen",
-            text=["Below these strengths an effect may be in the sensor without showing here."]
+            "Detection limits",
+            text=[
+                "An effect weaker than its limit may be present without being detected in these captures."
+            ]
             if result.detection_limits
             else [],
             tables=_limits(result.detection_limits),
@@ -66,7 +69,13 @@ def sections(result: Any) -> list[Section]:
 
 def _candidates(title: str, found: Sequence[Any]) -> list[Table]:
     """A row a candidate, best first; no table without any."""
-    columns = (title, "confused with", "error after", "explains", "confidence")
+    columns = (
+        title,
+        "confounded with",
+        "model error after",
+        "share of the excess error",
+        "confidence",
+    )
     rows = [
         (
             naming(c.effect, c.confidence),
@@ -92,7 +101,11 @@ def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
         "Diagnosis",
         capture.title(captures),
         diagnose_headline(result),
-        [*sections(result), *(compare.sections(comparison) if comparison is not None else [])],
+        [
+            *sections(result),
+            *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
+            model_section(result.model),
+        ],
         tone=TONES.get(result.verdict, "fair"),
         points=[sentence(e) for e in (result.candidates[0].evidence if result.candidates else [])]
         if result.verdict == "missing"
