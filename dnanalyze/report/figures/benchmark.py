@@ -144,7 +144,7 @@ def draw_errors(ax: Any, result: Any) -> Any:
 def errors(result: Any) -> Picture | None:
     """The errors as a picture."""
     return panels(
-        [Cell(lambda ax: draw_errors(ax, result), 6.0, 0.8 + 0.62 * len(result.sensors))],
+        [Cell(lambda ax: draw_errors(ax, result), 4.4, 0.8 + 0.62 * len(result.sensors))],
         "Model error of each sensor. Dashed line: 1, a second sensor of the same make.",
         "Errors of three models for each sensor.",
     )
@@ -185,7 +185,7 @@ def _spectrum(sensor: Any) -> tuple[np.ndarray, np.ndarray] | None:
 def spectra(result: Any) -> Picture | None:
     """The spectra as a picture."""
     return panels(
-        [Cell(lambda ax: draw_spectra(ax, result), 6.0, 3.2)],
+        [Cell(lambda ax: draw_spectra(ax, result), 4.4, 3.0)],
         "Radial power spectrum of the DSNU at the hottest operating point of each sensor, whole "
         "rows and columns left out, divided by its high-frequency power: white noise is flat, "
         "1/f noise rises to the left.",

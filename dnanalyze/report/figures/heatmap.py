@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.report.figures.palette import CALM, ON_DARK, ON_LIGHT, SOFT
+from dnanalyze.report.figures.palette import CALM, GRID, ON_DARK, ON_LIGHT, SOFT
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
     INK,
@@ -50,6 +50,7 @@ def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
     limit = _limit(float(np.nanmax(np.abs(grid))))
     norm = SymLogNorm(LINEAR, linscale=0.5, vmin=-limit, vmax=limit, base=10)
     ax.grid(visible=False)
+    ax.set_facecolor(GRID)
     image = ax.imshow(grid, cmap=COLOURS, norm=norm, aspect="auto")
     ax.set_yticks(range(len(names)), [info(r["name"]).title for r in names])
     turned = max(map(len, points)) > 7
@@ -196,7 +197,7 @@ def families(
     """The errors of the families as a picture."""
     count = sum(map(is_number, errors.values())) + len(baselines)
     return panels(
-        [Cell(lambda ax: draw_families(ax, errors, baselines, error), 5.2, 0.9 + 0.22 * count)],
+        [Cell(lambda ax: draw_families(ax, errors, baselines, error), 4.4, 0.9 + 0.22 * count)],
         "Model error of each family of statistics, and over all families beside other models. "
         "Dashed line: 1, what a second sensor of the same make gives.",
         "Error of each family of statistics as bars.",

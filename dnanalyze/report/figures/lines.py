@@ -70,7 +70,7 @@ def profiles(drawn: Sequence[Layer]) -> Picture | None:
         def draw(ax: Any) -> None:
             draw_profile(ax, drawn, setting, side).set_title(f"{side} means, {title}")
 
-        return Cell(draw, 5.15, 1.9)
+        return Cell(draw, 4.4, 1.9)
 
     return panels(
         [

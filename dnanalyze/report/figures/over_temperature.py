@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.statistics import Scale, Value
+from dnanalyze.analyzers.statistics import Scale, Statistics, Value
 from dnanalyze.report.figures.style import (
     INK,
     ORDER,
@@ -24,6 +24,7 @@ from dnanalyze.report.figures.style import (
     runs,
 )
 from dnanalyze.report.tables import info
+from dnanalyze.report.words import varied
 
 WIDE = 100.0  # ratio of the ends of an exposure axis from which it is logarithmic
 
@@ -79,7 +80,6 @@ def statistics(
 ) -> Picture | None:
     """A small panel a statistic; those that say nothing here are left out."""
     measured = drawn[0].statistics
-    own = one_plane(measured)
     wanted = [n for n in dict.fromkeys(names) if _tells(drawn, n)][:most]
     if not wanted:
         return None
@@ -88,14 +88,23 @@ def statistics(
         return Cell(lambda ax: draw_statistic(ax, drawn, name), 2.52, 2.0)
 
     bars = " Bars: two standard errors of the measured value for this type of sensor."
-    if len(runs(own)) > 1:
-        bars += " Lines join operating points that differ only in the quantity on this axis."
-    plane = f" Colour plane {own[0].plane}." if own[0].plane else ""
     return panels(
         [cell(n) for n in wanted],
-        caption + bars + plane,
+        caption + bars + one_line_each(measured),
         "Over the operating points: " + ", ".join(info(n).title for n in wanted),
     )
+
+
+NAMES = {"temperature_c": "temperature", "exposure_s": "exposure", "gain": "gain"}
+
+
+def one_line_each(measured: Statistics) -> str:
+    """What a line stands for where the operating points differ in more than the axis."""
+    own = one_plane(measured)
+    key = axis_of(own)[0]
+    apart = [NAMES.get(k, k) for k in varied(vars(s.point) for s in own) if k != key]
+    note = f" One line per {' and '.join(sorted(apart))}." if key and apart else ""
+    return note + (f" Colour plane {own[0].plane}." if own[0].plane else "")
 
 
 def _tells(drawn: Sequence[Layer], name: str) -> bool:

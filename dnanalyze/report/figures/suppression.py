@@ -36,7 +36,7 @@ def draw_suppression(ax: Any, series: Any) -> Any:
 def suppression(series: Any) -> Picture | None:
     """The series as a picture."""
     return panels(
-        [Cell(lambda ax: draw_suppression(ax, series), 5.2, 3.0)],
+        [Cell(lambda ax: draw_suppression(ax, series), 4.4, 2.8)],
         "Power above 0.45 cycles/pixel divided by the power from 0.03 to 0.12, rows and columns "
         "left out. An unfiltered sensor stays at 1. Defect-pixel correction lowers it at high "
         "temperature; denoising often at low temperature. Linear crosstalk lowers it and then "

@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.analyzers.arrhenius import unusual
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
-from dnanalyze.report.figures.over_temperature import draw_statistic
+from dnanalyze.report.figures.over_temperature import draw_statistic, one_line_each
 from dnanalyze.report.figures.style import (
     ACCENT,
     Cell,
@@ -19,7 +19,6 @@ from dnanalyze.report.figures.style import (
     log_axis,
     main_run,
     panels,
-    plane_note,
 )
 from dnanalyze.report.words import is_number, with_error
 
@@ -51,8 +50,7 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
     )
     return panels(
         cells,
-        f"{left} Temporal dark noise and DSNU over the operating points."
-        + plane_note(measured, warm or None),
+        f"{left} Temporal dark noise and DSNU over the operating points." + one_line_each(measured),
         "Arrhenius plot of the dark signal, temporal dark noise and DSNU.",
     )
 

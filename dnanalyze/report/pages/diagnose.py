@@ -58,7 +58,7 @@ def sections(result: Any) -> list[Section]:
             "limits",
             "Detection limits",
             text=[
-                "An effect weaker than its limit may be present without being detected in these captures."
+                "An effect weaker than its limit may be present and not detected in these captures."
             ]
             if result.detection_limits
             else [],

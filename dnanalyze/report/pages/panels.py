@@ -45,8 +45,8 @@ FIGURES: dict[str, tuple[Draw, ...]] = {
         trends.over_temperature,
         _some(
             ("temporal_noise_core", "pattern_noise_core", "frame_noise_core", "median"),
-            "Standard deviations of the central 68 % of the pixels, which hot pixels do not affect, and "
-            "the median dark signal.",
+            "Standard deviations of the central 68 % of the pixels, which hot pixels do not "
+            "affect, and the median dark signal.",
         ),
     ),
     "distribution": (
