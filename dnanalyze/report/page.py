@@ -144,12 +144,20 @@ def _inline(panel: Panel, count: int) -> Markup:
     return Markup(named_apart(panel.svg, f"p{count}-"))
 
 
+MARKERS = {
+    "o": 'circle cx="13" cy="5" r="3.2"',
+    "s": 'path d="M10 2h6v6h-6z"',
+    "_": 'path d="M8 5h10"',
+}
+
+
 def _swatch(key: Key) -> Markup:
     """A line, or a marker, as it looks in the figure."""
     colour = turning(key.colour)
     if key.marker:
+        shape = MARKERS.get(key.marker, MARKERS["o"])
         fill = colour if key.filled else "none"
-        drawn = f'<circle cx="13" cy="5" r="3.2" fill="{fill}" stroke="{colour}"/>'
+        drawn = f'<{shape} fill="{fill}" stroke="{colour}"/>'
     else:
         dashes = ",".join(f"{v * key.width:.1f}" for v in key.dash or ())
         drawn = (

@@ -40,6 +40,7 @@ def draw_neighbours(ax: Any, frame: np.ndarray) -> Any:
     y, x, top, step = _scaled(frame)
     edges = np.arange(-5 - step / 2, top + step, step * max(1, round((top + 5) / CELLS / step)))
     counts, _, _ = np.histogram2d(x, y, bins=[edges, edges])
+    ax.grid(visible=False)
     shown = np.ma.masked_less(counts.T, 1)
     ax.imshow(
         shown, norm=LogNorm(1, MOST), cmap="cividis", origin="lower", aspect="equal",

@@ -24,7 +24,7 @@ from dnanalyze.report.figures.style import (
     log_axis,
     panels,
 )
-from dnanalyze.report.words import point_label
+from dnanalyze.report.words import point_label, varied
 
 VIEWS = {"frame": (INK, "o", "whole frame"), "planes": (MODEL, "s", "within one colour plane")}
 FLAGGED = GAUSSIAN
@@ -189,11 +189,12 @@ def _colour(answer: Any) -> str:
     return FLAGGED if answer.flagged else VIEWS[answer.asked.evidence.view][0]
 
 
-def _name(ax: Any, answer: Any) -> None:
-    """The operating point follows the title."""
+def _name(ax: Any, answer: Any, among: Sequence[Any]) -> None:
+    """The operating point follows the title: what differs from the others."""
     e = answer.asked.evidence
-    point = "all operating points" if answer.asked.everywhere else point_label(e.point)
-    ax.set_title(f", {point}" + (", one colour plane" if e.view == "planes" else ""))
+    apart = varied(vars(a.asked.evidence.point) for a in among)
+    point = "all operating points" if answer.asked.everywhere else point_label(e.point, apart)
+    ax.set_title(f", {point}" + (", one colour" if e.view == "planes" else ""))
 
 
 def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
@@ -214,7 +215,7 @@ def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     log_axis(ax.xaxis)
     ax.set_xlabel("spatial frequency [cycles/pixel]")
     ax.set_ylabel("ln(power / DN²)")
-    _name(ax, telling)
+    _name(ax, telling, answers)
 
 
 def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
@@ -246,7 +247,7 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     of = f"{times}largest of {out.neighbours} neighbours"
     ax.set_xlabel(f"pixel / {of}" if ratio else f"pixel − {of} [DN]")
     ax.set_ylabel("pixels per frame")
-    _name(ax, telling)
+    _name(ax, telling, answers)
 
 
 def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
@@ -265,7 +266,7 @@ def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     ax.set_yticks(y, RULES, fontsize=6.5)
     ax.grid(axis="y", visible=False)
     ax.set_xlabel("pixels")
-    _name(ax, telling)
+    _name(ax, telling, answers)
 
 
 def _memory(ax: Any, _test: str, answers: Sequence[Any]) -> None:
@@ -279,7 +280,7 @@ def _memory(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     ax.axhline(telling.asked.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 2)))
     ax.set_xlabel("weight of the previous frame")
     ax.set_ylabel(SAYS["temporal_autocorrelation"])
-    _name(ax, telling)
+    _name(ax, telling, answers)
 
 
 PAINT: dict[str, Callable[[Any, str, Sequence[Any]], None]] = {  # the others: over the settings

@@ -31,13 +31,13 @@ class Panel:
 
 @dataclass(frozen=True)
 class Key:
-    """An entry of the legend: how a line or a marker looks, and its name."""
+    """An entry of the legend: how a line, or a marker alone, looks, and its name."""
 
     label: str
     colour: str
     dash: tuple[float, ...] | None = ()
     width: float = 1.3
-    marker: bool = False
+    marker: str = ""
     filled: bool = True
 
 
@@ -188,7 +188,7 @@ def legend_of(drawn: Sequence[Any]) -> tuple[Key, ...]:
                     to_hex(line.get_color()),
                     dash,
                     line.get_linewidth(),
-                    mark and dash is None,
+                    str(line.get_marker()) if mark and dash is None else "",
                     to_hex(line.get_markerfacecolor()) == to_hex(line.get_color()),
                 ),
             )

@@ -170,7 +170,15 @@ def plane_note(statistics: Statistics, shown: Sequence[SettingStatistics] | None
     return note + " The tables have every operating point." if note else ""
 
 
-UNITS = {"DN^2": "DN²", "C": "°C", "c/px": "cycles/pixel", "DN/e-": "DN/e⁻", "1": "", "e-": "e⁻"}
+UNITS = {
+    "DN^2": "DN²",
+    "C": "°C",
+    "c/px": "cycles/pixel",
+    "DN/e-": "DN/e⁻",
+    "1": "",
+    "e-": "e⁻",
+    "e-/s": "e⁻/s",
+}
 
 
 def quantity(text: str, unit: str) -> str:

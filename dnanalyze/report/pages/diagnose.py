@@ -14,6 +14,7 @@ from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
     candidates_of,
     diagnose_headline,
+    leading,
     naming,
     number,
     percent,
@@ -27,7 +28,6 @@ TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
 
 def sections(result: Any) -> list[Section]:
     """Candidates with evidence, statistics not explained, recommended captures, limits."""
-    found = list(result.candidates)
     others, every = candidates_of(result)
     evidence = [
         Section(
@@ -35,16 +35,16 @@ def sections(result: Any) -> list[Section]:
             f"Evidence for {naming(c.effect, c.confidence)}",
             points=[sentence(e) for e in c.evidence],
         )
-        for c in found[result.verdict == "missing" : 3]  # the best one's stands with the verdict
+        for c in others[result.verdict == "missing" : 3]  # the best one's stands with the verdict
     ]
     return [
         Section(
             "candidates",
             "Candidates",
-            pictures=[candidates(found, result.error, result.ordinary)],
+            pictures=[candidates(result.candidates, result.error, result.ordinary)],
             tables=[
                 *_candidates("candidate", others),
-                *_candidates("baseline effect, added step by step", every),
+                *_candidates("baseline effect", every, "Effects of the baseline model"),
             ],
         ),
         *evidence,
@@ -67,13 +67,21 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def _candidates(title: str, found: Sequence[Any]) -> list[Table]:
+def _told(result: Any) -> list[str]:
+    """The evidence for the effect that is missing."""
+    best = leading(result)
+    if result.verdict != "missing" or best is None or best.effect in result.ordinary:
+        return []
+    return [sentence(e) for e in best.evidence]
+
+
+def _candidates(head: str, found: Sequence[Any], folded: str = "") -> list[Table]:
     """A row a candidate, best first; no table without any."""
     columns = (
-        title,
+        head,
         "confounded with",
         "model error after",
-        "share of the excess error",
+        "excess error explained",
         "confidence",
     )
     rows = [
@@ -86,7 +94,7 @@ def _candidates(title: str, found: Sequence[Any]) -> list[Table]:
         )
         for c in found
     ]
-    return [Table(columns, rows, words=2)] if rows else []
+    return [Table(columns, rows, words=2, title=folded, folded=bool(folded))] if rows else []
 
 
 def _limits(limits: Any) -> list[Table]:
@@ -107,9 +115,7 @@ def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
             model_section(result.model),
         ],
         tone=TONES.get(result.verdict, "fair"),
-        points=[sentence(e) for e in (result.candidates[0].evidence if result.candidates else [])]
-        if result.verdict == "missing"
-        else [],
+        points=_told(result),
         facts=capture.facts(captures),
         notes=captures.notes,
     )
