@@ -25,6 +25,7 @@ _SUBJECT = {
     "temporal": "the noise between frames",
     "frame": "a single frame",
 }
+_TITLE = {"pattern": "the DSNU", "temporal": "the temporal noise", "frame": "a single frame"}
 
 
 def _quantile_info(what: str, level: str, compared: bool = True) -> StatisticInfo:
@@ -36,7 +37,7 @@ def _quantile_info(what: str, level: str, compared: bool = True) -> StatisticInf
     near = "{difference} " + ("shorter" if upper else "longer")
     where = f"the {side} {share} of {_SUBJECT[what]}"
     return StatisticInfo(
-        f"{what}_q{level}", "distribution", "DN", f"{p:g} quantile of {_SUBJECT[what]}",
+        f"{what}_q{level}", "distribution", "DN", f"{p:g} quantile of {_TITLE[what]}",
         high=f"{where}: the tail is {far} than the model's",
         low=f"{where}: the tail is {near} than the model's",
         compared=compared,
@@ -48,19 +49,19 @@ INFOS = (
     *(_quantile_info("temporal", level) for level in TEMPORAL_LEVELS),
     *(_quantile_info("frame", level) for level in LEVELS),
     StatisticInfo(
-        "temporal_kurtosis", "distribution", "1", "excess kurtosis of the noise between frames",
+        "temporal_kurtosis", "distribution", "1", "excess kurtosis of the temporal noise",
         high="the noise between frames has heavier tails than the model's",
         low="the noise between frames has lighter tails than the model's",
     ),
     StatisticInfo(
-        "pattern_steps", "distribution", "1", "equally spaced peaks of the pattern", Scale.LOG,
+        "pattern_steps", "distribution", "1", "equally spaced peaks of the DSNU", Scale.LOG,
         high="the fixed pattern's histogram has equally spaced peaks that the model lacks",
         low="the fixed pattern's histogram lacks the equally spaced peaks of the model",
     ),
     StatisticInfo("pattern_step_dn", "distribution", "DN", "spacing of the peaks", compared=False),
     *(
         StatisticInfo(
-            f"{what}_{name}", "distribution", "1", f"{text} of {_SUBJECT[what]}", compared=False
+            f"{what}_{name}", "distribution", "1", f"{text} of {_TITLE[what]}", compared=False
         )
         for what in ("frame", "pattern")
         for name, text in (
@@ -73,7 +74,7 @@ INFOS = (
     StatisticInfo("lognormal_mu", "distribution", "ln DN", "log-normal fit, mu", compared=False),
     StatisticInfo("lognormal_delta", "distribution", "1", "log-normal fit, delta", compared=False),
     StatisticInfo("lognormal_shift", "distribution", "DN", "log-normal fit, shift", compared=False),
-    StatisticInfo("peak_count", "distribution", "1", "peaks of the fixed pattern", compared=False),
+    StatisticInfo("peak_count", "distribution", "1", "peaks of the DSNU", compared=False),
 )  # fmt: skip
 
 PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])

@@ -15,37 +15,37 @@ RESOLUTION = 0.005  # DN, below which quantiles of codes are not told apart
 
 INFOS = (
     StatisticInfo(
-        "mean", "level", "DN", "mean dark level",
+        "mean", "level", "DN", "mean dark signal",
         high="the mean dark level is {difference} above the model's",
         low="the mean dark level is {difference} below the model's",
     ),
     StatisticInfo(
-        "median", "level", "DN", "median dark level",
+        "median", "level", "DN", "median dark signal",
         high="the typical pixel is {difference} brighter than the model's",
         low="the typical pixel is {difference} darker than the model's",
     ),
     StatisticInfo(
-        "temporal_noise", "level", "DN", "noise between frames", Scale.LOG,
+        "temporal_noise", "level", "DN", "temporal dark noise", Scale.LOG,
         high="the noise between frames is {ratio} times the model's",
         low="the noise between frames is only {ratio} of the model's",
     ),
     StatisticInfo(
-        "temporal_noise_core", "level", "DN", "noise between frames, typical pixel", Scale.LOG,
+        "temporal_noise_core", "level", "DN", "temporal dark noise, typical pixel", Scale.LOG,
         high="the typical pixel's noise between frames is {ratio} times the model's",
         low="the typical pixel's noise between frames is only {ratio} of the model's",
     ),
     StatisticInfo(
-        "pattern_noise", "level", "DN", "fixed-pattern noise", Scale.LOG,
+        "pattern_noise", "level", "DN", "DSNU, standard deviation", Scale.LOG,
         high="the fixed pattern is {ratio} times as strong as the model's",
         low="the fixed pattern is only {ratio} as strong as the model's",
     ),
     StatisticInfo(
-        "pattern_noise_core", "level", "DN", "fixed-pattern noise, central 68 %", Scale.LOG,
+        "pattern_noise_core", "level", "DN", "DSNU, central 68 %", Scale.LOG,
         high="the bulk of the pixels spreads {ratio} times as wide as the model's",
         low="the bulk of the pixels spreads only {ratio} as wide as the model's",
     ),
     StatisticInfo(
-        "frame_noise_core", "level", "DN", "spread of a single frame, central 68 %", Scale.LOG,
+        "frame_noise_core", "level", "DN", "single frame, central 68 %", Scale.LOG,
         high="a single frame's core is {ratio} times as wide as the model's",
         low="a single frame's core is only {ratio} as wide as the model's",
     ),

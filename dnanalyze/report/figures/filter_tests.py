@@ -231,7 +231,8 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     if not own.any() and not control.any():  # no pixel stands out: nothing to draw
         return
     ax.plot(top.bounds, control, color=INK, linewidth=1.0, linestyle=(0, (4, 2)))
-    ax.plot(top.bounds, np.maximum(own, 0.5 / top.frames), color=_colour(telling), linewidth=1.6)
+    ax.plot(top.bounds, np.maximum(own, 0.5 / top.frames), color=_colour(telling), linewidth=1.6,
+            label="flagged" if telling.flagged else None)  # fmt: skip
     if telling.flagged:
         ax.axvline(asked.at, color=FLAGGED, linewidth=0.8)
     some = top.bounds[control >= 1 / top.frames]

@@ -65,7 +65,11 @@ def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
         image, ax=ax, location="bottom", fraction=0.03, aspect=34, pad=0.02, shrink=0.9
     )
     bar.set_label(quantity("(measured − model) / σ, reproducibility standard deviation", ""))
-    ticks = [t for t in (3, 10, 30, 100, 300, 1000, 10**4, 10**5) if t <= limit]
+    ticks = [
+        t
+        for t in ((3, 10, 30, 100) if limit <= 100 else (3, 10, 100, 1000, 10**4, 10**5))
+        if t <= limit
+    ]
     bar.set_ticks([*(-t for t in reversed(ticks)), 0, *ticks])
     bar.ax.xaxis.set_major_formatter(lambda v, _: f"{v:,.0f}".replace("-", "−"))
     bar.minorticks_off()

@@ -80,7 +80,7 @@ def statistics(
 ) -> Picture | None:
     """A small panel a statistic; those that say nothing here are left out."""
     measured = drawn[0].statistics
-    wanted = [n for n in dict.fromkeys(names) if _tells(drawn, n)][:most]
+    wanted = [n for n in dict.fromkeys(names) if tells(drawn, n)][:most]
     if not wanted:
         return None
 
@@ -107,7 +107,7 @@ def one_line_each(measured: Statistics) -> str:
     return note + (f" Colour plane {own[0].plane}." if own[0].plane else "")
 
 
-def _tells(drawn: Sequence[Layer], name: str) -> bool:
+def tells(drawn: Sequence[Layer], name: str) -> bool:
     """Two operating points have it, and it is not the same everywhere, such as a count of 0."""
     own = one_plane(drawn[0].statistics)
     if sum(_finite(s.values.get(name)) for s in own) < 2:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.report.figures.looks import styled
 from dnanalyze.report.figures.palette import (
     ACCENT,
     GAUSSIAN,
@@ -27,7 +28,7 @@ __all__ = [
     "ACCENT", "GAUSSIAN", "HAIRLINE", "INK", "MODEL", "PAPER", "QUIET", "Cell", "Layer", "Picture",
     "axis_of", "chosen", "curve", "figure", "frequency_axis", "has", "labels", "layers", "log_axis",
     "main_run", "one_plane", "panels", "picture", "plane_note", "power_label", "quantity", "runs",
-    "thinned",
+    "styled", "thinned",
 ]  # fmt: skip
 
 
@@ -143,7 +144,8 @@ def chosen(
     own = main_run(statistics, can)
     if len(own) <= most:
         return own
-    return [own[round(i * (len(own) - 1) / (most - 1))] for i in range(most)]
+    places = np.linspace(len(own) - 1, 0, most).round().astype(int)  # one alone is the last
+    return [own[n] for n in places[::-1]]
 
 
 def has(*names: str) -> Can:

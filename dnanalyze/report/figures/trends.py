@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.analyzers.arrhenius import unusual
 from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
-from dnanalyze.report.figures.over_temperature import draw_statistic, one_line_each
+from dnanalyze.report.figures.over_temperature import draw_statistic, one_line_each, tells
 from dnanalyze.report.figures.style import (
     ACCENT,
     Cell,
@@ -40,8 +40,9 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
         return Cell(lambda ax: draw_statistic(ax, drawn, name).set_title(title), 3.35, 2.7)
 
     cells = [Cell(first, 3.35, 2.7)]
-    cells += [] if known else [noise("median", "median dark signal")]
-    cells += [noise(name, title) for name, title in NOISES.items()]
+    if not known and tells(drawn, "median"):
+        cells.append(noise("median", "median dark signal"))
+    cells += [noise(name, title) for name, title in NOISES.items() if tells(drawn, name)]
     left = (
         "Left: median dark signal above the black level over the inverse temperature; a thermally "
         "activated dark current makes a straight line."
