@@ -179,8 +179,8 @@ def _models(result: Any) -> Section:
             "Filtered: a defect-pixel correction or a denoise was detected in the frames; noise, "
             "hot pixels and spectra are then not those of the sensor. Verdict: adequate, no "
             "further missing effect is detectable; unexplained, no effect of the catalogue "
-            "explains the residual. The strength of an effect is the rms that it adds to a pixel at the "
-            "operating point of the first row, or its first parameter where the rms is not known."
+            "explains the residual. The strength of an effect is the rms that it adds to a pixel "
+            "at the operating point of the first row, or its first parameter where it is unknown."
         ],
         pictures=[figures.errors(result)],
         tables=tables,
