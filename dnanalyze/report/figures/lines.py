@@ -52,7 +52,7 @@ def draw_line_spectrum(
         found = curve(layer.like(setting), f"{side}_spectrum_f", f"{part}_{side}_spectrum")
         if found is None or not np.any(found[1] > 0):  # lines that are all alike
             continue
-        ax.plot(*_pooled(*found), **layer.line)
+        ax.plot(*_pooled(found[0], found[1]), **layer.line)
     if ax.lines:
         ax.set_yscale("log")
         log_axis(ax.yaxis)

@@ -139,7 +139,7 @@ def _places(cells: Sequence[Cell], ax: Any) -> list[Any]:
             )
         ax.set_axis_off()
         grid = place.subgridspec(rows, columns)
-    fig = grid.figure if ax is None else ax.figure
+    fig: Any = grid.figure if ax is None else ax.figure
     return [fig.add_subplot(grid[n // columns, n % columns]) for n in range(len(cells))]
 
 

@@ -62,7 +62,8 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
 
         return Cell(draw, 2.2, 2.15)
 
-    cells, shown = [], []
+    cells: list[Cell] = []
+    shown: list[Any] = []
     for part in PARTS:
         found = chosen(measured, 2, lambda s, p=part: _plane(s, p) is not None)  # type: ignore[misc]
         shown = found or shown

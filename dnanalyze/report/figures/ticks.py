@@ -26,7 +26,7 @@ def log_axis(axis: Any) -> None:
 
     low, high = axis.get_view_interval()
     decades = math.log10(high / low) if low > 0 and high > low else 1.0
-    subs = (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
+    subs: tuple[float, ...] = (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
     if decades < 0.35:  # within a factor of two even 1, 2, 5 give too few
         subs = tuple(float(k) / 2 for k in range(2, 20))
     axis.set_major_locator(LogLocator(10, subs=subs, numticks=7))
