@@ -69,7 +69,7 @@ def _names(name: str, law: Any) -> list[str]:
 def _value(value: Any, name: str, known: dict[str, Any]) -> str:
     found = known.get(name)
     if found is not None:
-        return with_error(found.value, found.se).replace(" ", "\N{NO-BREAK SPACE}")
+        return with_error(found.value, found.se)
     return number(value, 4) if is_number(value) else str(value)
 
 
