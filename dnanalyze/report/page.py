@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from dnanalyze.report.figures.style import Picture
+from markupsafe import Markup
+
+from dnanalyze.report.figures.palette import TONES, turning
+from dnanalyze.report.figures.pictures import Key, Panel, Picture
+from dnanalyze.report.figures.svg import named_apart
 
 
 @dataclass(frozen=True)
@@ -118,20 +123,48 @@ def render(page: Page, made: datetime | None = None) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["data_uri"] = data_uri
+    count = itertools.count()
+    environment.filters["inline"] = lambda panel: _inline(panel, next(count))
+    environment.filters["swatch"] = swatch
     when = (made or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M UTC")
     shown = [s for s in page.sections if not s.empty]
     sortable = any(t.sortable for s in shown for t in s.tables)
     return environment.get_template("page.html.j2").render(
-        page=page, sections=shown, sortable=sortable, when=when, version=dnanalyze.__version__
+        page=page,
+        sections=shown,
+        sortable=sortable,
+        when=when,
+        version=dnanalyze.__version__,
+        tones=TONES,
     )
 
 
-def data_uri(svg: str) -> str:
-    """An SVG as the source of an image; its names stay apart from those of other figures."""
-    from base64 import b64encode
+def _inline(panel: Panel, count: int) -> Markup:
+    """The SVG as part of the page: matplotlib has escaped its text; its names are its own."""
+    return Markup(named_apart(panel.svg, f"p{count}-"))
 
-    return "data:image/svg+xml;base64," + b64encode(svg.encode("utf-8")).decode("ascii")
+
+MARKERS = {
+    "o": 'circle cx="13" cy="5" r="3.2"',
+    "s": 'path d="M10 2h6v6h-6z"',
+    "_": 'path d="M8 5h10"',
+}
+
+
+def swatch(key: Key) -> Markup:
+    """A line, or a marker, as it looks in the figure."""
+    colour = turning(key.colour)
+    if key.marker:
+        shape = MARKERS.get(key.marker, MARKERS["o"])
+        fill = colour if key.filled else "none"
+        drawn = f'<{shape} fill="{fill}" stroke="{colour}"/>'
+    else:
+        dashes = ",".join(f"{v * key.width:.1f}" for v in key.dash or ())
+        drawn = (
+            f'<path d="M0 5H26" stroke="{colour}" stroke-width="{1.3 * key.width:.1f}"'
+            f' stroke-dasharray="{dashes or "none"}"/>'
+        )
+    return Markup(f'<svg width="26" height="10" aria-hidden="true">{drawn}</svg>')
 
 
 def tone_of(error: float | None) -> str:

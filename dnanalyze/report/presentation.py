@@ -83,33 +83,42 @@ def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
 
 def plot(result: Any, shown: Presentation, kind: str | None, ax: Axes | None) -> Any:
     """Draw one kind; see `dnanalyze.result.Result.plot`."""
-    import numpy as np
-
-    from dnanalyze.report.figures.style import drawn_on
+    from dnanalyze.report.figures.pictures import plotted
 
     kinds = shown.plots(result)
     if kind is not None and kind not in kinds:
         raise InputError(f"kind={kind!r}: unknown; valid: {', '.join(kinds)}")
     for name in [kind] if kind is not None else kinds:
-        with drawn_on(ax) as axes:
-            kinds[name]()
-        if axes:
-            return axes[0] if len(axes) == 1 else np.array(axes)
+        picture = _first(kinds[name]())
+        if picture is not None:
+            return plotted(picture, ax)
     what = f"kind={kind!r}" if kind is not None else "plot"
     raise InputError(f"{what}: these captures hold nothing to draw; kinds: {', '.join(kinds)}")
 
 
+def _first(drawn: Any) -> Any:
+    """A picture, or the first of several; None where there is none."""
+    several = drawn if isinstance(drawn, (list, tuple)) else [drawn]
+    return next((picture for picture in several if picture is not None), None)
+
+
 def notebook(result: Any, shown: Presentation) -> str:
     """An HTML fragment: the verdict, the first figure, and the summary on demand."""
-    from dnanalyze.report.page import data_uri
+    from dnanalyze.report.figures.svg import standing_alone
+    from dnanalyze.report.page import swatch
 
-    pictures = (draw() for draw in shown.plots(result).values())
+    pictures = (_first(draw()) for draw in shown.plots(result).values())
     picture = next((p for p in pictures if p is not None), None)
     parts = [f"<p><strong>{escape(shown.headline(result))}</strong></p>"]
     if picture is not None:
-        source, words = data_uri(picture.svg), escape(picture.alt, quote=True)
+        words = escape(picture.alt, quote=True)
         style = "max-width:100%;background:#ffffff"
-        parts.append(f'<p><img src="{source}" alt="{words}" style="{style}"></p>')
+        images = (
+            f'<img src="{standing_alone(panel.svg)}" alt="{words}" style="{style}">'
+            for panel in picture.panels
+        )
+        keys = " &emsp; ".join(f"{swatch(key)} {escape(key.label)}" for key in picture.legend)
+        parts.append(f"<p>{keys}</p><p>{''.join(images)}</p>")
         parts.append(f"<p><small>{escape(picture.caption)}</small></p>")
     text = escape(shown.summary(result))
     parts.append(

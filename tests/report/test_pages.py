@@ -2,13 +2,16 @@ import re
 from datetime import UTC, datetime
 from functools import cache
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import pytest
 import report_fakes as fakes
 
 from dnanalyze.loaders import inspect
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.laws import ArrheniusLaw, TableLaw
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages.analyze import analyze_page
 from dnanalyze.report.pages.compare import compare_page
@@ -16,7 +19,7 @@ from dnanalyze.report.pages.detect import detect_page
 from dnanalyze.report.pages.diagnose import diagnose_page
 from dnanalyze.report.pages.fit import fit_page
 from dnanalyze.report.pages.inspect import inspect_page
-from dnanalyze.report.pages.model import law
+from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.refine import refine_page
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}
@@ -37,24 +40,32 @@ class Reader(HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.open, self.links, self.ids, self.tags, self.said = [], [], [], [], []
+        self.pictures, self.headings = [], []
         self.feed(text)
         assert self.open == []
 
     def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
         attrs = dict(attrs)
-        self.links += [attrs[k] for k in ("src", "href") if k in attrs]
+        self.links += [attrs[k] for k in ("src", "href", "xlink:href") if k in attrs]
         self.ids += [attrs["id"]] if "id" in attrs else []
-        if tag == "img":
-            assert attrs["alt"]
+        if attrs.get("role") == "img":
+            self.pictures.append(attrs["aria-label"])
         if tag not in VOID:
             self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.handle_endtag(tag)
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
         self.said.append(data)
+        if self.open[-1:] == ["h2"]:
+            self.headings.append(data.strip())
 
 
 @cache
@@ -70,11 +81,11 @@ def page(request):
 def test_pages_are_well_formed_and_hold_everything_themselves(page):
     _, text = page
     read = Reader(text)
-    outside = [k for k in read.links if not k.startswith(("#", "data:image/svg+xml;base64,"))]
+    outside = [k for k in read.links if not k.startswith(("#", "data:image/png;base64,"))]
     assert outside == []
     assert not {"script", "link", "iframe"} & set(read.tags)
     assert "@import" not in text
-    assert not re.search(r"url\(", text)
+    assert set(re.findall(r"url\((.)", text)) <= {"#"}
     assert len(read.ids) == len(set(read.ids))
     assert {k[1:] for k in read.links if k.startswith("#")} <= set(read.ids)
 
@@ -105,7 +116,48 @@ def test_a_comparison_shows_each_family_with_its_error_and_the_model():
         "convolved_lognormal",
     ):
         assert word in text
-    assert text.index("Failure 0") < text.index('id="capture"') < text.index("Failure 7")
+
+
+def test_the_failures_stand_in_one_list_beside_the_verdict():
+    text = made("compare")
+    assert [text.count(f"Failure {n} ") for n in range(8)] == [1] * 8
+    assert text.index("Failure 0") < text.index("Failure 7") < text.index('id="capture"')
+
+
+def test_no_page_is_heavier_than_one_and_a_half_megabytes(page):
+    _, text = page
+    assert len(text.encode()) < 1.5e6
+
+
+def test_every_picture_is_described_and_every_colour_has_a_dark_tone(page):
+    _, text = page
+    assert all(Reader(text).pictures)
+    light, dark = (set(re.findall(r"--(\w+):", part)) for part in text.split("@media", 2)[:2])
+    used = set(re.findall(r"var\(--(\w+)", text)) - {"w"}
+    assert used <= light
+    assert light == dark
+
+
+def test_parameters_stand_before_the_panels():
+    text = made("refine")
+    place = text.index("convolved_lognormal.mu")
+    assert text.index('id="steps"') < place < text.index('id="family-level"')
+
+
+def test_the_baseline_model_is_one_step_and_its_parts_are_folded():
+    told = fakes.refinement()
+    first, *rest = told.steps
+    baseline = [
+        SimpleNamespace(added=a, error=e, confidence=None, evidence=["x"], confused_with=[])
+        for a, e in (("read_noise", 7.0), ("pixel_fpn", 5.0), ("quantization", 4.5))
+    ]
+    told.steps = [first, *baseline, *rest]
+    text = refine_page(fakes.captures(), told)
+    shown, _, folded = text[text.index('id="steps"') :].partition("<details>")
+    assert "baseline model" in shown
+    assert "<td>read_noise" not in shown
+    assert "<td>read_noise" in folded.partition("</details>")[0]
+    assert "read_noise: x" not in text.lower()  # no evidence for what every sensor has
 
 
 def test_a_refinement_shows_each_step():
@@ -134,10 +186,40 @@ def test_empty_sections_are_left_out_and_the_date_is_the_callers():
     assert "2030-01-02 03:04 UTC" in text
 
 
-def test_laws_are_said_in_a_few_words():
-    assert law(ArrheniusLaw(1.5, 25.0, 0.65)) == "1.5 at 25 °C, 0.65 eV"
+def test_a_parameter_stands_with_its_error_unit_and_operating_point():
+    points = tuple(OperatingPoint(float(t)) for t in (25, 65))
+    effect = ConvolvedLognormal(mu=TableLaw(points, (1.0, 2.5)), delta=0.5)
+    model = NoiseModel((effect,), ArrheniusLaw(1.5, 25.0, 0.65))
+    found = [
+        SimpleNamespace(name="convolved_lognormal.mu[1]", value=2.5, se=0.1, unit="ln DN"),
+        SimpleNamespace(name="pedestal.ea_ev", value=0.65, se=0.02, unit="eV"),
+        SimpleNamespace(name="gain", value=2.0, se=0.1, unit="DN/e-"),
+    ]
+    by_point, fixed = model_section(model, found).tables
+    assert list(by_point.columns) == ["parameter", "unit", "25 °C", "65 °C"]
+    assert by_point.rows[0] == (
+        "convolved_lognormal.mu",
+        "ln DN",
+        "1",
+        "2.50 ± 0.10",
+    )
+    rows = {row[0]: row[1:] for row in fixed.rows}
+    assert rows["pedestal"][:2] == ("1.5", "DN")
+    assert rows["pedestal"][2] == "25 °C; activation energy 0.650 ± 0.020 eV"
+    assert rows["convolved_lognormal.delta"][:3] == ("0.5", "ln DN", "all")
+    assert rows["gain"][:2] == (
+        "2.00 ± 0.10",
+        "DN/e⁻",
+    )  # told by a statistic, not of the model
+
+
+def test_many_operating_points_stand_one_below_the_other():
     points = tuple(OperatingPoint(float(t)) for t in range(8))
-    assert law(TableLaw(points[:2], (1.0, 2.5))) == "1, 2.5"
-    assert law(TableLaw(points, tuple(map(float, range(8))))) == "8 values from 0 to 7"
-    assert law("fixed") == "fixed"
-    assert law(0.25) == "0.25"
+    effect = ConvolvedLognormal(mu=TableLaw(points, tuple(map(float, range(8)))))
+    table = model_section(NoiseModel((effect,), 64.0)).tables[0]
+    assert table.folded
+    assert table.rows[3] == ("convolved_lognormal.mu", "ln DN", "3 °C", "3")
+
+
+def test_a_page_without_a_model_has_no_section_of_it():
+    assert model_section(None).empty

@@ -1,11 +1,13 @@
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import report_fakes as fakes
 
 from dnanalyze.analyzers.statistics import Scale, Statistics, Value
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.report.figures import (
     against_neighbours,
@@ -25,11 +27,14 @@ from dnanalyze.report.figures import (
     trends,
     waterfall,
 )
+from dnanalyze.report.figures.pictures import plotted
 from dnanalyze.report.figures.style import (
+    Cell,
+    axis_of,
     chosen,
     labels,
     layers,
-    picture,
+    panels,
     plane_note,
     power_label,
     runs,
@@ -41,18 +46,32 @@ FAMILIES = {
     "tails": tails.exceedance,
     "spectrum": spectrum.spectra,
     "planes": planes.planes,
-    "lines": lines.profiles,
-    "shading": shading.maps,
+    "profiles": lines.profiles,
+    "lines": lines.spectra,
+    "shading": lambda d: (shading.maps(d) or [None])[0],
     "timeline": timeline.frame_means,
     "codes": codes.roughness,
     "trends": trends.over_temperature,
-    "panels": lambda d: over_temperature.panels(d, ("mean", "hot_count_8", "absent"), "c"),
+    "panels": lambda d: over_temperature.statistics(d, ("mean", "hot_count_8", "absent"), "c"),
 }
 
 
 def words_of(made):
-    """All text in a figure; its SVG must be well formed."""
-    return " ".join("".join(t.itertext()) for t in ET.fromstring(made.svg).iter(f"{SVG}text"))
+    """All text in a picture; its SVG must be well formed."""
+    found = [
+        "".join(t.itertext()) for p in made.panels for t in ET.fromstring(p.svg).iter(f"{SVG}text")
+    ]
+    return " ".join([*found, *(key.label for key in made.legend)])
+
+
+def drawn_axes(made):
+    """The panels of a picture as matplotlib axes."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    axes = np.atleast_1d(plotted(made))
+    mpl.pyplot.close("all")
+    return list(axes)
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -62,17 +81,93 @@ def test_every_family_draws_measured_alone_and_all_three_together(name, sources)
     made = FAMILIES[name](layers(*three[:sources]))
     text = words_of(made)
     assert made.alt
-    assert made.caption
-    if sources == 3 and name not in ("shading", "planes"):
+    if sources == 3:
         assert "measured" in text
         assert "model" in text
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_every_panel_has_data_and_names_its_quantities(name):
+    made = FAMILIES[name](layers(fakes.statistics(3.0), fakes.statistics(2.5)))
+    for ax in drawn_axes(made):
+        assert ax.has_data()
+        assert ax.get_xlabel() or not len(ax.get_xticks())
+        assert ax.get_ylabel() or not len(ax.get_yticks())
+
+
+def test_the_legend_names_what_is_drawn_and_nothing_else():
+    measured, simulated = fakes.statistics(3.0), fakes.statistics(2.5)
+    gone = tuple(replace(s, curves={}) for s in simulated.settings)
+    both = layers(measured, simulated)
+    assert [k.label for k in tails.exceedance(both).legend] == ["measured", "model"]
+    bare = layers(measured, replace(simulated, settings=gone))
+    assert tails.exceedance(bare).legend == ()
+
+
+def test_panels_choose_the_operating_points_that_have_the_curve():
+    measured = fakes.statistics()
+    first, *rest = measured.settings
+    some = replace(measured, settings=(replace(first, curves={}), *rest))
+    text = words_of(tails.exceedance(layers(some)))
+    assert "25 °C" not in text
+    assert "65 °C" in text
+    assert "105 °C" in text
+
+
+def test_the_axis_is_what_takes_the_most_values():
+    setting = fakes.statistics().settings[0]
+    many = [
+        replace(setting, point=OperatingPoint(t, e, 1.0)) for t in (-10.0, -5.0) for e in (0, 1, 9)
+    ]
+    assert axis_of(many)[0] == "exposure_s"
+    assert [len(run) for run in runs(many)] == [3, 3]
+    assert axis_of(many[::3])[0] == "temperature_c"
+    assert axis_of(many[:1])[0] == ""
+
+
+def test_names_with_mathematics_or_markup_are_drawn_as_they_are():
+    def draw(ax):
+        ax.plot([0, 1], [0, 1])
+        ax.set_title("$<b>\\no$")
+
+    made = panels([Cell(draw)], "c", "a")
+    assert "$<b>\\no$" in words_of(made)
+    assert "<b>" not in made.panels[0].svg
+
+
+def test_panels_that_share_a_scale_have_the_same_limits():
+    def cell(top):
+        return Cell(lambda ax: ax.plot([0, 1], [0, top]), share="y")
+
+    limits = {ax.get_ylim() for ax in drawn_axes(panels([cell(1), cell(9)], "c", "a"))}
+    assert len(limits) == 1
+    assert limits.pop()[1] > 9
+
+
+def test_a_picture_draws_on_the_users_axes():
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot
+
+    made = waterfall.waterfall(fakes.refinement().steps)
+    _, (ax, other) = pyplot.subplots(1, 2)
+    assert plotted(made, ax) is ax
+    assert ax.has_data()
+    many = plotted(tails.exceedance(layers(fakes.statistics())), other)
+    assert len(many) == 3
+    with pytest.raises(InputError, match="grid"):
+        plotted(
+            tails.exceedance(layers(fakes.statistics())), pyplot.figure().add_axes((0, 0, 1, 1))
+        )
+    pyplot.close("all")
 
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_family_without_its_curves_draws_nothing(name):
     bare = [replace(s, curves={}, values={}) for s in fakes.statistics().settings]
     empty = Statistics("x", Sensor((8, 8)), tuple(bare))
-    assert FAMILIES[name](layers(empty)) is None
+    assert not FAMILIES[name](layers(empty))
 
 
 def test_a_single_setting_of_unknown_temperature_can_be_drawn():
@@ -98,7 +193,7 @@ def test_only_settings_that_differ_in_temperature_alone_are_joined():
     both = Statistics("x", Sensor((8, 8)), (*bias, *dark))
     assert runs(both.settings) == [[2, 3, 4], [0, 1]]
     assert [s.point.exposure_s for s in chosen(both)] == [0.05] * 3
-    assert plane_note(both) == " Shown: 0.05 s. The rest is in the numbers."
+    assert plane_note(both) == " Shown: 0.05 s. The tables have every operating point."
     assert plane_note(fakes.statistics()) == ""
     other = Statistics("x", Sensor((8, 8)), tuple(reversed(dark)))
     assert [other.settings[n].point.temperature_c for n in runs(other.settings)[0]] == [
@@ -141,13 +236,11 @@ def test_a_missing_code_shows_as_zero_and_a_smooth_histogram_as_one():
     assert ratio[(code < 85) & (code > 75)] == pytest.approx(1, abs=0.02)
 
 
-def test_suppression_is_named_at_its_end():
+def test_suppression_is_named_in_its_legend():
     text = words_of(suppression.suppression(fakes.detection().series))
-    for word in ("measured", "unfiltered", "crosstalk 1 %"):
+    for word in ("measured", "unfiltered", "crosstalk of 1 %"):
         assert word in text
     assert suppression.suppression(None) is None
-    ends = suppression._apart(((1.0, "a", ""), (1.0, "b", ""), (0.2, "c", "")), 0.1)
-    assert [y for y, *_ in ends] == pytest.approx([0.2, 1.0, 1.1])
 
 
 def test_the_largest_neighbour_leaves_the_pixel_itself_out():
@@ -164,9 +257,9 @@ def test_the_largest_neighbour_leaves_the_pixel_itself_out():
 def test_the_heat_map_shows_every_operating_point_and_the_worst_statistics():
     result = fakes.comparison()
     text = words_of(heatmap.discrepancies(result.statistics))
-    for word in ("25 °C", "105 °C", "temporal_noise", "pattern_psd_0.08_0.16"):
+    for word in ("25 °C", "105 °C", "temporal dark noise", "0.08 to 0.16 c/px"):
         assert word in text
-    assert "temporal_kurtosis" not in text  # it is not a number
+    assert "kurtosis" not in text  # it is not a number
     assert heatmap.discrepancies([]) is None
 
 
@@ -174,17 +267,99 @@ def test_family_errors_stand_beside_the_baselines():
     result = fakes.comparison()
     made = heatmap.families(result.families, result.baselines, result.error)
     text = words_of(made)
-    for word in ("Mean dark signal and noise", "a second sensor", "this model", "Gaussian"):
+    for word in ("Mean dark signal and noise", "Wang 2025 model", "this model", "Gaussian"):
         assert word in text
     assert "Hot-pixel tail" not in text  # NaN
     assert heatmap.families({}, {}, 1.0) is None
 
 
+def test_colours_of_the_heat_map_tell_13_from_225():
+    rows = [
+        {"name": f"mean{n}", "family": "level", "temperature_c": 25.0, "plane": "",
+         "discrepancy": d}
+        for n, d in enumerate((225.0, 13.0, 2.0))
+    ]  # fmt: skip
+    (ax,) = drawn_axes(heatmap.discrepancies(rows))
+    image = ax.images[0]
+    red = [image.cmap(image.norm(v)) for v in (225.0, 13.0, 2.0)]
+    bright = [0.299 * r + 0.587 * g + 0.114 * b for r, g, b, _ in red]
+    assert bright[0] < bright[1] - 0.2 < bright[2] - 0.3
+    bar = [float(t.replace("−", "-").replace(",", "")) for t in _ticks(ax)]
+    assert {3, 10, 100} <= set(bar)
+
+
+def _ticks(ax):
+    """Labels of the colour bar beside these axes."""
+    bar = ax.images[0].colorbar.ax
+    bar.figure.draw_without_rendering()
+    return [t.get_text() for t in bar.get_xticklabels() if t.get_text()]
+
+
 def test_the_waterfall_names_every_step():
-    text = words_of(waterfall.waterfall(["start", "column_fpn"], [6.5, 1.1]))
-    for word in ("start", "column_", "fpn", "final", "6.5", "1.1"):
+    made = waterfall.waterfall(fakes.refinement().steps)
+    text = words_of(made)
+    for word in ("start", "column_", "fpn", "final", "6.5", "1.1", "model error"):
         assert word in text
-    assert waterfall.waterfall([], []) is None
+    assert waterfall.waterfall([]) is None
+
+
+def test_what_every_sensor_has_is_one_stage_of_the_waterfall():
+    steps = [
+        SimpleNamespace(added=a, error=e)
+        for a, e in ((None, 4.4), ("read_noise", 4.6), ("pixel_fpn", 4.3), ("quantization", 1.5),
+                     ("column_fpn", 0.8))
+    ]  # fmt: skip
+    shown = waterfall.stages(steps)
+    assert [(s.name, s.error) for s in shown] == [
+        ("start", 4.4), ("baseline model", 1.5), ("column_fpn", 0.8),
+    ]  # fmt: skip
+    assert [p.added for p in shown[1].parts] == ["read_noise", "pixel_fpn", "quantization"]
+    assert [s.name for s in waterfall.stages(steps[:2])] == ["start", "read_noise"]
+
+
+def test_shading_is_measured_model_and_residual_with_one_bar():
+    made = shading.maps(layers(fakes.statistics(3.0), fakes.statistics(2.5)), 1)[0]
+    *fields, bar = drawn_axes(made)
+    assert [ax.get_title(loc="left") for ax in fields] == ["measured", "model", "residual"]
+    assert len({ax.images[0].get_clim() for ax in fields}) == 1
+    measured, model, residual = (ax.images[0].get_array() for ax in fields)
+    np.testing.assert_allclose(residual, measured - model)
+    assert "[DN]" in bar.get_ylabel()
+
+
+def test_the_plane_is_symmetric_and_reaches_nyquist_on_every_side():
+    rng = np.random.default_rng(1)
+    full = np.abs(np.fft.fft2(rng.normal(size=(16, 16)))) ** 2
+    half = np.fft.fftshift(np.log10(full + 1), axes=0)[:, :9]
+    setting = replace(fakes.statistics().settings[0], curves={"pattern_psd2d": half})
+    plane = planes._plane(setting, "pattern")
+    assert plane.shape == (17, 17)
+    np.testing.assert_allclose(plane, plane[::-1, ::-1], atol=1e-6)  # of a real image
+    expected = 10 * (np.fft.fftshift(np.log10(full + 1)) - np.median(half))
+    np.testing.assert_allclose(plane[:16, :16], expected, atol=1e-6)
+
+
+def test_the_nyquist_mode_never_stands_alone():
+    f = np.arange(1, 33) / 64
+    s = np.ones(32)
+    s[-1] = 1000.0  # one real mode: a single exponential, no average
+    frequency, power = lines._pooled(f, s)
+    assert frequency[-1] < 0.5
+    assert power[-1] < 500
+
+
+def test_candidates_of_the_baseline_model_are_one_bar_and_the_rest_start_from_it():
+    found = [
+        SimpleNamespace(effect=e, error_after=a, confidence=0.9)
+        for e, a in (("column_fpn", 0.8), ("read_noise", 4.0), ("quantization", 1.5))
+    ]
+    bars = candidates._bars(found, 4.4, ["read_noise", "quantization"])
+    assert bars == [("baseline model", 4.4, 1.5, 0.9), ("column_fpn", 1.5, 0.8, 0.9)]
+
+
+def test_a_statistic_that_is_zero_everywhere_gets_no_panel():
+    measured = fakes.statistics()
+    assert over_temperature.statistics(layers(measured), ("column_outliers",), "c") is None
 
 
 def test_candidates_stand_best_first_from_the_top():
@@ -203,7 +378,6 @@ def test_drawing_leaves_no_trace_in_matplotlib():
     import matplotlib as mpl
 
     before = dict(mpl.rcParams)
-    picture(lambda: None, "", "")
     distribution.histograms(layers(fakes.statistics()))
     assert dict(mpl.rcParams) == before
 
@@ -225,3 +399,4 @@ def test_lines_that_are_all_alike_have_no_spectrum():
     )  # fmt: skip
     drawn = layers(replace(measured, settings=settings))
     assert lines.profiles(drawn) is not None  # a warning is an error
+    assert lines.spectra(drawn) is None

@@ -26,6 +26,7 @@ _SUBJECT = {
     "temporal": "the temporal dark noise",
     "frame": "a single frame",
 }
+_TITLE = {"pattern": "the DSNU", "temporal": "the temporal noise", "frame": "a single frame"}
 
 
 def _quantile_info(what: str, level: str, compared: bool = True) -> StatisticInfo:
@@ -37,7 +38,7 @@ def _quantile_info(what: str, level: str, compared: bool = True) -> StatisticInf
     near = "{difference} " + ("shorter" if upper else "longer")
     where = f"the {side} {share} of {_SUBJECT[what]}"
     return StatisticInfo(
-        f"{what}_q{level}", "distribution", "DN", f"{p:g} quantile of {_SUBJECT[what]}",
+        f"{what}_q{level}", "distribution", "DN", f"{p:g} quantile of {_TITLE[what]}",
         high=f"{where}: the tail is {far} than the model's",
         low=f"{where}: the tail is {near} than the model's",
         compared=compared,
@@ -54,14 +55,14 @@ INFOS = (
         low="the temporal dark noise has lighter tails than the model's",
     ),
     StatisticInfo(
-        "pattern_steps", "distribution", "1", "equally spaced peaks of the pattern", Scale.LOG,
+        "pattern_steps", "distribution", "1", "equally spaced peaks of the DSNU", Scale.LOG,
         high="the DSNU's histogram has equally spaced peaks that the model lacks",
         low="the DSNU's histogram lacks the equally spaced peaks of the model",
     ),
     StatisticInfo("pattern_step_dn", "distribution", "DN", "spacing of the peaks", compared=False),
     *(
         StatisticInfo(
-            f"{what}_{name}", "distribution", "1", f"{text} of {_SUBJECT[what]}", compared=False
+            f"{what}_{name}", "distribution", "1", f"{text} of {_TITLE[what]}", compared=False
         )
         for what in ("frame", "pattern")
         for name, text in (

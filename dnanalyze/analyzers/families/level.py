@@ -26,7 +26,7 @@ INFOS = (
         low="the mean dark signal is {difference} below the model's",
     ),
     StatisticInfo(
-        "median", "level", "DN", "median dark level",
+        "median", "level", "DN", "median dark signal",
         high="the typical pixel is {difference} brighter than the model's",
         low="the typical pixel is {difference} darker than the model's",
     ),
@@ -41,7 +41,7 @@ INFOS = (
         low="the typical pixel's temporal dark noise is only {ratio} of the model's",
     ),
     StatisticInfo(
-        "pattern_noise", "level", "DN", "DSNU", Scale.LOG,
+        "pattern_noise", "level", "DN", "DSNU, standard deviation", Scale.LOG,
         high="the DSNU is {ratio} times as strong as the model's",
         low="the DSNU is only {ratio} as strong as the model's",
     ),
@@ -51,7 +51,7 @@ INFOS = (
         low="the bulk of the pixels spreads only {ratio} as wide as the model's",
     ),
     StatisticInfo(
-        "frame_noise_core", "level", "DN", "standard deviation of a frame, central 68 %", Scale.LOG,
+        "frame_noise_core", "level", "DN", "single frame, central 68 %", Scale.LOG,
         high="a single frame's core is {ratio} times as wide as the model's",
         low="a single frame's core is only {ratio} as wide as the model's",
     ),

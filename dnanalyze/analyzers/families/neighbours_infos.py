@@ -20,11 +20,12 @@ _OF = {
     "pattern": "in the DSNU",
     "temporal": "between frames",
 }
+_TITLE = {"frame": "single frame", "pattern": "DSNU", "temporal": "temporal noise"}
 
 
 def _correlations(part: str) -> Iterator[StatisticInfo]:
     for name in LAG_NAMES:
-        title = f"correlation of pixels {_AWAY[name]}, {_OF[part]}"
+        title = f"correlation of pixels {_AWAY[name]}, {_TITLE[part]}"
         yield StatisticInfo(
             f"{part}_corr_{name}", _FAMILY, "1", title,
             high=f"pixels {_AWAY[name]} are more alike {_OF[part]} than in the model: crosstalk, "
@@ -38,7 +39,8 @@ def _ranks(part: str) -> Iterator[StatisticInfo]:
     for name, word, end in (("pmax8", "above", "high"), ("pmin8", "below", "low")):
         place = f"{word} all 8 neighbours {_OF[part]}"
         yield StatisticInfo(
-            f"{part}_{name}", _FAMILY, "1", f"9 x the share of pixels {place}",
+            f"{part}_{name}", _FAMILY, "1",
+            f"9 × share of pixels {word} all 8 neighbours, {_TITLE[part]}",
             high=f"more pixels stand {place} than in the model",
             low=f"fewer pixels stand {place} than in the model: a spatial filter cuts "
             f"{end} pixels, or crosstalk",
@@ -64,7 +66,7 @@ INFOS: tuple[StatisticInfo, ...] = (
     ),
     *(
         StatisticInfo(
-            f"excess_{k}", _FAMILY, "pixels", f"pixels of a frame {k} sigma above all neighbours",
+            f"excess_{k}", _FAMILY, "pixels", f"pixels {k} sigma above all neighbours",
             Scale.ROOT,
             high="more single pixels stand out of their neighbourhood than in the model: hot or "
             "blinking pixels, or cosmic rays",
@@ -80,13 +82,13 @@ INFOS: tuple[StatisticInfo, ...] = (
         low="fewer of the brightest pixels equal their highest neighbour than in the model",
     ),
     StatisticInfo(
-        "local_variance_cv", _FAMILY, "1", "CV^2 of the temporal variance of 4x4 tiles", Scale.LOG,
+        "local_variance_cv", _FAMILY, "1", "CV² of the temporal variance of 4×4 tiles", Scale.LOG,
         high="the temporal noise is more uneven from place to place than in the model, {ratio} "
         "times: blinking pixels, heavy tails, or an edge-preserving denoise",
         low="the temporal noise is more even from place to place than in the model",
     ),
     StatisticInfo(
-        "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band between frames",
+        "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band",
         high="the finest detail of the temporal noise has heavier tails than in the model: a "
         "wavelet denoise, blinking pixels or cosmic rays",
         low="the finest detail of the temporal noise has lighter tails than in the model",

@@ -38,20 +38,20 @@ def _power(name: str, title: str, compared: bool = True) -> StatisticInfo:
 
 def _band_text(label: str) -> str:
     if label == "first":
-        return "at the three lowest frequencies"
+        return "lowest three frequencies"
     low, high = label.split("_")
-    return f"below {high} c/px" if low == "0" else f"from {low} to {high} c/px"
+    return f"below {high} c/px" if low == "0" else f"{low} to {high} c/px"
 
 
 def _of_part(part: str) -> Iterator[StatisticInfo]:
     of = _OF[part]
     for label, _, _ in band_names(RADIAL_BANDS):
         # the single frame follows from the other two; with one frame only, it is all there is
-        yield _power(f"{part}_psd_{label}", f"power {of} {_band_text(label)}, off the axes")
+        yield _power(f"{part}_psd_{label}", f"power {of}, {_band_text(label)}")
     if part != "frame":
         for kind in ("columns", "rows"):
             for label, _, _ in band_names(STRUCTURE_BANDS):
-                title = f"power {of} that whole {kind} share, {_band_text(label)}"
+                title = f"power {of} of whole {kind}, {_band_text(label)}"
                 yield _power(f"{part}_{kind}_{label}", title)
         for axis, way in (("u", "along the rows"), ("v", "along the columns")):
             for label, _, _ in profile_names():

@@ -56,7 +56,7 @@ INFOS = (
         low="only {ratio} of the model's number of pixels are dark in a single frame",
     ),
     StatisticInfo(
-        "transient_adjacent", "tails", "pixels", "such pixels side by side", Scale.ROOT,
+        "transient_adjacent", "tails", "pixels", "adjacent pixels bright in one frame", Scale.ROOT,
         high="pixels that are bright in a single frame come in tracks and clumps",
         low="pixels that are bright in a single frame come in fewer tracks than in the model",
     ),
@@ -66,7 +66,7 @@ INFOS = (
         low="hot pixels have hot neighbours only {ratio} times as often as in the model",
     ),
     StatisticInfo(
-        "hot_repeat", "tails", "1", "share of hot pixels that are so in the next frame",
+        "hot_repeat", "tails", "1", "share of hot pixels that repeat in the next frame",
         high="hot pixels stay from frame to frame more than in the model",
         low="hot pixels change from frame to frame more than in the model",
     ),

@@ -23,12 +23,12 @@ TIED_FRAMES = 8  # up to which variances of codes take few values
 
 INFOS = (
     StatisticInfo(
-        "drift", "time", "DN", "scatter of the frame means", Scale.LOG,
+        "drift", "time", "DN", "standard deviation of the frame means", Scale.LOG,
         high="whole frames move up and down {ratio} times as much as in the model",
         low="whole frames move up and down only {ratio} times as much as in the model",
     ),
     StatisticInfo(
-        "temporal_r1", "time", "1", "memory from frame to frame, typical pixel",
+        "temporal_r1", "time", "1", "correlation from frame to frame, typical pixel",
         high="a pixel's noise remembers the frame before: a temporal filter, or slow noise",
         low="a pixel's noise alternates from frame to frame",
     ),
@@ -44,14 +44,14 @@ INFOS = (
         for level in VARIANCE_LEVELS
     ),
     StatisticInfo(
-        "blink_repeat", "time", "1", "pixels that are noisy again and again",
+        "blink_repeat", "time", "1", "repeatedly noisy pixels",
         high="some pixels are noisy again and again, as blinking ones are",
         low="noisy pixels stay noisy less than in the model",
     ),
     *(
         StatisticInfo(
             f"noise_at_{name}", "time", "DN^2",
-            f"temporal variance of the pixels at {100 * low:g}-{100 * high:g} % of the pattern",
+            f"temporal variance of the pixels at {100 * low:g} to {100 * high:g} % of the DSNU",
             Scale.LOG,
             high=f"pixels at {100 * low:g}-{100 * high:g} % of the pattern are {{ratio}} times as "
             "noisy, in variance, as the model's",

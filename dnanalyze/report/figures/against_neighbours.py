@@ -1,4 +1,4 @@
-"""A pixel against the largest of its neighbours: the scatter in which defect correction shows."""
+"""A pixel over the largest of its neighbours: the scatter in which defect correction shows."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.report.figures.style import GAUSSIAN, Picture, figure, picture
+from dnanalyze.report.figures.colour_bar import bar_cell
+from dnanalyze.report.figures.style import GAUSSIAN, Cell, Picture, panels
 
 CELLS = 120
-FARTHEST = 60.0  # robust sigmas
+FARTHEST = 60.0  # robust standard deviations
+MOST = 1e4  # pixels in a cell at the bright end of the colours
+EQUAL = "pixel = neighbour"
 
 
 def largest_neighbour(frame: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -23,6 +26,34 @@ def largest_neighbour(frame: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return frame[1:-1, 1:-1], around[1:-1, 1:-1]
 
 
+def draw_neighbours(ax: Any, frame: np.ndarray) -> Any:
+    """Density of the pixels over (largest of 8 neighbours, pixel), robust standard deviations.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    frame : ndarray
+        One frame (one colour plane), DN.
+    """
+    from matplotlib.colors import LogNorm
+
+    y, x, top, step = _scaled(frame)
+    edges = np.arange(-5 - step / 2, top + step, step * max(1, round((top + 5) / CELLS / step)))
+    counts, _, _ = np.histogram2d(x, y, bins=[edges, edges])
+    ax.grid(visible=False)
+    shown = np.ma.masked_less(counts.T, 1)
+    ax.imshow(
+        shown, norm=LogNorm(1, MOST), cmap="cividis", origin="lower", aspect="equal",
+        extent=(edges[0], edges[-1], edges[0], edges[-1]),
+    )  # fmt: skip
+    ax.plot([-5, top], [-5, top], color=GAUSSIAN, linewidth=0.9, label=EQUAL)
+    ax.set_xlabel("largest of 8 neighbours [robust σ]")
+    ax.set_ylabel("pixel [robust σ]")
+    ax.set_xlim(-5, top)
+    ax.set_ylim(-5, top)
+    return ax
+
+
 def scatter(frames: Sequence[tuple[str, np.ndarray]]) -> Picture | None:
     """One panel a frame.
 
@@ -31,44 +62,19 @@ def scatter(frames: Sequence[tuple[str, np.ndarray]]) -> Picture | None:
     frames : sequence of (str, ndarray)
         Title and one frame (one colour plane), DN.
     """
+
+    def cell(title: str, frame: np.ndarray) -> Cell:
+        return Cell(lambda ax: draw_neighbours(ax, frame).set_title(title), 3.6, 3.6)
+
     if not frames:
         return None
-
-    def draw() -> Any:
-        from matplotlib.colors import LogNorm
-
-        fig, axes = figure(1, len(frames), 3.9, width=min(10.4, 4.4 * len(frames) + 0.8))
-        image = None
-        for ax, (title, frame) in zip(axes[0], frames, strict=True):
-            y, x, top, step = _scaled(frame)
-            edges = np.arange(
-                -5 - step / 2, top + step, step * max(1, round((top + 5) / CELLS / step))
-            )
-            counts, _, _ = np.histogram2d(x, y, bins=[edges, edges])
-            shown = np.ma.masked_less(counts.T, 1)
-            image = ax.pcolormesh(
-                edges, edges, shown, norm=LogNorm(1, 1e4), cmap="cividis", rasterized=True
-            )
-            ax.plot([-5, top], [-5, top], color=GAUSSIAN, linewidth=0.9)
-            ax.annotate("equal", (top, top), (-4, -12), textcoords="offset points", ha="right",
-                        color=GAUSSIAN, fontsize=7.2)  # fmt: skip
-            ax.set_title(title)
-            ax.set_xlabel("largest of 8 neighbours [robust sigmas]")
-            ax.set_aspect("equal")
-            ax.set_xlim(-5, top)
-            ax.set_ylim(-5, top)
-        axes[0, 0].set_ylabel("pixel [robust sigmas]")
-        bar = fig.colorbar(image, ax=list(axes[0]), shrink=0.8, aspect=24, pad=0.02)
-        bar.set_label("pixels")
-        bar.outline.set_visible(False)
-        return fig
-
-    return picture(
-        draw,
-        "Each pixel of one frame against the largest of its eight neighbours (of its own colour). "
-        "In an unfiltered frame hot pixels form a vertical arm at the left, far above the line of "
-        "equality. Where the arm is missing, or cut off along a line, a filter has removed them.",
-        "Scatter of pixels against the largest of their neighbours.",
+    return panels(
+        [*(cell(*f) for f in frames), bar_cell("pixels", 1, MOST, height=3.3, log=True)],
+        "Each pixel of one frame over the largest of its eight neighbours (of its own colour), "
+        "above the median, in robust standard deviations. Orange line: pixel and neighbour are "
+        "equal. In an unfiltered frame hot pixels form a vertical arm at the left, far above that "
+        "line. A missing arm, or one that ends along a line, shows a filter.",
+        "Scatter of pixels over the largest of their neighbours.",
     )
 
 

@@ -7,66 +7,80 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.report.figures.palette import ROSE, SKY
 from dnanalyze.report.figures.style import (
     ACCENT,
     GAUSSIAN,
     HAIRLINE,
+    INK,
     MODEL,
-    QUIET,
+    Cell,
     Picture,
-    figure,
+    curve,
+    frequency_axis,
     log_axis,
-    picture,
+    panels,
+    quantity,
     thinned,
 )
+from dnanalyze.report.words import number
 
-# Okabe and Ito's palette; from the sixth sensor on the dashes change
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#1f2328")
+COLOURS = (MODEL, GAUSSIAN, ACCENT, ROSE, SKY, INK)  # from the seventh sensor on the dashes change
+KINDS = (
+    ("gaussian", "Gaussian model", GAUSSIAN),
+    ("paper", "Wang 2025 model", MODEL),
+    ("refined", "refined model", ACCENT),
+)
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)))
 PANELS = ("dark_current", "temporal_noise", "dsnu", "hot_pixels", "row_noise", "column_noise")
 
 
-def look_of(place: int) -> dict[str, Any]:
-    """Colour and dash of a sensor, the same in every figure."""
+def look_of(place: int, name: str) -> dict[str, Any]:
+    """Colour, dash and name of a sensor, the same in every figure."""
     return {
+        "label": name,
         "color": COLOURS[place % len(COLOURS)],
         "linestyle": DASHES[place // len(COLOURS) % len(DASHES)],
     }
 
 
+def draw_criterion(ax: Any, result: Any, criterion: Any) -> Any:
+    """Readings and law of each sensor over temperature, the common temperatures marked.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    result : Benchmark
+    criterion : Criterion
+        One of `dnanalyze.benchmarking.criteria.CRITERIA`.
+    """
+    for place, sensor in enumerate(result.sensors):
+        _series(ax, sensor.readings[criterion.name], criterion, result, look_of(place, sensor.name))
+    if not ax.has_data():
+        return ax
+    for celsius in result.temperatures:
+        ax.axvline(celsius, color=HAIRLINE, linewidth=1.0, zorder=0)
+    ax.set_title(criterion.title)
+    ax.set_xlabel("temperature [°C]")
+    ax.set_ylabel(quantity(criterion.title, criterion.unit))
+    ax.set_yscale("log")
+    log_axis(ax.yaxis)
+    return ax
+
+
 def over_temperature(result: Any) -> Picture | None:
-    """Readings and laws of each sensor, the common temperatures marked."""
+    """One panel a figure of merit."""
     from dnanalyze.benchmarking.criteria import CRITERIA
 
-    shown = [c for c in CRITERIA if c.name in PANELS]
-    if not any(s.readings[c.name] for s in result.sensors for c in shown):
-        return None
+    def cell(criterion: Any) -> Cell:
+        return Cell(lambda ax: draw_criterion(ax, result, criterion), 3.35, 2.6)
 
-    def draw() -> Any:
-        fig, axes = figure(2, 3, 5.4)
-        for ax, criterion in zip(axes.flat, shown, strict=True):
-            for place, sensor in enumerate(result.sensors):
-                _series(ax, sensor.readings[criterion.name], criterion, result, look_of(place))
-            for celsius in result.temperatures:
-                ax.axvline(celsius, color=HAIRLINE, linewidth=1.0, zorder=0)
-            ax.set_title(f"{criterion.title} [{criterion.unit}]")
-            ax.set_xlabel("°C")
-            if ax.lines and ax.has_data() and _positive(ax):
-                ax.set_yscale("log")
-                log_axis(ax.yaxis)
-        _legend(fig, result)
-        return fig
-
-    return picture(
-        draw,
-        "Points are measured, lines are each sensor's law, the band its uncertainty; grey "
-        "verticals mark the temperatures at which the tables compare.",
+    return panels(
+        [cell(c) for c in CRITERIA if c.name in PANELS],
+        "Points: measured, with standard errors. Lines: the law of each sensor, with its "
+        "uncertainty. Grey verticals: the temperatures of the tables.",
         "Dark current, noises, DSNU and hot pixels of each sensor over temperature, with laws.",
     )
-
-
-def _positive(ax: Any) -> bool:
-    return any(np.any(np.asarray(line.get_ydata(), float) > 0) for line in ax.lines[:-1])
 
 
 def _series(
@@ -84,6 +98,7 @@ def _series(
         t, y, yerr=[y - low, se], fmt="o", markersize=3.2, color=look["color"], elinewidth=0.8
     )  # fmt: skip
     if t.size < 2:
+        ax.plot([], [], **look)  # its name
         return
     common = result.temperatures
     reach = REACH * float(np.ptp(t))
@@ -101,92 +116,78 @@ def _series(
     )  # fmt: skip
 
 
-def errors(result: Any) -> Picture | None:
-    """Errors of the Gaussian, the paper's and the refined model of each sensor."""
-    kinds = (
-        ("gaussian", "plain Gaussian", GAUSSIAN),
-        ("paper", "the paper's model", MODEL),
-        ("refined", "refined model", ACCENT),
-    )
+def draw_errors(ax: Any, result: Any) -> Any:
+    """Errors of the Gaussian, the Wang 2025 and the refined model of each sensor."""
     if not any(s.errors for s in result.sensors):
-        return None
+        return ax
+    named = set()
+    for row, sensor in enumerate(result.sensors):
+        for step, (kind, label, colour) in enumerate(KINDS):
+            if kind in sensor.errors:
+                y = row + 0.22 * (step - 1)
+                ax.plot(sensor.errors[kind], y, "o", color=colour, markersize=6,
+                        label="_" * (kind in named) + label)  # fmt: skip
+                ax.annotate(number(sensor.errors[kind]), (sensor.errors[kind], y), (7, 0),
+                            textcoords="offset points", va="center", fontsize=7.2)  # fmt: skip
+                named.add(kind)
+    ax.set_yticks(range(len(result.sensors)), [s.name for s in result.sensors])
+    ax.set_ylim(len(result.sensors) - 0.4, -0.6)
+    ax.set_xscale("log")
+    ax.margins(x=0.16)
+    log_axis(ax.xaxis)
+    ax.axvline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
+    ax.grid(axis="y", visible=False)
+    ax.set_xlabel("model error (dimensionless)")
+    return ax
 
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 0.8 + 0.5 * len(result.sensors))
-        ax = axes[0, 0]
-        for row, sensor in enumerate(result.sensors):
-            for step, (kind, label, colour) in enumerate(kinds):
-                if kind in sensor.errors:
-                    ax.barh(
-                        row + 0.26 * (step - 1), sensor.errors[kind], 0.22, color=colour,
-                        label=label if row == 0 else None,
-                    )  # fmt: skip
-        ax.set_yticks(range(len(result.sensors)), [s.name for s in result.sensors])
-        ax.invert_yaxis()
-        ax.set_xscale("log")
-        log_axis(ax.xaxis)
-        ax.axvline(1.0, color=QUIET, linewidth=1.0)
-        ax.grid(axis="y", visible=False)
-        ax.set_xlabel("error; 1 = as close as a second sensor of the same make")
-        fig.legend(loc="outside upper left", ncols=3)
-        return fig
 
-    return picture(
-        draw,
-        "How well each sensor is described, without this tool's additions and with them.",
+def errors(result: Any) -> Picture | None:
+    """The errors as a picture."""
+    return panels(
+        [Cell(lambda ax: draw_errors(ax, result), 4.4, 0.8 + 0.62 * len(result.sensors))],
+        "Model error of each sensor. Dashed line: 1, a second sensor of the same make.",
         "Errors of three models for each sensor.",
     )
 
 
-def spectra(result: Any) -> Picture | None:
-    """Radial spectra of the mean frame at the hottest setting, over the level of each sensor."""
-    curves = []
-    for sensor in result.sensors:
-        hottest = max(
-            sensor.statistics.settings,
-            key=lambda s: (s.point.temperature_c or 0.0, s.point.exposure_s or 0.0),
-        )
-        for name in ("pattern", "frame"):
-            f = hottest.curves.get(f"{name}_radial_f", np.empty(0))
-            p = hottest.curves.get(f"{name}_radial_s", np.empty(0))
-            if np.size(p):
-                curves.append((sensor.name, hottest.point.label(), np.asarray(f), np.asarray(p)))
-                break
-        else:
-            curves.append((sensor.name, "", np.empty(0), np.empty(0)))
-    if not any(c[2].size for c in curves):
-        return None
-
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 3.2)
-        ax = axes[0, 0]
-        for place, (_, _, f, p) in enumerate(curves):
-            good = (f > 0) & (p > 0)
-            if good.any():
-                high = np.median(p[good][f[good] > 0.25]) if (f[good] > 0.25).any() else p[good][-1]
-                ax.plot(*thinned(f[good], p[good] / high, 200), **look_of(place))
-        ax.set_xscale("log")
+def draw_spectra(ax: Any, result: Any) -> Any:
+    """Radial spectra at the hottest setting, over the high-frequency power of each sensor."""
+    for place, sensor in enumerate(result.sensors):
+        found = _spectrum(sensor)
+        if found is not None:
+            ax.plot(*thinned(*found, 200), **look_of(place, sensor.name))
+    if ax.lines:
         ax.set_yscale("log")
-        log_axis(ax.xaxis)
         log_axis(ax.yaxis)
-        ax.set_xlabel("spatial frequency [cycles/pixel]")
-        ax.set_ylabel("power over that beyond 0.25")
-        _legend(fig, result)
-        return fig
+        frequency_axis(ax, "radial frequency [cycles/pixel]")
+        ax.set_ylabel("power / median power above 0.25")
+    return ax
 
-    return picture(
-        draw,
-        "Radial spectrum of the fixed pattern at each sensor's hottest setting, rows and columns "
-        "left out, over its own high-frequency level: white noise is flat, 1/f rises to the left.",
+
+def _spectrum(sensor: Any) -> tuple[np.ndarray, np.ndarray] | None:
+    """Frequency and relative power of the mean frame, else of a single frame."""
+    hottest = max(
+        sensor.statistics.settings,
+        key=lambda s: (s.point.temperature_c or 0.0, s.point.exposure_s or 0.0),
+    )
+    for name in ("pattern", "frame"):
+        found = curve(hottest, f"{name}_radial_f", f"{name}_radial_s")
+        if found is None:
+            continue
+        f, p = found
+        good = (f > 0) & (p > 0)
+        if good.any():
+            high = good & (f > 0.25)
+            return f[good], p[good] / (np.median(p[high]) if high.any() else p[good][-1])
+    return None
+
+
+def spectra(result: Any) -> Picture | None:
+    """The spectra as a picture."""
+    return panels(
+        [Cell(lambda ax: draw_spectra(ax, result), 4.4, 3.0)],
+        "Radial power spectrum of the DSNU at the hottest operating point of each sensor, whole "
+        "rows and columns left out, divided by its high-frequency power: white noise is flat, "
+        "1/f noise rises to the left.",
         "Radial power spectra of each sensor.",
     )
-
-
-def _legend(fig: Any, result: Any) -> None:
-    from matplotlib.lines import Line2D
-
-    handles = [
-        Line2D([], [], label=s.name, linewidth=1.6, **look_of(place))
-        for place, s in enumerate(result.sensors)
-    ]
-    fig.legend(handles=handles, loc="outside upper left", ncols=min(len(handles), 6))

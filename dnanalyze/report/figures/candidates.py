@@ -5,58 +5,89 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from dnanalyze.report.figures.style import INK, MODEL, QUIET, Picture, figure, picture
-from dnanalyze.report.words import is_number, number
+from dnanalyze.report.figures.palette import CALM
+from dnanalyze.report.figures.style import INK, MODEL, Cell, Picture, panels
+from dnanalyze.report.figures.waterfall import BASELINE
+from dnanalyze.report.words import is_number, number, percent
+
+
+def draw_candidates(
+    ax: Any, found: Sequence[Any], error: float | None, ordinary: Sequence[str] = (), most: int = 10
+) -> Any:
+    """Error after each candidate's full refit, best first, from the error before it.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    found : sequence of Candidate
+        Best first.
+    error : float or None
+        Of the model as it is.
+    ordinary : sequence of str
+        Candidates of the baseline model: put in one after the other, before the rest.
+    most : int
+        Candidates shown.
+    """
+    bars = _bars(found, error, ordinary)[:most]
+    if not bars:
+        return ax
+    names, before, after, sure = zip(*bars, strict=True)
+    places = list(range(len(bars)))
+    ax.grid(visible=False, axis="y")
+    ax.hlines(places, after, before, color=CALM, linewidth=6)
+    ax.plot(after, places, "o", color=MODEL, markersize=5)
+    for place, start, end in zip(places, before, after, strict=True):
+        falls = end <= start  # the number stands off the line
+        ax.annotate(number(end), (end, place), (-6 if falls else 6, 0), va="center",
+                    ha="right" if falls else "left", textcoords="offset points",
+                    fontsize=7.5)  # fmt: skip
+    ax.axvline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)), zorder=0.5)
+    ax.set_yticks(places, names)
+    ax.tick_params(axis="y", length=0)
+    ax.set_ylim(len(bars) - 0.4, -0.6)
+    ax.set_xlim(0, 1.12 * max(*before, *after, 1.0))
+    ax.set_xlabel("model error after a full refit")
+    right = ax.secondary_yaxis("right")
+    right.set_yticks(places, [percent(s) for s in sure])
+    right.tick_params(length=0)
+    right.spines["right"].set_visible(False)
+    right.set_ylabel("confidence")
+    return ax
+
+
+def _bars(
+    found: Sequence[Any], error: float | None, ordinary: Sequence[str]
+) -> list[tuple[str, float, float, float]]:
+    """Name, error before, error after, confidence; the baseline model is one, and first."""
+    known = [c for c in found if is_number(c.error_after)]
+    base = [c for c in known if c.effect in ordinary]
+    now = error if is_number(error) else max((c.error_after for c in known), default=0.0)
+    assert now is not None
+    bars = []
+    if base:
+        sure = max(c.confidence for c in base)
+        bars.append(
+            (BASELINE if len(base) > 1 else base[0].effect, now, base[-1].error_after, sure)
+        )
+        now = base[-1].error_after
+    rest = [c for c in known if c.effect not in ordinary]
+    return bars + [(c.effect, now, c.error_after, c.confidence) for c in rest]
 
 
 def candidates(
     found: Sequence[Any], error: float | None, ordinary: Sequence[str] = (), most: int = 10
 ) -> Picture | None:
-    """Error after each candidate's full refit, best first, beside the error now.
-
-    ``ordinary``: candidates that were put in one after the other, before the rest.
-    """
-    shown = [c for c in found if is_number(c.error_after)][:most][::-1]
-    if not shown:
-        return None
-
-    def draw() -> Any:
-        fig, axes = figure(
-            1, 2, 0.75 + 0.26 * len(shown), sharey=True, gridspec_kw={"width_ratios": (2.2, 1)}
-        )
-        left, right = axes[0]
-        places = range(len(shown))
-        left.grid(False, axis="y")
-        right.grid(False, axis="y")
-        now = error if is_number(error) else max(c.error_after for c in shown)
-        assert now is not None
-        worst = max(c.error_after for c in shown)
-        left.hlines(places, [c.error_after for c in shown], now, color="#8fbbd9", linewidth=5)
-        left.plot([c.error_after for c in shown], places, "o", color=MODEL, markersize=5)
-        for place, c in enumerate(shown):
-            beyond = c.error_after > now  # the label stands off the line
-            left.annotate(number(c.error_after), (c.error_after, place), (6 if beyond else -6, 0),
-                          va="center", ha="left" if beyond else "right",
-                          textcoords="offset points", fontsize=7.5)  # fmt: skip
-        left.axvline(now, color=INK, linewidth=0.9)
-        left.axvline(1.0, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
-        left.set_yticks(places, [c.effect for c in shown])
-        left.set_title("error after a full refit, from the error now")
-        left.set_xlim(0, 1.05 * now if worst <= now else 1.12 * worst)
-        right.barh(places, [100 * c.confidence for c in shown], color=MODEL, height=0.5)
-        right.set_xlim(0, 100)
-        right.set_title("confidence [%]")
-        for ax in (left, right):
-            ax.tick_params(axis="y", length=0)
-        return fig
-
+    """The candidates as a picture."""
+    count = min(most, len(_bars(found, error, ordinary)))
     how = (
-        "What every sensor has is put in step by step, any other candidate beside all of it"
+        f"The {BASELINE} comes first; every other candidate is added to it alone"
         if ordinary
-        else "Each candidate put in alone"
+        else "Each candidate is added alone"
     )
-    return picture(
-        draw,
-        f"{how} and everything refitted; the dashed line is a second sensor.",
+    return panels(
+        [Cell(lambda ax: draw_candidates(ax, found, error, ordinary, most), 4.4,
+              0.75 + 0.27 * count)],
+        f"{how}, and all parameters are fitted again. Each line runs from the model error before "
+        "to the error after (dot). Dashed line: 1, a second sensor of the same make.",
         "Candidates with the error after a refit and their confidence.",
-    )
+    )  # fmt: skip

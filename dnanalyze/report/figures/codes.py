@@ -1,4 +1,4 @@
-"""How often each code occurs against its neighbours: missing codes, combs, clipping."""
+"""How often each code occurs beside its neighbours: missing codes, clipping."""
 
 from __future__ import annotations
 
@@ -8,48 +8,52 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.report.figures.style import (
+    QUIET,
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
     labels,
-    name_layers,
-    picture,
+    panels,
     plane_note,
+    shown_layers,
 )
 
 _NAMES = ("histogram_codes", "histogram_counts")
 SHOWN, FEWEST = 64, 6  # codes in a panel
 
 
-def roughness(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+def draw_codes(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
     """Counts of each code over the mean of its neighbourhood, around the median."""
+    for layer in drawn:
+        found = _ratio(layer.like(setting))
+        if found is not None:
+            ax.step(*found, where="mid", **layer.line)
+    if ax.lines:
+        ax.axhline(1, color=QUIET, linewidth=0.7, zorder=0)
+        ax.set_xlabel("code [DN]")
+        ax.set_ylabel("count / mean count of neighbours")
+        ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
+    return ax
+
+
+def roughness(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+    """One panel an operating point."""
     measured = drawn[0].statistics
-    settings = [s for s in chosen(measured, most) if _ratio(s) is not None]
-    if not settings:
-        return None
-    layers = [k for k in drawn if k.label != "Gaussian"]
+    settings = chosen(measured, most, lambda s: _ratio(s) is not None)
 
-    def draw() -> Any:
-        fig, axes = figure(1, len(settings), 2.1, sharey=True)
-        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
-            ax.axhline(1, color="#8a929b", linewidth=0.7)
-            for layer in layers:
-                found = _ratio(layer.like(setting))
-                if found is not None:
-                    ax.step(*found, where="mid", color=layer.colour, linewidth=layer.width)
-            ax.set_title(title)
-            ax.set_xlabel("code [DN]")
-            ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
-        axes[0, 0].set_ylabel("counts over neighbours'")
-        name_layers(fig, layers)
-        return fig
+    def cell(setting: Any, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_codes(ax, shown_layers(drawn), setting).set_title(title)
 
-    return picture(
-        draw,
-        "Counts of each code over the mean of the codes around it, near the median: 0 is a code "
-        "that never occurs, 2 one that occurs twice as often as it should." + plane_note(measured),
+        return Cell(draw, height=2.1, share="ratio")
+
+    return panels(
+        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+        "Count of each code divided by the mean count of the codes around it, near the median: 0 "
+        "is a missing code, 2 a code that occurs twice as often as expected."
+        + plane_note(measured, settings),
         "Relative use of the codes around the median.",
     )
 

@@ -10,77 +10,72 @@ import numpy as np
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     INK,
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
+    has,
     labels,
     log_axis,
-    name_layers,
-    picture,
+    panels,
     plane_note,
 )
 
 BINS = 160
 TAIL = 2e-5  # share of the pixels beyond either end of the axis, as measured
-
-
-def histograms(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
-    """Density of all frames' values; the band is what counting alone would scatter."""
-    measured = drawn[0].statistics
-    settings = [s for s in chosen(measured, most) if curve(s, *_NAMES)]
-    if not settings:
-        return None
-
-    def draw() -> Any:
-        fig, axes = figure(1, len(settings), 2.75, sharey=True)
-        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
-            _panel(ax, setting, drawn)
-            ax.set_title(title)
-        axes[0, 0].set_ylabel("share of pixels per DN")
-        axes[0, 0].set_ylim(*_floor(settings))
-        log_axis(axes[0, 0].yaxis)
-        name_layers(fig, drawn)
-        return fig
-
-    names = ", ".join(k.label for k in drawn)
-    return picture(
-        draw,
-        "Distribution of the dark values, logarithmic. The band around the measured curve is two "
-        "standard errors of counting. The far tail has a panel of its own." + plane_note(measured),
-        f"Histograms on a log scale: {names}, for {len(settings)} operating points.",
-    )
-
-
 _NAMES = ("histogram_codes", "histogram_counts")
 
 
-def _panel(ax: Any, setting: SettingStatistics, drawn: Sequence[Layer]) -> None:
-    codes, counts = curve(setting, *_NAMES)  # type: ignore[misc]
+def draw_histogram(ax: Any, drawn: Sequence[Layer], setting: SettingStatistics) -> Any:
+    """Density of all frames' values; the band is what counting alone would scatter."""
+    found = curve(setting, *_NAMES)
+    if found is None:
+        return ax
+    codes, counts = found
     low, high = _range(codes, counts)
     step = float(np.median(np.diff(codes))) if len(codes) > 1 else 1.0
     width = step * max(1, round((high - low) / BINS / step))
     for layer in drawn:
-        found = curve(layer.like(setting), *_NAMES)
-        if found is None:
+        own = curve(layer.like(setting), *_NAMES)
+        if own is None:
             continue
-        x, n, total = _binned(found, low, high, width)
+        x, n, total = _binned(own, low, high, width)
         density = np.where(n > 0, n / total / width, np.nan)
-        ax.plot(x, density, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
+        ax.plot(x, density, **layer.line)
         if layer.band:
             spread = 2 * np.sqrt(n) / total / width
-            ax.fill_between(
-                x,
-                np.maximum(density - spread, 1e-12),
-                density + spread,
-                color=INK,
-                alpha=0.18,
-                lw=0,
-            )
+            below = np.maximum(density - spread, 1e-12)
+            ax.fill_between(x, below, density + spread, color=INK, alpha=0.18, lw=0)
     ax.set_yscale("log")
     ax.set_xlim(low, high)
-    ax.set_xlabel("dark value [DN]")
+    # from half of what a single count makes to above the highest peak
+    ax.set_ylim(0.5 / counts.sum() / step, 3 * counts.max() / counts.sum() / step)
+    log_axis(ax.yaxis)
+    ax.set_xlabel("dark signal [DN]")
+    ax.set_ylabel("probability density [1/DN]")
+    return ax
+
+
+def histograms(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+    """One panel an operating point."""
+    measured = drawn[0].statistics
+    settings = chosen(measured, most, has(*_NAMES))
+
+    def cell(setting: SettingStatistics, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_histogram(ax, drawn, setting).set_title(title)
+
+        return Cell(draw, height=2.6, share="density")
+
+    names = ", ".join(k.label for k in drawn)
+    return panels(
+        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+        "Distribution of the dark signal of all pixels and frames on a logarithmic scale. Band: "
+        "two standard errors of counting. The panel of the hot-pixel tail shows the far tail."
+        + plane_note(measured, settings),
+        f"Histograms on a log scale: {names}, for {len(settings)} operating points.",
+    )
 
 
 def _range(codes: np.ndarray, counts: np.ndarray) -> tuple[float, float]:
@@ -102,14 +97,3 @@ def _binned(
     edges = np.arange(low, high + width, width)
     n, _ = np.histogram(codes, bins=edges, weights=counts)
     return (edges[:-1] + edges[1:]) / 2, n, float(counts.sum())
-
-
-def _floor(settings: Sequence[SettingStatistics]) -> tuple[float, float]:
-    """One decade below what a single count makes, and above the highest peak."""
-    lowest, highest = 1.0, 0.0
-    for setting in settings:
-        codes, counts = curve(setting, *_NAMES)  # type: ignore[misc]
-        step = float(np.median(np.diff(codes))) if len(codes) > 1 else 1.0
-        lowest = min(lowest, 0.5 / counts.sum() / step)
-        highest = max(highest, counts.max() / counts.sum() / step)
-    return lowest, 3 * highest

@@ -12,26 +12,47 @@ from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.spectrum import CENTRES
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
+    HAIRLINE,
     INK,
     MODEL,
+    ORDER,
+    PAPER,
     QUIET,
+    Cell,
     Picture,
     axis_of,
-    figure,
     log_axis,
-    picture,
+    panels,
 )
-from dnanalyze.report.words import point_label
+from dnanalyze.report.words import point_label, varied
 
-VIEWS = {"frame": (INK, "o", "whole frame"), "planes": (MODEL, "s", "within a colour")}
+VIEWS = {"frame": (INK, "o", "whole frame"), "planes": (MODEL, "s", "within one colour plane")}
 FLAGGED = GAUSSIAN
+LIMIT = "limit of unfiltered sensors"
+TITLES = {  # identifiers of the tests, readable
+    "spectral_corner": "Spectral corner",
+    "crosstalk_or_denoise": "Correlation of neighbours",
+    "median_equality": "Equal neighbours",
+    "rank_exceedance": "Local extremes",
+    "local_variance": "Local variance",
+    "wavelet_kurtosis": "Wavelet kurtosis",
+    "cap_to_neighbours": "Values capped at a neighbour",
+    "dynamic_threshold": "Dynamic threshold",
+    "ratio_rule": "Ratio rule",
+    "ratio_and_threshold": "Ratio and threshold",
+    "static_replacement": "Static replacement",
+    "row_phase": "Some rows only",
+    "temporal_autocorrelation": "Correlation from frame to frame",
+    "recursive_memory": "Equivalent recursive filter",
+}
+OF = {"recursive_memory": "temporal_autocorrelation"}  # what is drawn of another test's answer
 SAYS = {  # what the vertical axis of a test that is drawn over the settings holds
-    "crosstalk_or_denoise": "correlation: next less 2.5 x second",
-    "median_equality": "surplus of equal neighbours",
-    "rank_exceedance": "local extremes missing",
-    "local_variance": "scatter of 4x4 variances, above 1",
-    "wavelet_kurtosis": "kurtosis in excess",
-    "cap_to_neighbours": "share capped",
+    "crosstalk_or_denoise": "corr. at 1 px − 2.5 × corr. at 2 px",
+    "median_equality": "excess of equal neighbours",
+    "rank_exceedance": "missing share of extremes",
+    "local_variance": "variance of 4×4 variances − 1",
+    "wavelet_kurtosis": "excess kurtosis",
+    "cap_to_neighbours": "share of capped pixels",
     "temporal_autocorrelation": "lag-1 correlation + 1/K",
     "row_phase": "extremes missing in some rows",
 }
@@ -43,26 +64,24 @@ ERRORS: dict[str, Callable[[Any], float]] = {
     "temporal_autocorrelation": lambda e: e.memory.shared_se,
 }
 ALL = (
-    "Bars: two standard errors; the line at 0: an unfiltered sensor whose pixels are alike; "
-    "dashes: what unfiltered sensors reach, where the test may speak; orange: flagged."
+    "Bars: two standard errors. Line at 0: an unfiltered sensor with identical pixels. Grey "
+    "dashes: the limit of unfiltered sensors. Orange: flagged. Open symbols: not used as evidence."
 )
 SMOOTHING = (
-    "Spatial denoise. Spectrum: ln P of white noise with 1/f noise is convex, so nothing rises "
-    f"above a chord (dashed). {ALL} Open signs: warmer settings, where crosstalk smooths shot "
-    "noise, and tests that never speak alone."
+    "Tests for spatial denoise. Spectral corner: the logarithm of the spectrum of white noise and "
+    "1/f noise is convex, so no point of an unfiltered sensor lies above a chord (dashed). " + ALL
 )
 CORRECTIONS = (
-    "Defect-pixel correction. Pixels a frame that stand out of their own neighbours (solid) and"
-    " of rings elsewhere (dashed) by more than a bound, at the setting that says most. Clusters"
-    " of hot pixels thin the tail smoothly; a correction ends it at its threshold (vertical). "
-    "Sites: pixels that are in every frame what a rule makes of their neighbours (dot), or of a"
-    " ring elsewhere (bar). Cap: elsewhere the larger of two rings is taken, so unfiltered "
-    "sensors lie below 0. Row phase: the one of many that departs most, so above 0 by chance. "
-    f"{ALL}"
+    "Tests for defect-pixel correction. Thresholds: pixels per frame that exceed their own "
+    "neighbours (solid) and other pixels' neighbours (dashed) by more than the value on the axis, "
+    "at the most significant operating point; a correction ends the tail at its threshold "
+    "(vertical line). Static replacement: pixels that equal, in every frame, a function of their "
+    "neighbours (dot) or of other pixels' neighbours (bar). " + ALL
 )
 REMEMBERING = (
-    "Temporal denoise. Left: autocorrelation from frame to frame, less that of all pairs of "
-    f"frames, about -1/K. {ALL} Right: the recursive memory that would explain it."
+    "Test for temporal denoise: correlation of successive frames less the mean correlation of all "
+    "pairs of frames, which is about −1/K for K frames, and the memory of the recursive filter "
+    "that would give it. " + ALL
 )
 
 
@@ -74,104 +93,78 @@ def smoothing(answers: Sequence[Any]) -> Picture | None:
     answers : sequence of Answer
         Of one `Detection`.
     """
-    panels = [("spectral_corner", _spectrum)] + [
-        (test, _over_settings)
-        for test in (
-            "crosstalk_or_denoise", "median_equality", "rank_exceedance", "local_variance",
-            "wavelet_kurtosis",
-        )
-    ]  # fmt: skip
-    return _grid(
-        answers, panels, 3,
-        SMOOTHING,
-        "Tests for spatial denoise, each against its null.",
+    tests = (
+        "spectral_corner", "crosstalk_or_denoise", "median_equality", "rank_exceedance",
+        "local_variance", "wavelet_kurtosis",
     )  # fmt: skip
+    return _panels(answers, tests, SMOOTHING, "Tests for spatial denoise.")
 
 
 def corrections(answers: Sequence[Any]) -> Picture | None:
     """The tests for defect-pixel correction, and for rows that alone are filtered."""
-    panels = [
-        ("cap_to_neighbours", _over_settings), ("dynamic_threshold", _survival),
-        ("ratio_rule", _survival), ("ratio_and_threshold", _survival),
-        ("static_replacement", _sites), ("row_phase", _over_settings),
-    ]  # fmt: skip
-    return _grid(
-        answers, panels, 3,
-        CORRECTIONS,
-        "Tests for defect-pixel correction, each against its null.",
+    tests = (
+        "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
+        "static_replacement", "row_phase",
     )  # fmt: skip
+    return _panels(answers, tests, CORRECTIONS, "Tests for defect-pixel correction.")
 
 
 def remembering(answers: Sequence[Any]) -> Picture | None:
     """The test for temporal denoise, and what recursive memory it would mean."""
-    panels = [("temporal_autocorrelation", _over_settings), ("temporal_autocorrelation", _memory)]
-    return _grid(
-        answers, panels, 2,
-        REMEMBERING,
-        "Test for temporal denoise against its null.",
-    )  # fmt: skip
+    tests = ("temporal_autocorrelation", "recursive_memory")
+    return _panels(answers, tests, REMEMBERING, "Test for temporal denoise.")
 
 
-def _grid(
-    answers: Sequence[Any], panels: Sequence[tuple[str, Callable[..., None]]], columns: int,
-    caption: str, alt: str,
-) -> Picture | None:  # fmt: skip
-    of = {test: [a for a in answers if a.asked.test == test] for test, _ in panels}
-    if not any(of.values()):
-        return None
+def draw_test(ax: Any, answers: Sequence[Any], test: str) -> Any:
+    """One test: its statistic, the standard errors, and what unfiltered sensors reach.
 
-    def draw() -> Any:
-        rows = -(-len(panels) // columns)
-        fig, axes = figure(rows, columns, 2.5 * rows + 0.4)
-        for ax, (test, paint) in zip(axes.flat, panels, strict=True):
-            ax.set_title(test.replace("_", " "))
-            if of[test]:
-                paint(ax, test, of[test])
-            else:
-                ax.text(0.5, 0.5, "not asked of these frames", transform=ax.transAxes, ha="center",
-                        color=QUIET)  # fmt: skip
-                ax.set_xticks([])
-                ax.set_yticks([])
-        _legend(fig, [a for some in of.values() for a in some])
-        return fig
-
-    return picture(draw, caption, alt)
+    Parameters
+    ----------
+    ax : matplotlib axes
+    answers : sequence of Answer
+        Of one `Detection`.
+    test : str
+        A key of `TITLES`.
+    """
+    asked = OF.get(test, test)
+    own = [a for a in answers if a.asked.test == asked]
+    if own:
+        PAINT.get(test, _over_settings)(ax, asked, own)
+    return ax
 
 
-def _legend(fig: Any, shown: Sequence[Any]) -> None:
-    from matplotlib.lines import Line2D
+def _panels(answers: Sequence[Any], tests: Sequence[str], caption: str, alt: str) -> Picture | None:
+    def cell(test: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_test(ax, answers, test)
+            ax.set_title(TITLES[test] + ax.get_title(loc="left"))
 
-    seen = {a.asked.evidence.view for a in shown}
-    signs = [VIEWS[v] for v in VIEWS if v in seen]
-    if any(a.flagged for a in shown):
-        signs.append((FLAGGED, "o", "flagged"))
-    handles = [
-        Line2D([], [], color=c, marker=m, linestyle="none", markersize=4, label=text)
-        for c, m, text in signs
-    ]
-    handles.append(Line2D([], [], color=QUIET, marker="_", linestyle="none", label="limit"))
-    fig.legend(handles=handles, loc="outside upper left", ncols=len(handles), borderaxespad=0.2)
+        return Cell(draw, 3.35, 2.6)
+
+    return panels([cell(t) for t in tests], caption, alt)
 
 
 def _over_settings(ax: Any, test: str, answers: Sequence[Any]) -> None:
     x, label = _places([a.asked.evidence for a in answers])
-    ax.axhline(0, color=QUIET, linewidth=0.8)
     for answer, at in zip(answers, x, strict=True):
         asked = answer.asked
-        colour, sign, _ = VIEWS[asked.evidence.view]
-        colour = FLAGGED if answer.flagged else colour
+        colour, sign, name = VIEWS[asked.evidence.view]
+        colour, name = (FLAGGED, "flagged") if answer.flagged else (colour, name)
         if test in ERRORS:
             se = 2 * ERRORS[test](asked.evidence)
             ax.vlines(at, asked.effect - se, asked.effect + se, color=colour, linewidth=1.0)
         speaks = answer.judge and np.isfinite(asked.limit)
-        ax.plot(at, asked.effect, sign, color=colour, markersize=3.8,
-                markerfacecolor=colour if speaks else "white", markeredgewidth=0.9)  # fmt: skip
+        ax.plot(at, asked.effect, sign, color=colour, markersize=3.8, markeredgewidth=0.9,
+                markerfacecolor=colour if speaks else PAPER,
+                label=name if speaks else f"{name}, not used")  # fmt: skip
         if speaks:
-            ax.plot(at, asked.limit, "_", color=QUIET, markersize=11, markeredgewidth=1.2)
+            ax.plot(at, asked.limit, "_", color=QUIET, markersize=11, markeredgewidth=1.2,
+                    label=LIMIT)  # fmt: skip
+    ax.axhline(0, color=QUIET, linewidth=0.8, zorder=0.5)
     ax.set_xlabel(label)
     ax.set_ylabel(SAYS[test])
     ax.margins(x=0.08, y=0.12)
-    if label == "operating point":
+    if label == ORDER:
         ax.set_xticks(np.unique(x))
         ax.set_xlim(x.min() - 0.5, x.max() + 0.5)
 
@@ -192,12 +185,16 @@ def _telling(answers: Sequence[Any]) -> Any:
     )
 
 
-def _name(ax: Any, answer: Any) -> None:
+def _colour(answer: Any) -> str:
+    return FLAGGED if answer.flagged else VIEWS[answer.asked.evidence.view][0]
+
+
+def _name(ax: Any, answer: Any, among: Sequence[Any]) -> None:
+    """The operating point follows the title: what differs from the others."""
     e = answer.asked.evidence
-    point = "all settings" if answer.asked.everywhere else point_label(e.point)
-    where = point + (", within a colour" if e.view == "planes" else "")
-    ax.annotate(where, (1, 1), (0, 5), xycoords="axes fraction", textcoords="offset points",
-                ha="right", fontsize=7.2, color=FLAGGED if answer.flagged else QUIET)  # fmt: skip
+    apart = varied(vars(a.asked.evidence.point) for a in among)
+    point = "all operating points" if answer.asked.everywhere else point_label(e.point, apart)
+    ax.set_title(f", {point}" + (", one colour" if e.view == "planes" else ""))
 
 
 def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
@@ -207,9 +204,8 @@ def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
         spectrum = answer.asked.evidence.spectrum
         ax.plot(2**CENTRES, spectrum.log_power, color=QUIET, linewidth=0.7, alpha=0.7)
     spectrum = telling.asked.evidence.spectrum
-    colour = FLAGGED if telling.flagged else VIEWS[view][0]
-    ax.errorbar(2**CENTRES, spectrum.log_power, 2 * spectrum.se, color=colour, marker="o",
-                markersize=3.5, linewidth=1.2)  # fmt: skip
+    ax.errorbar(2**CENTRES, spectrum.log_power, 2 * spectrum.se, color=_colour(telling),
+                marker="o", markersize=3.5, linewidth=1.2)  # fmt: skip
     chord = spectrum.chord()
     if chord is not None:
         ends = [chord.octaves[0], chord.octaves[2]]
@@ -217,9 +213,9 @@ def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
                 linestyle=(0, (4, 2)))  # fmt: skip
     ax.set_xscale("log")
     log_axis(ax.xaxis)
-    ax.set_xlabel("cycles/pixel")
-    ax.set_ylabel("ln P [DN²]")
-    _name(ax, telling)
+    ax.set_xlabel("spatial frequency [cycles/pixel]")
+    ax.set_ylabel("ln(power / DN²)")
+    _name(ax, telling, answers)
 
 
 def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
@@ -231,12 +227,14 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     top = out.ratio if ratio else out.difference
     if test == "ratio_and_threshold":
         top = out.along(asked.slope)
-    colour = FLAGGED if telling.flagged else VIEWS[e.view][0]
     own, control = top.own / top.frames, top.control / top.frames
+    if not own.any() and not control.any():  # no pixel stands out: nothing to draw
+        return
     ax.plot(top.bounds, control, color=INK, linewidth=1.0, linestyle=(0, (4, 2)))
-    ax.plot(top.bounds, np.maximum(own, 0.5 / top.frames), color=colour, linewidth=1.6)
+    ax.plot(top.bounds, np.maximum(own, 0.5 / top.frames), color=_colour(telling), linewidth=1.6,
+            label="flagged" if telling.flagged else None)  # fmt: skip
     if telling.flagged:
-        ax.axvline(asked.at, color=colour, linewidth=0.8)
+        ax.axvline(asked.at, color=FLAGGED, linewidth=0.8)
     some = top.bounds[control >= 1 / top.frames]
     low = 1.0 if ratio else 2 * e.noise
     ax.set_xscale("log")
@@ -246,11 +244,11 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     ax.set_ylim(0.5 / top.frames, max(2.0, 2 * most))
     log_axis(ax.xaxis)
     log_axis(ax.yaxis)
-    unit = "times" if ratio else "DN above"
-    times = "" if asked.slope == 1 else f"{asked.slope:g} x "
-    ax.set_xlabel(f"{unit} {times}the largest of {out.neighbours}")
-    ax.set_ylabel("pixels a frame")
-    _name(ax, telling)
+    times = "" if asked.slope == 1 else f"{asked.slope:g} × "
+    of = f"{times}largest of {out.neighbours} neighbours"
+    ax.set_xlabel(f"pixel / {of}" if ratio else f"pixel − {of} [DN]")
+    ax.set_ylabel("pixels per frame")
+    _name(ax, telling, answers)
 
 
 def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
@@ -260,7 +258,7 @@ def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     colours = [
         FLAGGED if telling.flagged and k == telling.asked.at else INK for k in range(len(RULES))
     ]
-    ax.barh(y, found.control, height=0.62, color="#d9dee3")
+    ax.barh(y, found.control, height=0.62, color=HAIRLINE)
     ax.scatter(found.own, y, s=16, color=colours, zorder=3, clip_on=False)
     ax.set_xscale("symlog", linthresh=10)
     ax.set_xlim(0, 2 * max(10, int(found.own.max()), int(found.control.max())))
@@ -268,8 +266,8 @@ def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     ax.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
     ax.set_yticks(y, RULES, fontsize=6.5)
     ax.grid(axis="y", visible=False)
-    ax.set_xlabel("sites")
-    _name(ax, telling)
+    ax.set_xlabel("pixels")
+    _name(ax, telling, answers)
 
 
 def _memory(ax: Any, _test: str, answers: Sequence[Any]) -> None:
@@ -277,14 +275,20 @@ def _memory(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     measured = telling.asked.evidence.memory
     share = np.linspace(0, 0.9, 46)
     expected = [expected_excess(a, measured.frames) for a in share]
-    colour = FLAGGED if telling.flagged else VIEWS[telling.asked.evidence.view][0]
     ax.plot(share, expected, color=INK, linewidth=1.2)
     found = expected_excess(measured.memory, measured.frames)
-    ax.plot(measured.memory, found, "o", color=colour, markersize=5, zorder=3)
+    ax.plot(measured.memory, found, "o", color=_colour(telling), markersize=5, zorder=3)
     ax.axhline(telling.asked.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 2)))
-    ax.annotate("limit", (0.9, telling.asked.limit), (0, 2), textcoords="offset points",
-                ha="right", color=QUIET)  # fmt: skip
-    ax.set_title("as a recursive memory")
-    ax.set_xlabel("memory")
+    ax.set_xlabel("weight of the previous frame")
     ax.set_ylabel(SAYS["temporal_autocorrelation"])
-    _name(ax, telling)
+    _name(ax, telling, answers)
+
+
+PAINT: dict[str, Callable[[Any, str, Sequence[Any]], None]] = {  # the others: over the settings
+    "spectral_corner": _spectrum,
+    "dynamic_threshold": _survival,
+    "ratio_rule": _survival,
+    "ratio_and_threshold": _survival,
+    "static_replacement": _sites,
+    "recursive_memory": _memory,
+}

@@ -2,39 +2,115 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from dnanalyze.report.figures.palette import CALM, GRID, ON_DARK, ON_LIGHT, SOFT
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
     INK,
     MODEL,
+    PAPER,
     QUIET,
+    Cell,
     Picture,
-    figure,
-    picture,
-    power_label,
+    panels,
+    quantity,
 )
-from dnanalyze.report.tables import worst
+from dnanalyze.report.tables import info, worst
 from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label, varied
 
-BASELINES = (("paper", "paper's model", QUIET), ("gaussian", "Gaussian", GAUSSIAN))
-LIMIT = 12.0  # floors at which the colour saturates
+LINEAR = 3.0  # sigma up to which the colour scale is linear, logarithmic beyond
+LOWEST = 30.0  # sigma at the end of the colours, at least
+CLEAR, FEWEST = 2.0, 8  # statistics that are off by less are not worth a row, beyond the first few
+ROW, COLUMN, MARGIN = 0.185, 0.46, 1.2  # inch
+COLOURS = "RdBu_r"
+Rows = Sequence[Mapping[str, Any]]
 
 
-def discrepancies(rows: Sequence[Mapping[str, Any]], most: int = 36) -> Picture | None:
-    """Statistics that are off the most, over the operating points; colours run to +-12 floors."""
-    rows = [r for r in rows if is_number(r["discrepancy"])]
-    if not rows:
+def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
+    """Statistics with the largest discrepancies over the operating points.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    rows : sequence of mapping
+        Of a comparison; those of the first colour plane are drawn.
+    most : int
+        Statistics shown.
+    """
+    from matplotlib.colors import SymLogNorm
+
+    names, points, grid = _grid(rows, most)
+    if not names:
+        return ax
+    limit = _limit(float(np.nanmax(np.abs(grid))))
+    norm = SymLogNorm(LINEAR, linscale=0.5, vmin=-limit, vmax=limit, base=10)
+    ax.grid(visible=False)
+    ax.set_facecolor(GRID)
+    image = ax.imshow(grid, cmap=COLOURS, norm=norm, aspect="auto")
+    ax.set_yticks(range(len(names)), [info(r["name"]).title for r in names])
+    turned = max(map(len, points)) > 7
+    ax.set_xticks(range(len(points)), points, rotation=90 if turned else 0)
+    ax.xaxis.tick_top()
+    ax.tick_params(length=0)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    _write(ax, grid, image)
+    _families(ax, names, len(points))
+    bar = ax.figure.colorbar(
+        image, ax=ax, location="bottom", fraction=0.03, aspect=34, pad=0.02, shrink=0.9
+    )
+    bar.set_label(quantity("(measured − model) / σ, reproducibility standard deviation", ""))
+    ticks = [
+        t
+        for t in ((3, 10, 30, 100) if limit <= 100 else (3, 10, 100, 1000, 10**4, 10**5))
+        if t <= limit
+    ]
+    bar.set_ticks([*(-t for t in reversed(ticks)), 0, *ticks])
+    bar.ax.xaxis.set_major_formatter(lambda v, _: f"{v:,.0f}".replace("-", "−"))
+    bar.minorticks_off()
+    bar.outline.set_visible(False)
+    return ax
+
+
+def discrepancies(rows: Rows, most: int = 36) -> Picture | None:
+    """The heat map as a picture."""
+    names, points, _ = _grid(rows, most)
+    if not names:
         return None
-    plane = rows[0].get("plane", "")
-    own = [r for r in rows if r.get("plane", "") == plane]
+    longest = max(len(info(r["name"]).title) for r in names)
+    head = 0.065 * max(map(len, points)) if max(map(len, points)) > 7 else 0.1
+    cell = Cell(
+        lambda ax: draw_heatmap(ax, rows, most),
+        max(4.2, 0.062 * longest + COLUMN * len(points) + MARGIN),
+        0.9 + head + ROW * len(names),
+    )
+    plane = names[0].get("plane", "")
+    return panels(
+        [cell],
+        "Difference between sensor and model in reproducibility standard deviations σ (what two "
+        f"sensors of the same make differ by). Red: the sensor has more; blue: less. Shown: the "
+        f"{len(names)} statistics with the largest differences."
+        + (f" Colour plane {plane}." if plane else ""),
+        "Heat map of the discrepancy by statistic and operating point.",
+    )
+
+
+def _grid(rows: Rows, most: int) -> tuple[list[Mapping[str, Any]], list[str], np.ndarray]:
+    """The statistics, by family; the operating points; the discrepancies."""
+    known = [r for r in rows if is_number(r["discrepancy"])]
+    if not known:
+        return [], [], np.empty((0, 0))
+    own = [r for r in known if r.get("plane", "") == known[0].get("plane", "")]
     parts = varied(own) - {"plane"}
     points = list(dict.fromkeys(point_label(r, parts) for r in own))
     order = list(FAMILIES)
     names = worst(own, most=most)
+    names = [r for n, r in enumerate(names) if n < FEWEST or abs(r["discrepancy"]) >= CLEAR]
     names.sort(key=lambda r: order.index(r["family"]) if r["family"] in order else 99)
     place = {r["name"]: n for n, r in enumerate(names)}
     grid = np.full((len(names), len(points)), np.nan)
@@ -42,117 +118,91 @@ def discrepancies(rows: Sequence[Mapping[str, Any]], most: int = 36) -> Picture 
         if row["name"] in place:
             spot = place[row["name"]], points.index(point_label(row, parts))
             grid[spot] = row["discrepancy"]
-
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 1.0 + 0.17 * len(names))
-        ax = axes[0, 0]
-        ax.grid(False)
-        image = ax.imshow(grid, cmap="RdBu_r", vmin=-LIMIT, vmax=LIMIT, aspect="auto")
-        ax.set_facecolor("#f1f3f5")
-        ax.set_yticks(range(len(names)), [r["name"] for r in names])
-        turn = {"rotation": 35, "ha": "left"} if max(map(len, points)) * len(points) > 90 else {}
-        ax.set_xticks(range(len(points)), points, **turn)
-        ax.xaxis.tick_top()
-        ax.tick_params(length=0)
-        for spine in ax.spines.values():
-            spine.set_visible(False)
-        if len(points) <= 10:
-            _write(ax, grid)
-        _families(ax, names, len(points))
-        bar = fig.colorbar(image, ax=ax, shrink=min(1.0, 12 / len(names)), aspect=22, pad=0.01)
-        bar.set_label("(measured − model) / floor")
-        bar.outline.set_visible(False)
-        return fig
-
-    note = f" Colour plane {plane}." if plane else ""
-    return picture(
-        draw,
-        "Discrepancy of each statistic in floors: red, the sensor has more of it than the model; "
-        f"blue, less. The {len(names)} that are off the most are shown.{note}",
-        "Heat map of the discrepancy by statistic and operating point.",
-    )
+    return names, points, grid
 
 
-def _write(ax: Any, grid: np.ndarray) -> None:
+def _limit(largest: float) -> float:
+    """The next of 30, 50, 100, 200, ... above: what is a few sigma stays pale."""
+    if largest <= LOWEST:
+        return LOWEST
+    decade = 10.0 ** math.floor(math.log10(largest))
+    return next(k * decade for k in (1, 2, 5, 10) if k * decade >= largest or k == 10)
+
+
+def _write(ax: Any, grid: np.ndarray, image: Any) -> None:
     for (y, x), value in np.ndenumerate(grid):
         if np.isfinite(value):
-            shade = "#ffffff" if abs(value) > 0.62 * LIMIT else INK
-            text = f"{value:+.0f}" if abs(value) < 9999 else f"{value:+.0e}"
-            ax.text(x, y, text, ha="center", va="center", fontsize=6.6, color=shade)
+            red, green, blue, _ = image.cmap(image.norm(value))
+            bright = 0.299 * red + 0.587 * green + 0.114 * blue > 0.55
+            sign = "+" if value > 0 else "−" if value < 0 else ""
+            size = abs(value)
+            text = f"{size:.0f}" if size < 9999.5 else f"{size / 1000:.0f}k"
+            ax.text(x, y, text if text == "0" else sign + text, ha="center", va="center",
+                    fontsize=6.8, color=ON_LIGHT if bright else ON_DARK)  # fmt: skip
 
 
-def _families(ax: Any, names: Sequence[Mapping[str, Any]], columns: int) -> None:
-    """A hairline where one family ends and the next begins."""
-    for n in range(1, len(names)):
-        if names[n]["family"] != names[n - 1]["family"]:
+def _families(ax: Any, names: Rows, columns: int) -> None:
+    """A hairline where one family ends, and its name at the right."""
+    for n, row in enumerate(names):
+        if n and row["family"] == names[n - 1]["family"]:
+            continue
+        if n:
             ax.plot([-0.5, columns - 0.5], [n - 0.5] * 2, color=INK, linewidth=0.8, clip_on=False)
+        ax.annotate(family_title(row["family"]), (columns - 0.5, n), (5, 0), va="center",
+                    textcoords="offset points", fontsize=7, color=SOFT,
+                    annotation_clip=False)  # fmt: skip
+
+
+BASELINES = {"paper": ("Wang 2025 model", QUIET), "gaussian": ("Gaussian model", GAUSSIAN)}
+
+
+def draw_families(
+    ax: Any, errors: Mapping[str, float], baselines: Mapping[str, float], error: float
+) -> Any:
+    """Error of each family, worst first, and below them the errors over all families."""
+    known = {k: v for k, v in errors.items() if is_number(v)}
+    if not known:
+        return ax
+    ranked = sorted(known.items(), key=lambda item: -item[1])
+    bars = [(family_title(k), v, MODEL if v >= 1.3 else CALM) for k, v in ranked]
+    own = "Wang 2025 model" if baselines.get("paper") == error else "this model"
+    totals = [(f"all: {own}", error, MODEL)] + [
+        (f"all: {text}", baselines[key], colour)
+        for key, (text, colour) in BASELINES.items()
+        if is_number(baselines.get(key)) and baselines[key] != error
+    ]
+    totals = [t for t in totals if is_number(t[1])]
+    places = [*range(len(bars)), *(len(bars) + 0.5 + n for n in range(len(totals)))]
+    names, values, colours = zip(*bars, *totals, strict=True)
+    ax.grid(visible=False)
+    ax.barh(places, values, color=colours, height=0.62)
+    ax.set_yticks(places, names)
+    ax.invert_yaxis()
+    ax.tick_params(axis="y", length=0)
+    top = max(values)
+    if top > 20:
+        ax.set_xscale("symlog", linthresh=1.0)
+        ax.set_xticks([t for t in (0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000) if t <= top * 1.3])
+        ax.xaxis.set_major_formatter(lambda v, _: f"{v:,.0f}")
+        ax.xaxis.minorticks_off()
+    ax.set_xlim(0, max(1.2, top) * (1.6 if top > 20 else 1.14))
+    ax.axvline(1.0, color=INK, linewidth=0.9, linestyle=(0, (3, 2)), zorder=3)
+    for place, value in zip(places, values, strict=True):
+        ax.annotate(number(value), (value, place),
+                    (4, 0), textcoords="offset points", va="center", fontsize=7.5, zorder=4,
+                    bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})  # fmt: skip
+    ax.set_xlabel("model error (dimensionless)")
+    return ax
 
 
 def families(
     errors: Mapping[str, float], baselines: Mapping[str, float], error: float
 ) -> Picture | None:
-    """Error of each family as a bar, worst first, beside what a second sensor would give."""
-    known = {k: v for k, v in errors.items() if is_number(v)}
-    if not known:
-        return None
-    ranked = sorted(known.items(), key=lambda item: item[1])
-    own = "the paper's model" if baselines.get("paper") == error else "this model"
-    marks = [("a second sensor", 1.0, INK), (own, error, MODEL)]
-    marks += [
-        (text, baselines.get(key, np.nan), colour)
-        for key, text, colour in (
-            ("paper", "paper's model", QUIET),
-            ("gaussian", "Gaussian", GAUSSIAN),
-        )
-    ]
-    marks = [m for n, m in enumerate(marks) if is_number(m[1]) and (n < 2 or m[1] != error)]
-
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 1.0 + 0.24 * len(ranked))
-        ax = axes[0, 0]
-        ax.grid(False)
-        values = [v for _, v in ranked]
-        colours = [MODEL if v >= 1.3 else "#8fbbd9" for v in values]
-        ax.barh(range(len(ranked)), values, color=colours, height=0.62)
-        ax.set_yticks(range(len(ranked)), [family_title(k) for k, _ in ranked])
-        ax.tick_params(axis="y", length=0)
-        ax.spines["left"].set_visible(False)
-        top = max(*values, *(v for _, v, _ in marks))
-        if top > 30:
-            ax.set_xscale("symlog", linthresh=1.0)
-            ax.xaxis.set_major_formatter(power_label)
-        ax.set_xlim(0, top * 1.15)
-        _lines(ax, marks, len(ranked))
-        for n, value in enumerate(values):
-            ax.annotate(
-                number(value), (value, n), (4, 0), textcoords="offset points", va="center",
-                fontsize=7.5, bbox={"facecolor": "#ffffff", "edgecolor": "none", "pad": 1},
-            )  # fmt: skip
-        ax.set_xlabel("error")
-        return fig
-
-    return picture(
-        draw,
-        "Error of each family of statistics. 1 is what a second sensor of the same make gives. "
-        "The lines mark errors over all families.",
+    """The errors of the families as a picture."""
+    count = sum(map(is_number, errors.values())) + len(baselines)
+    return panels(
+        [Cell(lambda ax: draw_families(ax, errors, baselines, error), 4.4, 0.9 + 0.22 * count)],
+        "Model error of each family of statistics, and over all families beside other models. "
+        "Dashed line: 1, what a second sensor of the same make gives.",
         "Error of each family of statistics as bars.",
     )
-
-
-def _lines(ax: Any, marks: Sequence[tuple[str, float, str]], top: int) -> None:
-    """A line an error, named above the bars; names that would touch stand on two levels."""
-    low, high = ax.get_xlim()
-    place = ax.transScale.transform
-    span = place((high, 0))[0] - place((low, 0))[0]
-    last, level = -1.0, 0
-    for text, value, colour in sorted(marks, key=lambda m: m[1]):
-        spot = (place((value, 0))[0] - place((low, 0))[0]) / span
-        level = level + 1 if spot - last < 0.1 else 0
-        last = spot
-        dash = "-" if value == 1.0 else (0, (3, 2))
-        ax.axvline(value, color=colour, linewidth=0.9, linestyle=dash, zorder=3)
-        ax.annotate(
-            text, (value, 1), (2, 3 + 9 * level), xycoords=("data", "axes fraction"),
-            textcoords="offset points", color=colour, fontsize=7.2, annotation_clip=False,
-        )  # fmt: skip
-    ax.set_ylim(-0.6, top - 0.4)

@@ -1,4 +1,4 @@
-"""Column and row means of the fixed pattern, and their spectra."""
+"""Column and row means of the mean frame, and their spectra."""
 
 from __future__ import annotations
 
@@ -8,95 +8,119 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.report.figures.style import (
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
+    frequency_axis,
+    has,
     labels,
     log_axis,
-    name_layers,
-    picture,
+    main_run,
+    panels,
     plane_note,
+    shown_layers,
     thinned,
 )
 
 SIDES = ("column", "row")
-PARTS = {"pattern": "their spectrum", "temporal": "between frames", "frame": "their spectrum"}
+PARTS = {"pattern": "DSNU", "temporal": "temporal noise", "frame": "single frame"}
 
 
-def profiles(drawn: Sequence[Layer]) -> Picture | None:
-    """Line means along the sensor for the coldest and the warmest setting, spectra beside them."""
-    measured = drawn[0].statistics
-    settings = chosen(measured, 2)
-    if not any(curve(s, f"{side}_mean") for s in settings for side in SIDES):
-        return None
-    named = list(zip(settings, labels(settings), strict=True))
-    rows = [(side, s, t) for side in SIDES for s, t in named if curve(s, f"{side}_mean")]
-    parts = [p for p in PARTS if any(curve(s, f"{p}_column_spectrum") for s in settings)]
-    if "pattern" in parts:
-        parts = [p for p in parts if p != "frame"]
-
-    def draw() -> Any:
-        ratios = (2.2, *(1.0 for _ in parts))
-        height = 0.5 + 1.55 * len(rows)
-        fig, axes = figure(len(rows), len(ratios), height, gridspec_kw={"width_ratios": ratios})
-        for (side, setting, title), (line, *spectra) in zip(rows, axes, strict=True):
-            _profile(line, drawn, setting, side)
-            line.set_title(f"{side} means, {title}")
-            for ax, part in zip(spectra, parts, strict=True):
-                _spectra(ax, drawn, setting, side, part)
-                ax.set_title(PARTS[part])
-        axes[-1, 0].set_xlabel("position [pixels]")
-        for ax in axes[-1, 1:]:
-            ax.set_xlabel("cycles/pixel")
-        if parts:
-            axes[0, 1].set_ylabel("DN²")
-        name_layers(fig, drawn)
-        return fig
-
-    return picture(
-        draw,
-        "Means of the columns and rows, and their power spectrum in units of a pixel's "
-        "variance: lines that carry nothing of their own lie at the level of the pixels."
-        + plane_note(measured),
-        "Column and row means with their spectra.",
-    )
-
-
-def _profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str) -> None:
-    """Means along the sensor; the Gaussian's say nothing beside the model's."""
-    for layer in drawn:
+def draw_profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "column") -> Any:
+    """Means of the columns (or rows) along the sensor; a Gaussian's say nothing."""
+    for layer in shown_layers(drawn):
         found = curve(layer.like(setting), f"{side}_mean")
-        if found is None or layer.label == "Gaussian":
+        if found is None:
             continue
         y = found[0] - np.nanmean(found[0])
-        width = 0.7 * layer.width
-        ax.plot(
-            *thinned(np.arange(len(y), dtype=float), y, 900), color=layer.colour, linewidth=width
-        )
-    ax.set_ylabel("DN")
-    ax.margins(x=0.01)
+        line = layer.line | {"linewidth": 0.7 * layer.width}
+        ax.plot(*thinned(np.arange(len(y), dtype=float), y, 500), **line)
+    if ax.lines:
+        ax.set_xlabel(f"{side} number [pixels]")
+        ax.set_ylabel(f"{side} mean − mean [DN]")
+        ax.margins(x=0.01)
+    return ax
 
 
-def _spectra(ax: Any, drawn: Sequence[Layer], setting: Any, side: str, part: str) -> None:
+def draw_line_spectrum(
+    ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "column", part: str = "pattern"
+) -> Any:
+    """Power spectrum of the column (or row) means, in units of a pixel's variance."""
     for layer in drawn:
         found = curve(layer.like(setting), f"{side}_spectrum_f", f"{part}_{side}_spectrum")
         if found is None or not np.any(found[1] > 0):  # lines that are all alike
             continue
-        f, s = _pooled(found[0], found[1])
-        ax.plot(f, s, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
+        ax.plot(*_pooled(found[0], found[1]), **layer.line)
     if ax.lines:
-        ax.set_xscale("log")
         ax.set_yscale("log")
-        log_axis(ax.xaxis)
         log_axis(ax.yaxis)
-    else:
-        ax.set_axis_off()
+        frequency_axis(ax, "frequency [cycles/pixel]")
+        ax.set_ylabel(f"power of the {side} means [DN²]")
+    return ax
+
+
+def profiles(drawn: Sequence[Layer]) -> Picture | None:
+    """Line means along the sensor at the first and the last setting."""
+    measured = drawn[0].statistics
+    settings = chosen(measured, 2, lambda s: any(curve(s, f"{side}_mean") for side in SIDES))
+
+    def cell(side: str, setting: Any, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_profile(ax, drawn, setting, side).set_title(f"{side} means, {title}")
+
+        return Cell(draw, 4.4, 1.9)
+
+    return panels(
+        [
+            cell(side, s, title)
+            for side in SIDES
+            for s, title in zip(settings, labels(settings), strict=True)
+        ],
+        "Means of the columns and of the rows of the mean frame, minus their mean."
+        + plane_note(measured, settings),
+        "Column and row means.",
+    )
+
+
+def spectra(drawn: Sequence[Layer]) -> Picture | None:
+    """Spectra of the line means at the first and the last setting that can tell them."""
+    measured = drawn[0].statistics
+    some = [p for p in PARTS if main_run(measured, has(f"{p}_column_spectrum"))]
+    if "pattern" in some:
+        some = [p for p in some if p != "frame"]
+
+    def cell(side: str, setting: Any, part: str, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_line_spectrum(ax, drawn, setting, side, part)
+            ax.set_title(f"{side}s, {PARTS[part]}, {title}")
+
+        return Cell(draw, 2.5, 2.2)
+
+    cells, shown = [], []
+    for side in SIDES:
+        for part in some:
+            shown = chosen(measured, 2, has(f"{part}_column_spectrum"))
+            cells += [cell(side, s, part, t) for s, t in zip(shown, labels(shown), strict=True)]
+    return panels(
+        cells,
+        "Power spectra of the column and row means in units of the variance of a pixel: columns or "
+        "rows without a component of their own lie at the power of the pixels."
+        + plane_note(measured, shown),
+        "Spectra of the column and row means.",
+    )
 
 
 def _pooled(f: np.ndarray, s: np.ndarray, most: int = 30) -> tuple[np.ndarray, np.ndarray]:
-    """Frequency and power, pooled into steps of equal ratio."""
+    """Frequency and power, pooled into steps of equal ratio.
+
+    The Nyquist frequency is one real mode where the others are two: it is pooled with its
+    neighbours, at half their weight, and never stands alone.
+    """
+    weight = np.where(np.isclose(f, 0.5), 0.5, 1.0)
     edges = np.unique(np.searchsorted(f, np.geomspace(f[0], f[-1], most)))
-    counts = np.diff(np.append(edges, len(f)))
-    return np.add.reduceat(f, edges) / counts, np.add.reduceat(s, edges) / counts
+    if len(edges) > 1 and edges[-1] >= len(f) - 1:
+        edges = edges[:-1]
+    held = np.add.reduceat(weight, edges)
+    return np.add.reduceat(f * weight, edges) / held, np.add.reduceat(s * weight, edges) / held

@@ -7,76 +7,96 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.style import (
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
     labels,
-    picture,
+    panels,
     plane_note,
+    shown_layers,
 )
 
-PARTS = {"pattern": "fixed pattern", "temporal": "temporal noise"}
+PARTS = {"pattern": "DSNU", "temporal": "temporal noise"}
 DARKEST, BRIGHTEST = -8.0, 14.0  # dB about the median that the colours span
+WIDEST = 90  # columns of half a plane that a panel can show
+BAR = "power / median power [dB]"
+
+
+def draw_plane(ax: Any, setting: Any, part: str = "pattern") -> Any:
+    """Power over horizontal (u) and vertical (v) frequency, dB about its median.
+
+    Parameters
+    ----------
+    part : str
+        "pattern" (DSNU) or "temporal" (temporal dark noise).
+    """
+    power = _plane(setting, part)
+    if power is None:
+        return ax
+    rows, columns = power.shape
+    dv, du = 0.5 / (rows - 1), 0.5 / (columns - 1)  # half a cell: the outermost are centred on .5
+    ax.grid(visible=False)
+    # whole decibels: finer steps cannot be seen, and make a picture of noise ten times as heavy
+    ax.imshow(
+        np.rint(power), vmin=DARKEST, vmax=BRIGHTEST, aspect="auto", origin="lower",
+        extent=(-0.5 - du, 0.5 + du, -0.5 - dv, 0.5 + dv),
+    )  # fmt: skip
+    ax.set_xticks([-0.5, 0, 0.5])
+    ax.set_yticks([-0.5, 0, 0.5])
+    ax.set_xlabel("u [cycles/pixel]")
+    ax.set_ylabel("v [cycles/pixel]")
+    return ax
 
 
 def planes(drawn: Sequence[Layer]) -> Picture | None:
-    """Power over (u, v) in dB about its median, for the coldest and the warmest setting."""
+    """Measured and model at the coldest and the warmest setting, with one colour bar."""
     measured = drawn[0].statistics
-    settings = chosen(measured, 2)
-    shown = [k for k in drawn if k.label != "Gaussian"]
-    cells = [
-        (part, setting, title)
-        for part in PARTS
-        for setting, title in zip(settings, labels(settings), strict=True)
-        if _plane(setting, part) is not None
-    ]
+
+    def cell(layer: Layer, setting: Any, part: str, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_plane(ax, layer.like(setting), part).set_title(f"{PARTS[part]}, {title}")
+
+        return Cell(draw, 2.2, 2.15)
+
+    cells: list[Cell] = []
+    shown: list[Any] = []
+    for part in PARTS:
+        found = chosen(measured, 2, lambda s, p=part: _plane(s, p) is not None)  # type: ignore[misc]
+        shown = found or shown
+        for setting, title in zip(found, labels(found), strict=True):
+            cells += [
+                cell(k, setting, part, f"{title}\n{k.label}" if len(drawn) > 1 else title)
+                for k in shown_layers(drawn)
+            ]
     if not cells:
         return None
-
-    def draw() -> Any:
-        fig, axes = figure(len(shown), len(cells), 0.5 + 2.1 * len(shown))
-        image = None
-        for place, (row, layer) in enumerate(zip(axes, shown, strict=True)):
-            for ax, (part, setting, title) in zip(row, cells, strict=True):
-                ax.grid(False)
-                own = layer.like(setting)
-                power = _plane(own, part) if own is not None else None
-                if power is None:
-                    ax.set_axis_off()
-                    continue
-                image = ax.imshow(
-                    power, vmin=DARKEST, vmax=BRIGHTEST, aspect="auto", origin="lower",
-                    extent=(-0.5, 0.5, -0.5, 0.5), interpolation="nearest",
-                )  # fmt: skip
-                ax.set_xticks([-0.5, 0, 0.5])
-                ax.set_yticks([-0.5, 0, 0.5])
-                if place == 0:
-                    ax.set_title(f"{PARTS[part]}, {title}")
-                if place == len(shown) - 1:
-                    ax.set_xlabel("u [cycles/pixel]")
-            row[0].set_ylabel(f"{layer.label}\nv [cycles/pixel]")
-        bar = fig.colorbar(image, ax=axes, shrink=0.7, aspect=26, pad=0.01)
-        bar.set_label("dB about the median")
-        bar.outline.set_visible(False)
-        return fig
-
-    return picture(
-        draw,
-        "Power over horizontal (u) and vertical (v) frequency. Column structure is a bright "
-        "horizontal line, row structure a vertical one, interference a pair of spots, smoothing a "
-        "darkening outwards." + plane_note(measured),
+    return panels(
+        [*cells, bar_cell(BAR, DARKEST, BRIGHTEST)],
+        "Power over the horizontal (u) and the vertical frequency (v), from Nyquist to Nyquist. "
+        "Nonuniformity of whole columns is a bright horizontal line at v = 0, of whole rows a "
+        "vertical one at u = 0, an interference a pair of spots, a smoothing filter a darkening "
+        "outwards." + plane_note(measured, shown),
         "Two-dimensional power spectra.",
     )
 
 
 def _plane(setting: Any, part: str) -> np.ndarray | None:
-    """The plane in dB about its median; the left half is the right one turned by 180 degrees."""
+    """The plane in dB about its median, from -1/2 to 1/2 in both directions, ends included.
+
+    Kept is the half u >= 0; the other is the same turned by 180 degrees.
+    """
     found = curve(setting, f"{part}_psd2d")
     if found is None or found[0].ndim != 2:
         return None
-    right = 10 * (found[0] - np.median(found[0]))
-    left = np.roll(right[::-1, ::-1], 1, axis=0)  # the first row is v = -1/2, its own mirror
-    return np.hstack([left, right])
+    power = found[0]
+    if power.shape[1] > WIDEST:  # pairs of columns, u = 0 by itself: whole rows stay a sharp line
+        starts = [0, *range(1, power.shape[1], 2)]
+        counts = np.diff([*starts, power.shape[1]])
+        power = np.log10(np.add.reduceat(10**power, starts, axis=1) / counts)
+    right = 10 * (power - np.median(power))
+    right = np.vstack([right, right[:1]])  # v = 1/2 is v = -1/2
+    return np.hstack([right[::-1, :0:-1], right])

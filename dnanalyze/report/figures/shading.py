@@ -1,4 +1,4 @@
-"""The slow shape of the field: block means, measured beside the model."""
+"""The slow shape of the field: block means, measured, of the model, and what is left."""
 
 from __future__ import annotations
 
@@ -7,56 +7,77 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.style import (
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
     labels,
-    picture,
+    panels,
     plane_note,
+    shown_layers,
 )
 
+COLOURS = "RdBu_r"
+BAR = "block mean − mean [DN]"
 
-def maps(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
-    """Block means minus their mean; rows are the layers, columns the operating points."""
+
+def draw_shading(ax: Any, field: np.ndarray, limit: float) -> Any:
+    """One map of block means; colours run from minus to plus ``limit`` DN."""
+    ax.grid(visible=False)
+    ax.imshow(field, cmap=COLOURS, vmin=-limit, vmax=limit, aspect="equal")
+    ax.set_xticks([])
+    ax.set_yticks([])
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    return ax
+
+
+def fields(drawn: Sequence[Layer], setting: Any) -> tuple[dict[str, np.ndarray], float]:
+    """Measured, model and residual by name, DN, and the limit of their common colour scale."""
+    found = {k.label: _map(k.like(setting)) for k in shown_layers(drawn)}
+    known = {name: field for name, field in found.items() if field is not None}
+    if len(known) == 2 and len({f.shape for f in known.values()}) == 1:
+        measured, model = known.values()
+        known["residual"] = measured - model
+    top = max((float(np.nanpercentile(np.abs(f), 99)) for f in known.values()), default=0.0)
+    return known, top or 1.0
+
+
+def maps(drawn: Sequence[Layer], most: int = 2) -> list[Picture | None]:
+    """Measured, model and residual in a row with one colour bar, a picture an operating point."""
     measured = drawn[0].statistics
-    settings = [s for s in chosen(measured, most) if _map(s) is not None]
-    if not settings:
-        return None
+    settings = chosen(measured, most, lambda s: _map(s) is not None)
+    named = zip(settings, labels(settings), strict=True)
+    return [
+        _row(drawn, s, title, plane_note(measured, settings) if s is settings[-1] else "")
+        for s, title in named
+    ]
 
-    def draw() -> Any:
-        height = 0.35 + 1.75 * len(drawn)
-        fig, axes = figure(len(drawn), len(settings), height)
-        for place, setting in enumerate(settings):
-            fields = [_map(layer.like(setting)) for layer in drawn]
-            known = [f for f in fields if f is not None]
-            top = max(float(np.nanpercentile(np.abs(f), 99)) for f in known) or 1.0
-            image = None
-            for ax, field in zip(axes[:, place], fields, strict=True):
-                ax.grid(False)
-                ax.set_xticks([])
-                ax.set_yticks([])
-                if field is None:
-                    ax.set_axis_off()
-                    continue
-                image = ax.imshow(field, cmap="RdBu_r", vmin=-top, vmax=top, aspect="equal")
-                for spine in ax.spines.values():
-                    spine.set_visible(False)
-            bar = fig.colorbar(image, ax=list(axes[:, place]), shrink=0.6, aspect=24, pad=0.02)
-            bar.outline.set_visible(False)
-            bar.ax.tick_params(labelsize=7, length=2)
-            axes[0, place].set_title(labels(settings)[place])
-        for row, layer in zip(axes, drawn, strict=True):
-            row[0].set_ylabel(layer.label)
-        return fig
 
-    return picture(
-        draw,
-        "Block means of the fixed pattern minus their mean, DN; one colour scale a column. "
-        "Hot pixels are cut off at six robust sigmas." + plane_note(measured),
-        "Maps of the block means for " + ", ".join(k.label for k in drawn),
+def _row(drawn: Sequence[Layer], setting: Any, title: str, note: str) -> Picture | None:
+    found, limit = fields(drawn, setting)
+
+    def cell(name: str, field: np.ndarray) -> Cell:
+        wide = min(2.6, max(1.2, 2.0 * (field.shape[1] / field.shape[0]) ** 0.5))
+        tall = wide * field.shape[0] / field.shape[1] + 0.3
+
+        def draw(ax: Any) -> None:
+            draw_shading(ax, field, limit).set_title(name)
+
+        return Cell(draw, wide, tall)
+
+    cells = [cell(name, field) for name, field in found.items()]
+    return panels(
+        [*cells, bar_cell(BAR, -limit, limit, COLOURS, max((c.height for c in cells), default=2))],
+        "Mean of each block of pixels minus the mean of the frame; hot pixels are clipped at six "
+        "robust standard deviations. All maps of a row have the same colours." + note
+        if note or not title
+        else "",
+        f"Maps of the block means at {title}: " + ", ".join(found),
+        title=title,
     )
 
 
@@ -64,4 +85,4 @@ def _map(setting: Any) -> np.ndarray | None:
     found = curve(setting, "block_means")
     if found is None or found[0].ndim != 2:
         return None
-    return found[0] - np.nanmean(found[0])
+    return np.asarray(found[0] - np.nanmean(found[0]))

@@ -1,4 +1,4 @@
-"""Radial power spectra of pattern and temporal noise, one column an operating point."""
+"""Radial power spectra of DSNU and temporal dark noise."""
 
 from __future__ import annotations
 
@@ -11,80 +11,87 @@ from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     INK,
     QUIET,
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
+    frequency_axis,
+    has,
     labels,
     log_axis,
-    name_layers,
-    picture,
+    main_run,
+    panels,
     plane_note,
 )
 
 FEWEST_MODES = 12  # in a drawn point: power scatters as 1 / sqrt(modes)
-PARTS = {"pattern": "fixed pattern", "temporal": "temporal noise", "frame": "single frames"}
+PARTS = {"pattern": "DSNU", "temporal": "temporal noise", "frame": "single frame"}
+FULL = "measured, with whole rows and columns"
 
 
-def spectra(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
-    """Axis-masked radial spectra; rows of panels are the parts that the frames can tell."""
-    measured = drawn[0].statistics
-    settings = chosen(measured, most)
-    parts = [p for p in PARTS if any(curve(s, *_names(p)) for s in settings)]
-    if "temporal" in parts and "frame" in parts:
-        parts.remove("frame")
-    if not parts:
-        return None
+def draw_spectrum(
+    ax: Any, drawn: Sequence[Layer], setting: SettingStatistics, part: str = "pattern"
+) -> Any:
+    """Radial power spectrum off the axes, up to the corner of the frequency plane.
 
-    def draw() -> Any:
-        fig, axes = figure(
-            len(parts), len(settings), 0.4 + 2.05 * len(parts), sharex=True, sharey="row"
-        )
-        for row, part in zip(axes, parts, strict=True):
-            for ax, setting in zip(row, settings, strict=True):
-                _panel(ax, setting, drawn, part)
-            row[0].set_ylabel(f"{PARTS[part]}\n[DN²]")
-            log_axis(row[0].yaxis)
-        for ax, title in zip(axes[0], labels(settings), strict=True):
-            ax.set_title(title)
-        for ax in axes[-1]:
-            log_axis(ax.xaxis)
-            ax.set_xlabel("cycles/pixel")
-        name_layers(fig, drawn)
-        return fig
-
-    return picture(
-        draw,
-        "Power spectra over radial frequency, normalised so that white noise of variance s² is "
-        "at s². The axes are masked: what rows and columns add is left out (their own panel "
-        "shows it). Band: two standard errors. Thin grey line: the full spectrum with the axes."
-        + plane_note(measured),
-        "Radial power spectra of " + " and ".join(PARTS[p] for p in parts),
-    )
-
-
-def _names(part: str) -> tuple[str, str]:
-    return f"{part}_radial_f", f"{part}_radial_s"
-
-
-def _panel(ax: Any, setting: SettingStatistics, drawn: Sequence[Layer], part: str) -> None:
-    full = curve(setting, f"{part}_radial_f", f"{part}_radial_full_s")
-    if full is not None:
-        f, s, _ = _pooled(full, setting)
-        ax.plot(f, s, color=QUIET, linewidth=0.7)
+    Parameters
+    ----------
+    part : str
+        "pattern" (DSNU), "temporal" (temporal dark noise) or "frame" (a single frame).
+    """
+    if curve(setting, *_names(part)) is None:
+        return ax
     repeats = max(1, setting.frames - 1) if part == "temporal" else 1
     for layer in drawn:
         found = curve(layer.like(setting), *_names(part))
         if found is None:
             continue
         f, s, modes = _pooled(found, setting)
-        ax.plot(f, s, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
+        ax.plot(f, s, **layer.line)
         if layer.band:
             spread = np.exp(2 / np.sqrt(modes * repeats))
             ax.fill_between(f, s / spread, s * spread, color=INK, alpha=0.15, lw=0)
-    ax.set_xscale("log")
+    full = curve(setting, f"{part}_radial_f", f"{part}_radial_full_s")
+    if full is not None:
+        f, s, _ = _pooled(full, setting)
+        ax.plot(f, s, color=QUIET, linewidth=0.7, zorder=1.5, label=FULL)
     ax.set_yscale("log")
+    log_axis(ax.yaxis)
+    frequency_axis(ax, "radial frequency [cycles/pixel]")
+    ax.set_ylabel(f"power of the {PARTS[part]} [DN²]")
+    return ax
+
+
+def spectra(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+    """Rows of panels are the parts that the frames can tell."""
+    measured = drawn[0].statistics
+    some = [p for p in PARTS if main_run(measured, has(*_names(p)))]
+    if "temporal" in some and "frame" in some:
+        some.remove("frame")
+
+    def cell(part: str, setting: SettingStatistics, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_spectrum(ax, drawn, setting, part).set_title(f"{PARTS[part]}, {title}")
+
+        return Cell(draw)
+
+    cells, shown = [], []
+    for part in some:
+        shown = chosen(measured, most, has(*_names(part)))
+        cells += [cell(part, s, t) for s, t in zip(shown, labels(shown), strict=True)]
+    return panels(
+        cells,
+        "Power spectra over the radial frequency, normalised so that white noise of variance s² "
+        "has the power s². The frequencies of whole rows and columns are left out, except in the "
+        "thin grey line. Band: two standard errors. The Nyquist frequency of rows and columns is "
+        "0.5 cycles/pixel; the diagonal reaches 0.71." + plane_note(measured, shown),
+        "Radial power spectra of " + " and ".join(PARTS[p] for p in some),
+    )
+
+
+def _names(part: str) -> tuple[str, str]:
+    return f"{part}_radial_f", f"{part}_radial_s"
 
 
 def _pooled(

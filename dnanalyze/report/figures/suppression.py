@@ -1,4 +1,4 @@
-"""The paper's figure 2: high-frequency power over mid-frequency power against temperature."""
+"""Figure 2 of Wang 2025: high-frequency power over mid-frequency power against temperature."""
 
 from __future__ import annotations
 
@@ -6,58 +6,40 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.report.figures.style import GAUSSIAN, INK, QUIET, Picture, figure, picture
+from dnanalyze.report.figures.style import GAUSSIAN, INK, QUIET, Cell, Picture, panels
 
 
-def suppression(series: Any) -> Picture | None:
+def draw_suppression(ax: Any, series: Any) -> Any:
     """Measured suppression with what an unfiltered sensor and linear crosstalk would give.
 
     Parameters
     ----------
+    ax : matplotlib axes
     series : SuppressionSeries or None
     """
     if series is None:
-        return None
+        return ax
     celsius = series.temperature_c
+    low, high = (np.exp(series.log_ratio + k * series.se) for k in (-2, 2))
+    crosstalk = np.exp(series.crosstalk)
+    ax.vlines(celsius, low, high, color=INK, alpha=0.35, linewidth=3.2)
+    ax.plot(celsius, np.exp(series.log_ratio), "o-", color=INK, markersize=4, label="measured")
+    ax.plot(celsius, np.ones(len(celsius)), color=QUIET, linewidth=1.0, label="unfiltered sensor")
+    ax.plot(celsius, crosstalk, color=GAUSSIAN, linewidth=1.0, linestyle=(0, (4, 2)),
+            label=f"crosstalk of {100 * series.phi:.2g} %")  # fmt: skip
+    ax.set_ylim(0, max(1.25, 1.08 * float(high.max())))
+    ax.set_xlabel("temperature [°C]")
+    ax.set_ylabel("high- / mid-frequency power")
+    return ax
 
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 3.3)
-        ax = axes[0, 0]
-        low, high = (np.exp(series.log_ratio + k * series.se) for k in (-2, 2))
-        crosstalk = np.exp(series.crosstalk)
-        ax.plot(celsius, np.ones(len(celsius)), color=QUIET, linewidth=1.0)
-        ax.plot(celsius, crosstalk, color=GAUSSIAN, linewidth=1.0, linestyle=(0, (4, 2)))
-        ax.vlines(celsius, low, high, color=INK, alpha=0.35, linewidth=3.2)
-        ax.plot(celsius, np.exp(series.log_ratio), "o-", color=INK, markersize=4)
-        ax.set_ylim(0, max(1.25, 1.08 * float(high.max())))
-        ends = (
-            (1.0, "unfiltered", QUIET),
-            (crosstalk[-1], f"crosstalk {100 * series.phi:.2g} %", GAUSSIAN),
-            (float(np.exp(series.log_ratio[-1])), "measured", INK),
-        )
-        for y, text, colour in _apart(ends, 0.05 * ax.get_ylim()[1]):
-            ax.annotate(
-                text, (celsius[-1], y), (7, 0), textcoords="offset points", va="center",
-                color=colour, annotation_clip=False,
-            )  # fmt: skip
-        ax.set_xlabel("°C")
-        ax.set_ylabel("high over mid-frequency power")
-        return fig
 
-    return picture(
-        draw,
-        "Power above .45 cycles/pixel over power from .03 to .12, axes masked, over temperature. "
-        "An unfiltered sensor stays at 1. Defect correction pulls it down when warm; denoise, "
-        "often, when cold. Linear crosstalk falls, then levels off: the dashed curve is the one "
-        "that fits best. Bars: two standard errors.",
+def suppression(series: Any) -> Picture | None:
+    """The series as a picture."""
+    return panels(
+        [Cell(lambda ax: draw_suppression(ax, series), 4.4, 2.8)],
+        "Power above 0.45 cycles/pixel divided by the power from 0.03 to 0.12, rows and columns "
+        "left out. An unfiltered sensor stays at 1. Defect-pixel correction lowers it at high "
+        "temperature; denoising often at low temperature. Linear crosstalk lowers it and then "
+        "levels off: the dashed curve fits best. Bars: two standard errors.",
         "High-frequency suppression over temperature.",
     )
-
-
-def _apart(ends: tuple[tuple[float, str, str], ...], least: float) -> list[tuple[float, str, str]]:
-    """The labels moved upwards where they would overlap."""
-    placed: list[tuple[float, str, str]] = []
-    for y, text, colour in sorted(ends):
-        floor = placed[-1][0] + least if placed else -np.inf
-        placed.append((max(y, floor), text, colour))
-    return placed

@@ -1,4 +1,4 @@
-"""How many pixels lie beyond k robust sigmas: the hot-pixel tail."""
+"""How many pixels lie beyond k robust standard deviations: the hot-pixel tail."""
 
 from __future__ import annotations
 
@@ -9,56 +9,60 @@ import numpy as np
 
 from dnanalyze.report.figures.style import (
     INK,
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
+    has,
     labels,
     log_axis,
-    name_layers,
-    picture,
+    panels,
     plane_note,
 )
 
 _NAMES = ("exceedance_k", "exceedance_n")
 
 
-def exceedance(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
-    """Pixels of the fixed pattern above the median by more than k robust sigmas."""
+def draw_exceedance(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
+    """Pixels of the mean frame above its median by more than k robust standard deviations."""
+    for layer in drawn:
+        found = curve(layer.like(setting), *_NAMES)
+        if found is None:
+            continue
+        k, n = found
+        ax.plot(k, np.where(n > 0, n, np.nan), **layer.line)
+        if layer.band:
+            spread = 2 * np.sqrt(n)
+            low = np.maximum(n - spread, 0.3)
+            ax.fill_between(k, low, n + spread, where=n > 0, color=INK, alpha=0.15, lw=0)
+    if not ax.lines:
+        return ax
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_ylim(bottom=0.7)
+    log_axis(ax.xaxis)
+    log_axis(ax.yaxis)
+    ax.set_xlabel("k [robust standard deviations]")
+    ax.set_ylabel("pixels above k")
+    return ax
+
+
+def exceedance(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+    """One panel an operating point."""
     measured = drawn[0].statistics
-    settings = [s for s in chosen(measured, most) if curve(s, *_NAMES)]
-    if not settings:
-        return None
+    settings = chosen(measured, most, has(*_NAMES))
 
-    def draw() -> Any:
-        fig, axes = figure(1, len(settings), 2.6, sharey=True)
-        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
-            for layer in drawn:
-                found = curve(layer.like(setting), *_NAMES)
-                if found is None:
-                    continue
-                k, n = found
-                seen = np.where(n > 0, n, np.nan)
-                ax.plot(k, seen, color=layer.colour, linestyle=layer.dash, linewidth=layer.width)
-                if layer.band:
-                    spread = 2 * np.sqrt(n)
-                    low = np.maximum(n - spread, 0.3)
-                    ax.fill_between(k, low, n + spread, where=n > 0, color=INK, alpha=0.15, lw=0)
-            ax.set_xscale("log")
-            ax.set_yscale("log")
-            log_axis(ax.xaxis)
-            ax.set_ylim(bottom=0.7)
-            ax.set_title(title)
-            ax.set_xlabel("k [robust sigmas]")
-        axes[0, 0].set_ylabel("pixels above k")
-        log_axis(axes[0, 0].yaxis)
-        name_layers(fig, drawn)
-        return fig
+    def cell(setting: Any, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_exceedance(ax, drawn, setting).set_title(title)
 
-    return picture(
-        draw,
-        "Pixels of the mean frame above its median by more than k robust sigmas. Band: two "
-        "standard errors of counting." + plane_note(measured),
+        return Cell(draw, share="count")
+
+    return panels(
+        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+        "Number of pixels of the mean frame whose value exceeds the median by more than k robust "
+        "standard deviations. Band: two standard errors of counting."
+        + plane_note(measured, settings),
         "Exceedance counts of the hot-pixel tail on logarithmic axes.",
     )

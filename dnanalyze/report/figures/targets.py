@@ -6,7 +6,17 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from dnanalyze.report.figures.style import GAUSSIAN, INK, MODEL, QUIET, Picture, figure, picture
+from dnanalyze.report.figures.pictures import WIDTH
+from dnanalyze.report.figures.style import (
+    GAUSSIAN,
+    HAIRLINE,
+    INK,
+    MODEL,
+    QUIET,
+    Cell,
+    Picture,
+    panels,
+)
 
 FARTHEST = 3.0  # half widths of a limit, beyond which a value is drawn at the edge
 
@@ -24,35 +34,41 @@ def targets(checks: Sequence[Any], most: int = 40) -> Picture | None:
     placed = [(c, p) for c, p in known if p is not None]
     placed.sort(key=lambda pair: -abs(pair[1]))
     shown = placed[:most][::-1]
-    if not shown:
-        return None
-
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 1.0 + 0.2 * len(shown))
-        ax = axes[0, 0]
-        ax.grid(False, axis="y")
-        ax.axvspan(-1.0, 1.0, color="#e7f1f8", zorder=0)
-        ax.axvline(0.0, color=QUIET, linewidth=0.6)
-        for edge in (-1.0, 1.0):
-            ax.axvline(edge, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
-        for row, (check, place) in enumerate(shown):
-            colour = MODEL if check.passed else GAUSSIAN if check.enforced else QUIET
-            inside = max(-FARTHEST, min(FARTHEST, place))
-            mark = "o" if inside == place else (">" if place > 0 else "<")
-            ax.plot([inside], [row], mark, color=colour, markersize=5)
-        ax.set_yticks(range(len(shown)), [c.name for c, _ in shown])
-        ax.tick_params(axis="y", length=0)
-        ax.set_xlim(-FARTHEST - 0.2, FARTHEST + 0.2)
-        ax.set_ylim(-0.7, len(shown) - 0.3)
-        ax.set_xlabel("value within its limits (−1 lower limit, 1 upper limit)")
-        return fig
-
-    return picture(
-        draw,
+    return panels(
+        [Cell(lambda ax: draw_targets(ax, shown), WIDTH, 1.0 + 0.2 * len(shown))],
         f"The {len(shown)} targets that lie closest to a limit or beyond it; blue is met, orange "
         "violated, grey violated and not enforced.",
         "Values of the simulation within the limits of the targets.",
     )
+
+
+def draw_targets(ax: Any, shown: Sequence[tuple[Any, float]]) -> Any:
+    """Values at their places within the limits.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    shown : sequence of (Check, float)
+        Each with its `position`.
+    """
+    if not shown:
+        return ax
+    ax.grid(False, axis="y")
+    ax.axvspan(-1.0, 1.0, color=HAIRLINE, alpha=0.5, zorder=0)
+    ax.axvline(0.0, color=QUIET, linewidth=0.6)
+    for edge in (-1.0, 1.0):
+        ax.axvline(edge, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
+    for row, (check, place) in enumerate(shown):
+        colour = MODEL if check.passed else GAUSSIAN if check.enforced else QUIET
+        inside = max(-FARTHEST, min(FARTHEST, place))
+        mark = "o" if inside == place else (">" if place > 0 else "<")
+        ax.plot([inside], [row], mark, color=colour, markersize=5)
+    ax.set_yticks(range(len(shown)), [c.name for c, _ in shown])
+    ax.tick_params(axis="y", length=0)
+    ax.set_xlim(-FARTHEST - 0.2, FARTHEST + 0.2)
+    ax.set_ylim(-0.7, len(shown) - 0.3)
+    ax.set_xlabel("value within its limits (−1 lower limit, 1 upper limit)")
+    return ax
 
 
 def position(check: Any) -> float | None:

@@ -8,46 +8,45 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.report.figures.style import (
+    Cell,
     Layer,
     Picture,
     chosen,
     curve,
-    figure,
     labels,
-    name_layers,
-    picture,
+    panels,
     plane_note,
 )
 
 
-def frame_means(drawn: Sequence[Layer], most: int = 5) -> Picture | None:
+def draw_frame_means(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
     """Mean of each frame minus the mean of all."""
+    for layer in drawn:
+        y = _means(layer.like(setting))
+        if y is not None:
+            ax.plot(np.arange(1, len(y) + 1), y, marker="o", markersize=2.6, **layer.line)
+    if ax.lines:
+        ax.set_xlabel("frame number")
+        ax.set_ylabel("frame mean − mean of all [DN]")
+        ax.xaxis.get_major_locator().set_params(integer=True)
+    return ax
+
+
+def frame_means(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+    """One panel an operating point."""
     measured = drawn[0].statistics
-    settings = [s for s in chosen(measured, most) if _means(s) is not None]
-    if not settings:
-        return None
+    settings = chosen(measured, most, lambda s: _means(s) is not None)
 
-    def draw() -> Any:
-        fig, axes = figure(1, len(settings), 1.9)
-        for ax, setting, title in zip(axes[0], settings, labels(settings), strict=True):
-            for layer in drawn:
-                y = _means(layer.like(setting))
-                if y is not None:
-                    ax.plot(
-                        np.arange(1, len(y) + 1), y, marker="o", markersize=2.6, color=layer.colour,
-                        linestyle=layer.dash, linewidth=layer.width,
-                    )  # fmt: skip
-            ax.set_title(title)
-            ax.set_xlabel("frame")
-            ax.xaxis.get_major_locator().set_params(integer=True)
-        axes[0, 0].set_ylabel("frame mean [DN]")
-        name_layers(fig, drawn)
-        return fig
+    def cell(setting: Any, title: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_frame_means(ax, drawn, setting).set_title(title)
 
-    return picture(
-        draw,
-        "Mean of each frame minus the mean of all frames of the setting; hot pixels are cut off."
-        + plane_note(measured),
+        return Cell(draw, height=2.0)
+
+    return panels(
+        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+        "Mean of each frame minus the mean of all frames of the operating point, in the order of "
+        "capture; hot pixels are clipped." + plane_note(measured, settings),
         "Frame means in the order in which the frames were taken.",
     )
 

@@ -3,81 +3,132 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from dnanalyze.model.registry import EVERYDAY
 from dnanalyze.report.figures.style import (
     ACCENT,
-    HAIRLINE,
+    GAUSSIAN,
     INK,
     MODEL,
+    PAPER,
     QUIET,
+    Cell,
     Picture,
-    figure,
-    picture,
-    power_label,
+    panels,
 )
-from dnanalyze.report.words import is_number, number
+from dnanalyze.report.words import is_number, number, step_name
+
+BASELINE = "baseline model"
+RANGE = 6.0  # ratio of the errors from which the axis is logarithmic
 
 
-def waterfall(names: Sequence[str], errors: Sequence[float]) -> Picture | None:
-    """Bars from the error before each step to the error after it.
+@dataclass(frozen=True)
+class Stage:
+    """A bar of the waterfall.
 
     Parameters
     ----------
-    names : sequence of str
-        What each step did; the first is the start.
-    errors : sequence of float
-        Error after each step.
+    name : str
+    error : float
+        After it.
+    parts : tuple
+        The refinement's steps that it holds.
     """
-    steps = [(n, e) for n, e in zip(names, errors, strict=True) if is_number(e)]
-    if not steps:
-        return None
 
-    def draw() -> Any:
-        fig, axes = figure(1, 1, 3.1)
-        ax = axes[0, 0]
-        ax.grid(False, axis="x")
-        values = [e for _, e in steps]
-        log = max(values) / max(min(values), 1e-3) > 6
-        foot = min(0.7, 0.8 * min(values)) if log else 0.0
-        ax.bar(0, values[0] - foot, bottom=foot, color=QUIET, width=0.58)
-        for place in range(1, len(values)):
-            before, after = values[place - 1], values[place]
-            shade = MODEL if after <= before else "#d55e00"
-            ax.bar(place, before - after, bottom=after, color=shade, width=0.58)
-            ax.plot([place - 1 + 0.29, place + 0.29], [before] * 2, color=INK, linewidth=0.5)
-        end = len(values)
-        ax.plot([end - 1 + 0.29, end + 0.29], [values[-1]] * 2, color=INK, linewidth=0.5)
-        ax.bar(end, values[-1] - foot, bottom=foot, color=ACCENT, width=0.58)
-        if log:
-            ax.set_yscale("log")
-            ax.yaxis.set_major_formatter(power_label)
-            ax.yaxis.set_minor_formatter(lambda *_: "")
-        ax.set_ylim(foot or 0, max(values) * (1.5 if log else 1.15))
-        for place, value in enumerate([*values, values[-1]]):
-            high = max(value, values[place - 1]) if 0 < place < end else value
-            ax.annotate(number(value), (place, high), (0, 3), textcoords="offset points",
-                        ha="center", va="bottom", fontsize=8)  # fmt: skip
-        ax.axhline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
-        ax.annotate(
-            "a second\nsensor", (1.0, 1.0), (5, 0), xycoords=("axes fraction", "data"),
-            textcoords="offset points", va="center", fontsize=7.2, annotation_clip=False,
-        )  # fmt: skip
-        labels = [*(n.replace("_", "_\u200b") for n, _ in steps), "final"]
-        many = len(labels) > 7
-        ax.set_xticks(
-            range(len(labels)), labels, **({"rotation": 30, "ha": "right"} if many else {})
-        )
-        ax.tick_params(axis="x", length=0)
-        ax.spines["bottom"].set_color(HAIRLINE)
-        ax.set_xlim(-0.5, end + 0.5)
-        ax.set_ylabel("error")
-        return fig
+    name: str
+    error: float
+    parts: tuple[Any, ...]
 
-    return picture(
-        draw,
-        "The error step by step, on the half of the field that no fit saw; each bar spans the "
-        "error before and after, with everything refitted. What every sensor has is fitted "
-        "together: until all of it is named the paper's tables make up for the rest.",
-        "Waterfall of the error: " + ", ".join(f"{n} {number(e)}" for n, e in steps),
+
+def stages(steps: Sequence[Any]) -> list[Stage]:
+    """The steps of a refinement, the effects that every sensor has as one.
+
+    They are fitted together: before the last of them is in the model, the error may rise.
+    """
+    made = [Stage(step_name(s.added, n), s.error, (s,)) for n, s in enumerate(steps)]
+    first = 1
+    while first < len(made) and steps[first].added in EVERYDAY:
+        first += 1
+    if first < 3:  # one alone stands under its own name
+        return made
+    held = tuple(steps[1:first])
+    return [made[0], Stage(BASELINE, held[-1].error, held), *made[first:]]
+
+
+def draw_waterfall(ax: Any, steps: Sequence[Any]) -> Any:
+    """Bars from the error before each stage to the error after it.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    steps : sequence of Step
+        Of a refinement; the first is the start.
+    """
+    shown = [s for s in stages(steps) if is_number(s.error)]
+    if not shown:
+        return ax
+    values = [s.error for s in shown]
+    log = max(values) / max(min(values), 1e-3) > RANGE
+    foot = min(0.5, 0.5 * min(values)) if log else 0.0
+    ends = [0, len(values)] if len(values) > 1 else [0]
+    ax.bar(0, values[0] - foot, bottom=foot, color=QUIET, width=0.58)
+    for place in range(1, len(values)):
+        before, after = values[place - 1], values[place]
+        ax.bar(place, before - after, bottom=after, color=MODEL if after <= before else GAUSSIAN,
+               width=0.58)  # fmt: skip
+    if len(ends) > 1:
+        ax.bar(ends[1], values[-1] - foot, bottom=foot, color=ACCENT, width=0.58)
+    heights = [*values, values[-1]][: ends[-1] + 1]
+    for place, value in enumerate(heights[:-1]):  # the level from one bar to the next
+        ax.plot([place + 0.29, place + 0.71], [value] * 2, color=INK, linewidth=0.6)
+    if log:
+        ax.set_yscale("log")
+        ticks = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+        ax.set_yticks([t for t in ticks if foot <= t <= 1.5 * max(values)])
+        ax.yaxis.set_major_formatter(lambda v, _: f"{v:g}")
+        ax.yaxis.minorticks_off()
+    ax.set_ylim(foot or 0, max(*values, 1.0) * (1.5 if log else 1.15))
+    for place, value in enumerate(heights):
+        high = max(value, values[place - 1]) if 0 < place < len(values) else value
+        ax.annotate(number(value), (place, high), (0, 3), textcoords="offset points",
+                    ha="center", va="bottom", fontsize=8, zorder=4,
+                    bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.6})  # fmt: skip
+    ax.axhline(1.0, color=INK, linewidth=0.8, linestyle=(0, (3, 2)), zorder=1.5)
+    names = [*(s.name for s in shown), "final model"][: ends[-1] + 1]
+    ax.set_xticks(range(len(names)), [_lines(n) for n in names])
+    ax.grid(visible=False, axis="x")
+    ax.tick_params(axis="x", length=0)
+    ax.set_xlim(-0.5, len(names) - 0.5)
+    ax.set_ylabel("model error" + (" (logarithmic)" if log else ""))
+    return ax
+
+
+def _lines(name: str) -> str:
+    """A name in lines of some twelve characters, for an axis."""
+    lines = [""]
+    for part in name.replace("_", "_ ").split(" "):
+        gap = "" if lines[-1].endswith("_") or not lines[-1] else " "
+        if len(lines[-1]) + len(gap) + len(part) > 12 and lines[-1]:
+            lines.append(part)
+        else:
+            lines[-1] += gap + part
+    return "\n".join(lines)
+
+
+def waterfall(steps: Sequence[Any]) -> Picture | None:
+    """The waterfall as a picture."""
+    shown = stages(steps)
+    text = ", ".join(f"{s.name} {number(s.error)}" for s in shown)
+    return panels(
+        [Cell(lambda ax: draw_waterfall(ax, steps), max(3.6, 0.95 * (len(shown) + 1) + 0.6), 3.0)],
+        "Model error after each step, measured on the held-out half of the field; after each step "
+        "all parameters are fitted again. Dashed line: 1, a second sensor of the same make."
+        + (
+            f" The {BASELINE} is one step: what every sensor has is fitted together."
+            if any(s.name == BASELINE for s in shown)
+            else ""
+        ),
+        f"Waterfall of the error: {text}",
     )

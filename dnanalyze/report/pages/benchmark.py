@@ -8,7 +8,9 @@ from typing import Any
 from dnanalyze.report.benchmark import fairest, headline, middle_of, summary
 from dnanalyze.report.capture import facts
 from dnanalyze.report.figures import benchmark as figures
+from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Page, Section, Table, render
+from dnanalyze.report.pages.detect import KINDS
 from dnanalyze.report.words import listing, number, sentence, with_error
 
 
@@ -16,7 +18,7 @@ def benchmark_page(result: Any) -> str:
     """HTML of the page."""
     names = [s.name for s in result.sensors]
     page = Page(
-        "Sensors side by side",
+        "Benchmark of sensors",
         listing(names),
         headline(result),
         [
@@ -41,9 +43,13 @@ GLANCE = (
 )  # fmt: skip
 FILTERED, ONE_FRAME = "†", "*"
 MARKS = (
-    (FILTERED, "of a filtered output: not the sensor's, and not ranked."),
-    (ONE_FRAME, "of single frames, in which the fixed pattern is not told from the noise."),
+    (FILTERED, "filtered output: not a property of the sensor, not ranked."),
+    (ONE_FRAME, "from single frames: DSNU and temporal noise are not separated."),
 )
+
+
+def _unit(unit: str) -> str:
+    return UNITS.get(unit, unit)
 
 
 def _cell(figure: Any) -> str:
@@ -70,7 +76,7 @@ def _marks(result: Any) -> list[str]:
 def _glance(result: Any) -> Section:
     """A row a sensor, a column a criterion."""
     shown = [r for r in summary(result) if r.base in GLANCE]
-    columns = [r.title + (f" [{r.unit}]" if r.unit not in ("", "1") else "") for r in shown]
+    columns = [r.title + (f" [{_unit(r.unit)}]" if r.unit not in ("", "1") else "") for r in shown]
     rows = []
     for sensor, name in zip(result.sensors, _names(result), strict=True):
         cells = []
@@ -81,11 +87,15 @@ def _glance(result: Any) -> Section:
             cells.append(text + mark + (f" ({place.rank})" if place.rank else ""))
         rows.append((name, *cells))
     middle = middle_of(result)
-    at = f"What runs with temperature is that at {middle:g} °C. " if middle is not None else ""
+    at = (
+        f"Figures that depend on temperature are those at {middle:g} °C. "
+        if middle is not None
+        else ""
+    )
     return Section(
         "glance",
         "At a glance",
-        text=[f"{at}In brackets the rank; equal ranks are not distinguishable.",
+        text=[f"{at}In brackets: the rank; equal ranks are not distinguishable.",
               *_marks(result)],
         tables=[Table(("sensor", *columns), rows, sortable=True, narrow=True)],
     )  # fmt: skip
@@ -99,18 +109,18 @@ def _temperatures(result: Any) -> Section:
     for r in result.rankings:
         if r.temperature_c is not None:
             cells = (_cell(r.of(s.name)) for s in result.sensors)
-            row = (r.title, r.unit, f"{r.temperature_c:g}", *cells)
+            row = (r.title, _unit(r.unit), f"{r.temperature_c:g}", *cells)
             (rest if _told_in_electrons(result, r) else shown).append(row)
     tables = [Table(head, shown, words=2, sortable=True)]
     if rest:
         tables.append(Table(head, rest, words=2, title="The same in DN", folded=True))
     return Section(
         "temperatures",
-        "At common temperatures",
+        "Figures at common temperatures",
         text=[
-            "A figure that was measured at the temperature stands as measured. Any other is read "
-            "off the sensor's own law over temperature, and its error holds what that costs: "
-            "sampling, misfit, the choice of the law, and the distance to what was measured."
+            "A figure measured at the temperature is given as measured. Any other is interpolated "
+            "with the law of the sensor over temperature; its standard error includes sampling, "
+            "misfit, the choice of the law and the distance to the measurements."
         ],
         pictures=[figures.over_temperature(result)],
         tables=tables,
@@ -127,14 +137,14 @@ def _told_in_electrons(result: Any, ranking: Any) -> bool:
 
 def _one_each(result: Any) -> Section:
     cells = [
-        (r.title, r.unit, *(_cell(r.of(s.name)) for s in result.sensors))
+        (r.title, _unit(r.unit), *(_cell(r.of(s.name)) for s in result.sensors))
         for r in result.rankings
         if r.temperature_c is None and not r.criterion.startswith("error_")
     ]
-    gains = ("conversion gain", "DN/e-", *(_cell(s.dn_per_e) for s in result.sensors))
+    gains = ("conversion gain", "DN/e⁻", *(_cell(s.dn_per_e) for s in result.sensors))
     return Section(
         "figures",
-        "One figure each",
+        "Figures without temperature",
         tables=[
             Table(("figure", "unit", *_names(result)), [*cells, gains], words=2, sortable=True)
         ],
@@ -147,10 +157,10 @@ def _models(result: Any) -> Section:
     for s in result.sensors:
         kind = "not tested" if s.filtered is None else "no"
         if s.filtered:
-            kind = f"yes: {s.filter_kind.replace('_', ' ')}"
+            kind = f"yes: {KINDS.get(s.filter_kind, s.filter_kind)}"
         told = (number(s.errors.get(k)) for k in ("gaussian", "paper", "refined"))
         rows.append((s.name, kind, s.verdict or "not refined", *told))
-    columns = ("sensor", "filtered", "verdict", "Gaussian", "paper's model", "refined")
+    columns = ("sensor", "filtered", "verdict", "Gaussian", "Wang 2025", "refined")
     tables = [Table(columns, rows, words=3, sortable=True)]
     strengths = [
         (e.effect, s.name, number(e.rms_dn), _numbers(e.parameters))
@@ -164,14 +174,13 @@ def _models(result: Any) -> Section:
         tables.append(Table(head, sorted(strengths), words=4, title=title, folded=True))
     return Section(
         "models",
-        "What each sensor is made of",
+        "Models of the sensors",
         text=[
-            "Filtered: whether a defect correction or a denoise was found in the frames, which "
-            "makes noise, hot pixels and spectra not the sensor's own. Verdict: adequate, where "
-            "the refined model leaves nothing to find; unexplained, where something is left that "
-            "no effect of the catalogue accounts for. The strength of an effect is the rms that "
-            "it adds to a pixel at the operating point of the first row, or its first parameter "
-            "where no closed form gives that."
+            "Filtered: a defect-pixel correction or a denoise was detected in the frames; noise, "
+            "hot pixels and spectra are then not those of the sensor. Verdict: adequate, no "
+            "further missing effect is detectable; unexplained, no effect of the catalogue "
+            "explains the residual. The strength of an effect is the rms that it adds to a pixel "
+            "at the operating point of the first row, or its first parameter where it is unknown."
         ],
         pictures=[figures.errors(result)],
         tables=tables,
@@ -218,10 +227,10 @@ def _rankings(result: Any) -> Section:
         )
         left = [names[p.sensor] for p in r.places if p.rank is None and p.figure.known]
         order += f"; not ranked: {listing(left)}" if left else ""
-        rows.append((r.title, r.unit, at, order))
+        rows.append((r.title, _unit(r.unit), at, order))
     return Section(
         "rankings",
-        "Ranking per criterion",
+        "Ranking",
         text=[
             "The rank is 1 plus the number of sensors that are better by more than two standard "
             "errors of the difference, on the scale that is printed; figures that differ by less "
@@ -237,4 +246,4 @@ def _captures(result: Any) -> Section:
     rows = [(s.name, *(facts(s.captures).get(k, "–") for k in keys)) for s in result.sensors]
     notes = [f"{s.name}: {sentence(n)}" for s in result.sensors for n in s.notes]
     columns = ("sensor", *keys)
-    return Section("captures", "The captures", points=notes, tables=[Table(columns, rows, words=6)])
+    return Section("captures", "Captures", points=notes, tables=[Table(columns, rows, words=6)])

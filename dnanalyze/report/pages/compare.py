@@ -15,40 +15,37 @@ from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.panels import family_panels
 from dnanalyze.report.words import compare_headline, number, sentence, with_remarks
 
-CLOSE = 1.3  # error from which a model is said to fail
-FIRST = 6  # failures that stand with the verdict; the rest follow
+
+def overview(result: Any) -> Section:
+    """Which families and which statistics differ most."""
+    return Section(
+        "error",
+        "Differences between sensor and model",
+        pictures=[
+            heatmap.families(result.families, result.baselines, result.error),
+            heatmap.discrepancies(result.statistics),
+        ],
+    )
 
 
-def sections(result: Any) -> list[Section]:
-    """The comparison family by family, then the model: for this page and for those built on it."""
+def families(result: Any) -> list[Section]:
+    """The comparison family by family."""
     drawn = layers(result.measured, result.simulated, result.gaussian)
     return [
-        Section(
-            "error",
-            "Where model and sensor differ most"
-            if result.error < CLOSE
-            else "Where the model fails",
-            points=[sentence(f) for f in result.failures[FIRST:]],
-            pictures=[
-                heatmap.families(result.families, result.baselines, result.error),
-                heatmap.discrepancies(result.statistics),
-            ],
-        ),
         *family_panels(drawn, result.families, result.statistics),
         missing_section(result.measured),
-        model_section(result.model),
     ]
 
 
 def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str]]:
     """The error beside the baselines and what a second sensor would give."""
     paper = baselines.get("paper")
-    named = "error of the paper's model" if paper == error else "error of this model"
+    named = "error of the Wang 2025 model" if paper == error else "error of this model"
     made = [(number(error), named)]
     if paper is not None and paper != error:
-        made.append((number(paper), "the paper's model"))
+        made.append((number(paper), "error of the Wang 2025 model"))
     if "gaussian" in baselines:
-        made.append((number(baselines["gaussian"]), "a plain Gaussian"))
+        made.append((number(baselines["gaussian"]), "error of a Gaussian model"))
     return [*made, ("1", "a second sensor of the same make")]
 
 
@@ -56,12 +53,12 @@ def compare_page(captures: Any, result: Any) -> str:
     """HTML of the page."""
     baselines = result.baselines
     page = Page(
-        "Model against sensor",
+        "Comparison of model and sensor",
         capture.title(captures),
         with_remarks(compare_headline(result.error, baselines), result),
-        sections(result),
+        [overview(result), model_section(result.model), *families(result)],
         tone=tone_of(result.error),
-        points=[*(sentence(f) for f in result.failures[:FIRST]), *law_doubts(result.measured)],
+        points=[*law_doubts(result.measured), *(sentence(f) for f in result.failures)],
         figures=numbers(result.error, baselines),
         facts=capture.facts(captures),
         notes=captures.notes,

@@ -9,6 +9,7 @@ import numpy as np
 from dnanalyze.report import capture
 from dnanalyze.report.figures import filter_tests
 from dnanalyze.report.figures.against_neighbours import scatter
+from dnanalyze.report.figures.filter_tests import TITLES
 from dnanalyze.report.figures.style import labels
 from dnanalyze.report.figures.suppression import suppression
 from dnanalyze.report.page import Page, Section, Table, render
@@ -22,15 +23,15 @@ KINDS = {
 TESTS = (filter_tests.smoothing, filter_tests.corrections, filter_tests.remembering)
 ESTIMATE = {
     "subkind": ("kind", ""),
-    "view": ("works on the", ""),
+    "view": ("applied to the", ""),
     "threshold_dn": ("threshold", "DN"),
     "threshold_sigma": ("threshold", "sigma"),
     "ratio": ("ratio to the neighbours' maximum", ""),
-    "neighbours": ("neighbours looked at", ""),
+    "neighbours": ("neighbours used", ""),
     "replacement": ("replaced by", ""),
     "site_ppm": ("replaced sites", "ppm"),
     "strength": ("strength", ""),
-    "from_temperature_c": ("shows from", "°C"),
+    "from_temperature_c": ("detected from", "°C"),
 }
 
 
@@ -38,11 +39,11 @@ def headline(result: Any) -> str:
     """The verdict in one or two sentences."""
     if not result.filtered and result.confidence == 0:
         return (
-            "Cannot tell: no sign of defect correction or denoise, but these frames could show "
-            "few of them."
+            "Not determined: no sign of defect-pixel correction or denoise, but these frames could "
+            "show few of them."
         )
     if not result.filtered:
-        return "No sign of defect correction or denoise: these frames behave as raw ones do."
+        return "No sign of defect-pixel correction or denoise: the frames agree with raw frames."
     text = f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}"
     if is_number(result.confidence):
         text += f" ({percent(result.confidence)} confidence)"
@@ -55,13 +56,13 @@ def detect_page(captures: Any, result: Any) -> str:
     """HTML of the page."""
     flagged = [f for f in result.findings if f.flagged]
     others = [f for f in result.findings if not f.flagged]
-    count = f"{len(flagged)} of {len(result.findings)} tests are flagged, after allowing for their"
+    count = f"{len(flagged)} of {len(result.findings)} tests are flagged, corrected for their"
     page = Page(
         "Hidden filters",
         capture.title(captures),
         headline(result),
         [
-            Section("estimate", "What the filter seems to be", tables=_estimate(result)),
+            Section("estimate", "Estimated filter", tables=_estimate(result)),
             Section(
                 "temperature",
                 "High-frequency suppression over temperature",
@@ -69,13 +70,17 @@ def detect_page(captures: Any, result: Any) -> str:
             ),
             Section(
                 "neighbours",
-                "A pixel against its neighbours",
+                "Pixels over their neighbours",
                 pictures=[scatter(_frames(captures))],
             ),
-            Section("ambiguous", "What cannot be told apart here", points=texts(result.ambiguous)),
+            Section(
+                "ambiguous",
+                "Not distinguishable from these captures",
+                points=texts(result.ambiguous),
+            ),
             Section(
                 "tests",
-                "The tests",
+                "Tests",
                 text=[f"{count} number."],
                 pictures=[draw(result.answers) for draw in TESTS],
                 tables=[t for t in (_tests(flagged, False), _tests(others, True)) if t.rows],
@@ -96,7 +101,7 @@ def _estimate(result: Any) -> list[Table]:
         known = [(k, v) for k, v in vars(result.estimate).items() if v is not None]
         rows = [(*ESTIMATE.get(k, (k, "")), v) for k, v in known]
         cells = [(name, number(v) if is_number(v) else str(v), unit) for name, unit, v in rows]
-        made.append(Table(("", "", ""), cells, words=3))
+        made.append(Table(("property", "value", "unit"), cells, words=3))
     if result.tail:
         tail = [
             (
@@ -107,7 +112,7 @@ def _estimate(result: Any) -> list[Table]:
             )
             for t in result.tail
         ]
-        columns = ("at", "above [DN]", "left [ppm]", "before correction [ppm]")
+        columns = ("temperature", "above [DN]", "seen [ppm]", "before correction [ppm]")
         made.append(Table(columns, tail, title="Hot pixels before correction"))
     return made
 
@@ -125,7 +130,7 @@ def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
 def _tests(findings: list[Any], folded: bool) -> Table:
     rows = [
         (
-            f.test,
+            TITLES.get(f.test, f.test.replace("_", " ")),
             KINDS.get(f.kind, f.kind),
             f"{f.temperature_c:.4g} °C" if is_number(f.temperature_c) else "all",
             f.view,
@@ -135,7 +140,7 @@ def _tests(findings: list[Any], folded: bool) -> Table:
         + ((f.reason,) if folded else ())
         for f in findings
     ]
-    columns: tuple[str, ...] = ("test", "points to", "at", "on", "p", "effect")
-    columns += ("not flagged, since",) if folded else ()
-    title = f"{'The others' if folded else 'Flagged'} ({len(rows)})"
+    columns: tuple[str, ...] = ("test", "indicates", "temperature", "on", "p-value", "effect size")
+    columns += ("not flagged because",) if folded else ()
+    title = f"{'Not flagged' if folded else 'Flagged'} ({len(rows)})"
     return Table(columns, rows, words=4, title=title, folded=folded)

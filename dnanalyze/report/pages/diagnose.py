@@ -9,10 +9,12 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.candidates import candidates
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare
+from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
     candidates_of,
     diagnose_headline,
+    leading,
     naming,
     number,
     percent,
@@ -25,8 +27,7 @@ TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
 
 
 def sections(result: Any) -> list[Section]:
-    """Candidates with their evidence, what is unexplained, the limits, the next capture."""
-    found = list(result.candidates)
+    """Candidates with evidence, statistics not explained, recommended captures, limits."""
     others, every = candidates_of(result)
     evidence = [
         Section(
@@ -34,29 +35,31 @@ def sections(result: Any) -> list[Section]:
             f"Evidence for {naming(c.effect, c.confidence)}",
             points=[sentence(e) for e in c.evidence],
         )
-        for c in found[result.verdict == "missing" : 3]  # the best one's stands with the verdict
+        for c in others[result.verdict == "missing" : 3]  # the best one's stands with the verdict
     ]
     return [
         Section(
             "candidates",
             "Candidates",
-            pictures=[candidates(found, result.error, result.ordinary)],
+            pictures=[candidates(result.candidates, result.error, result.ordinary)],
             tables=[
                 *_candidates("candidate", others),
-                *_candidates("what every sensor has, put in step by step", every),
+                *_candidates("baseline effect", every, "Effects of the baseline model"),
             ],
         ),
         *evidence,
         Section(
             "unexplained",
-            "What stays unexplained",
+            "Statistics not explained",
             points=[sentence(named(n)) for n in result.unexplained],
         ),
-        Section("next", "The next capture", points=texts(result.next_capture)),
+        Section("next", "Recommended captures", points=texts(result.next_capture)),
         Section(
             "limits",
-            "What would not have been seen",
-            text=["Below these strengths an effect may be in the sensor without showing here."]
+            "Detection limits",
+            text=[
+                "An effect weaker than its limit may be present and not detected in these captures."
+            ]
             if result.detection_limits
             else [],
             tables=_limits(result.detection_limits),
@@ -64,9 +67,23 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def _candidates(title: str, found: Sequence[Any]) -> list[Table]:
+def _told(result: Any) -> list[str]:
+    """The evidence for the effect that is missing."""
+    best = leading(result)
+    if result.verdict != "missing" or best is None or best.effect in result.ordinary:
+        return []
+    return [sentence(e) for e in best.evidence]
+
+
+def _candidates(head: str, found: Sequence[Any], folded: str = "") -> list[Table]:
     """A row a candidate, best first; no table without any."""
-    columns = (title, "confused with", "error after", "explains", "confidence")
+    columns = (
+        head,
+        "confounded with",
+        "model error after",
+        "excess error explained",
+        "confidence",
+    )
     rows = [
         (
             naming(c.effect, c.confidence),
@@ -77,7 +94,7 @@ def _candidates(title: str, found: Sequence[Any]) -> list[Table]:
         )
         for c in found
     ]
-    return [Table(columns, rows, words=2)] if rows else []
+    return [Table(columns, rows, words=2, title=folded, folded=bool(folded))] if rows else []
 
 
 def _limits(limits: Any) -> list[Table]:
@@ -92,11 +109,13 @@ def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
         "Diagnosis",
         capture.title(captures),
         diagnose_headline(result),
-        [*sections(result), *(compare.sections(comparison) if comparison is not None else [])],
+        [
+            *sections(result),
+            *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
+            model_section(result.model),
+        ],
         tone=TONES.get(result.verdict, "fair"),
-        points=[sentence(e) for e in (result.candidates[0].evidence if result.candidates else [])]
-        if result.verdict == "missing"
-        else [],
+        points=_told(result),
         facts=capture.facts(captures),
         notes=captures.notes,
     )

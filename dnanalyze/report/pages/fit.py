@@ -6,9 +6,9 @@ from typing import Any
 
 from dnanalyze.report import capture
 from dnanalyze.report.figures.correlations import correlations
-from dnanalyze.report.page import Page, Section, Table, render
+from dnanalyze.report.page import Page, Section, render
 from dnanalyze.report.pages.model import model_section
-from dnanalyze.report.words import listing, plural, texts, with_error
+from dnanalyze.report.words import listing, plural, texts
 
 
 def headline(result: Any) -> str:
@@ -19,20 +19,18 @@ def headline(result: Any) -> str:
 
 def fit_page(captures: Any, result: Any) -> str:
     """HTML of the page."""
-    rows = [(p.name, with_error(p.value, p.se), p.unit) for p in result.parameters]
     names = [p.name for p in result.parameters]
     page = Page(
         "Fit",
         capture.title(captures),
         headline(result),
         [
+            model_section(result.model, result.parameters),
             Section(
-                "parameters",
-                "Parameters",
+                "correlations",
+                "Correlation of the parameters",
                 pictures=[correlations(names, result.correlations)],
-                tables=[Table(("parameter", "value", "unit"), rows)],
             ),
-            model_section(result.model),
         ],
         points=texts(result.undetermined),
         facts=capture.facts(captures),

@@ -11,13 +11,13 @@ from dnanalyze.report.channel_results import COLUMNS, headline, rows
 from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
-from dnanalyze.report.pages.refine import STEP_COLUMNS, step_rows
+from dnanalyze.report.pages.model import model_section
+from dnanalyze.report.pages.refine import step_tables
 from dnanalyze.report.words import (
     diagnose_headline,
     number,
     refine_headline,
     sentence,
-    step_name,
 )
 
 
@@ -30,16 +30,18 @@ def refinement_page(captures: Any, result: Any, comparison: Any) -> str:
         [
             Section(
                 "belongs",
-                "What belongs to which channel",
+                "Effects by channel",
                 tables=[Table(COLUMNS, rows(result), words=3)],
             ),
             *(_steps(name, part) for name, part in result.channels.items()),
-            *compare.sections(comparison),
+            compare.overview(comparison),
+            model_section(result.model),
+            *compare.families(comparison),
         ],
         tone=diagnose.TONES.get(result.verdict, "fair"),
         points=[sentence(f) for f in result.findings],
         figures=[
-            (number(result.steps[0].error), "error at the start"),
+            (number(result.steps[0].error), "model error at the start"),
             (number(result.error), "error of one model of all channels"),
             (str(len(result.channels)), "channels"),
         ],
@@ -50,14 +52,12 @@ def refinement_page(captures: Any, result: Any, comparison: Any) -> str:
 
 
 def _steps(channel: str, part: Any) -> Section:
-    names = [step_name(s.added, place) for place, s in enumerate(part.steps)]
-    table = Table(STEP_COLUMNS, step_rows(part.steps))
     return Section(
         f"channel-{channel}",
         f"Channel {channel}",
         text=[refine_headline(part)],
-        pictures=[waterfall(names, [s.error for s in part.steps])],
-        tables=[table],
+        pictures=[waterfall(part.steps)],
+        tables=step_tables(part.steps),
     )
 
 

@@ -1,40 +1,117 @@
-"""The model on a page: its parameters in words, and its file."""
+"""The model on a page: its parameters with their standard errors, and its file."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Section, Table
-from dnanalyze.report.words import number, plural
+from dnanalyze.report.words import is_number, number, plural, point_label, varied, with_error
 
-FEW = 6  # values of a table that are written out
+FEW = 6  # operating points that stand side by side
 
 
-def model_section(model: Any) -> Section:
-    """Every effect with its parameters; empty without a model."""
+def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
+    """Every parameter with its value, unit and operating point; empty without a model.
+
+    Parameters
+    ----------
+    model : NoiseModel or None
+    parameters : sequence of Parameter
+        With standard errors, where they were estimated.
+    """
     from dnanalyze.model.noise_model import dump_model
 
     if model is None:
-        return Section("model", "The model")
-    rows = [("pedestal", "", law(model.pedestal), "DN", "black level")]
+        return Section("model", "Model parameters")
+    known = {p.name: p for p in parameters}
+    entries = list(_entries(model))
+    fixed = [row for name, law, about in entries if (row := _fixed(name, law, about, known))]
+    left = set(known) - {n for name, law, _ in entries for n in _names(name, law)}
+    fixed += [(n, _value(known[n].value, n, known), _unit(known[n].unit), "", "") for n in left]
+    tables = [
+        *_by_point([(name, law, about) for name, law, about in entries if _table(law)], known),
+        Table(("parameter", "value", "unit", "operating point", "meaning"), fixed, words=5,
+              title="Parameters with one value"),
+    ]  # fmt: skip
+    bare = [e.name for e in model.chain if not e.parameters()]
+    said = "± is the standard error." if any(is_number(p.se) for p in parameters) else ""
+    more = f"Effects without parameters: {', '.join(bare)}." if bare else ""
+    return Section(
+        "model",
+        f"Model parameters ({plural(len(model.effects), 'effect')})",
+        text=[t for t in (" ".join(filter(None, (said, more))),) if t],
+        tables=[t for t in tables if t.rows],
+        code=dump_model(model).rstrip(),
+    )
+
+
+def _entries(model: Any) -> Any:
+    """Name, law and description of every parameter."""
+    yield "pedestal", model.pedestal, ("DN", "black level")
     for effect in model.chain:
-        for place, (name, about) in enumerate(effect.parameters().items()):
-            first = "" if place else effect.name
-            rows.append((first, name, law(getattr(effect, name)), about.unit, about.doc))
-        if not effect.parameters():
-            rows.append((effect.name, "", "", "", effect.summary))
-    columns = ("effect", "parameter", "value", "unit", "")
-    table = Table(columns, rows, words=5, title=f"{plural(len(model.effects), 'effect')}")
-    return Section("model", "The model", tables=[table], code=dump_model(model).rstrip())
+        for name, about in effect.parameters().items():
+            yield f"{effect.name}.{name}", getattr(effect, name), (about.unit, about.doc)
 
 
-def law(value: Any) -> str:
-    """A parameter, whatever its law, in a few words."""
-    if hasattr(value, "ea_ev"):
-        return f"{number(value.value)} at {number(value.at_c)} °C, {number(value.ea_ev)} eV"
-    if hasattr(value, "values"):
-        if len(value.values) <= FEW:
-            return ", ".join(number(v) for v in value.values)
-        ends = number(min(value.values)), number(max(value.values))
-        return f"{len(value.values)} values from {ends[0]} to {ends[1]}"
-    return number(value, 4) if isinstance(value, (int, float)) else str(value)
+def _table(law: Any) -> bool:
+    return hasattr(law, "points")
+
+
+def _names(name: str, law: Any) -> list[str]:
+    """As a fit names the numbers of a law."""
+    if _table(law):
+        return [f"{name}[{n}]" for n in range(len(law.values))]
+    return [name, f"{name}.ea_ev"] if hasattr(law, "ea_ev") else [name]
+
+
+def _value(value: Any, name: str, known: dict[str, Any]) -> str:
+    found = known.get(name)
+    if found is not None:
+        return with_error(found.value, found.se)
+    return number(value, 4) if is_number(value) else str(value)
+
+
+def _unit(unit: str) -> str:
+    return UNITS.get(unit, unit)
+
+
+def _fixed(
+    name: str, law: Any, about: tuple[str, str], known: dict[str, Any]
+) -> tuple[str, ...] | None:
+    """The row of a parameter that is one number, or an Arrhenius law."""
+    if _table(law):
+        return None
+    unit, doc = about
+    if not hasattr(law, "ea_ev"):
+        where = "all" if is_number(law) else ""
+        return name, _value(law, name, known), _unit(unit), where, doc
+    energy = _value(law.ea_ev, f"{name}.ea_ev", known)
+    at = f"{number(law.at_c)} °C; activation energy {energy} eV"
+    return name, _value(law.value, name, known), _unit(unit), at, doc
+
+
+def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) -> list[Table]:
+    """Parameters with a value an operating point; side by side where they are few."""
+    made: dict[tuple[Any, ...], list[tuple[str, ...]]] = {}
+    for name, law, (unit, _) in entries:
+        cells = [_value(v, f"{name}[{n}]", known) for n, v in enumerate(law.values)]
+        made.setdefault(law.points, []).append((name, _unit(unit), *cells))
+    tables = []
+    for points, rows in made.items():
+        heads = [point_label(p, varied(vars(q) for q in points)) for p in points]
+        title = "Parameters by operating point"
+        if len(points) <= FEW:
+            tables.append(Table(("parameter", "unit", *heads), rows, words=2, title=title))
+            continue
+        long = [
+            (name, unit, head, cell)
+            for name, unit, *cells in rows
+            for head, cell in zip(heads, cells, strict=True)
+        ]
+        columns = ("parameter", "unit", "operating point", "value")
+        tables.append(
+            Table(columns, long, words=3, title=f"{title} ({len(long)} values)", folded=True)
+        )
+    return tables

@@ -36,15 +36,17 @@ Drawn = Sequence[Layer]
 
 
 def _some(names: Sequence[str], caption: str) -> Callable[[Drawn], Picture | None]:
-    return lambda drawn: over_temperature.panels(drawn, names, caption)
+    return lambda drawn: over_temperature.statistics(drawn, names, caption)
 
 
-FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
+Draw = Callable[[Drawn], Picture | Sequence[Picture | None] | None]
+FIGURES: dict[str, tuple[Draw, ...]] = {
     "level": (
         trends.over_temperature,
         _some(
             ("temporal_noise_core", "pattern_noise_core", "frame_noise_core", "median"),
-            "The core of the noises, which hot pixels do not move, and the median level.",
+            "Standard deviations of the central 68 % of the pixels, which hot pixels do not "
+            "affect, and the median dark signal.",
         ),
     ),
     "distribution": (
@@ -60,7 +62,8 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
                 "frame_q0.999",
                 "temporal_kurtosis",
             ),
-            "Quantiles of the mean frame less its median, and the tails of the temporal noise.",
+            "Quantiles of the mean frame and of single frames minus the median, and the excess "
+            "kurtosis of the temporal dark noise.",
         ),
     ),
     "tails": (
@@ -76,13 +79,14 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
                 "hot_repeat",
                 "dead_count",
             ),
-            "Counts of hot and cold pixels, of values that occur in one frame only, and how many "
-            "hot pixels repeat.",
+            "Numbers of hot and cold pixels and of pixels that deviate in one frame only, and the "
+            "share of hot pixels that repeat.",
         ),
     ),
     "spectrum": (spectrum.spectra, planes.planes),
     "lines": (
         lines.profiles,
+        lines.spectra,
         _some(
             (
                 "column_outliers",
@@ -94,7 +98,7 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
                 "temporal_column_lag1",
                 "column_extreme",
             ),
-            "Outlying lines, periods and taps.",
+            "Column and row defects, periodic components and steps between readout taps.",
         ),
     ),
     "neighbours": (
@@ -109,8 +113,8 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
                 "temporal_pmax8",
                 "frame_pmax8",
             ),
-            "Correlation with the neighbours (along the row, along the column, diagonal), the halo "
-            "around hot pixels, and how often a pixel exceeds all eight neighbours (1 by chance).",
+            "Correlation of neighbouring pixels (along the row, along the column, diagonal), the "
+            "halo of hot pixels, and how often a pixel exceeds all eight neighbours (1 by chance).",
         ),
     ),
     "time": (
@@ -126,15 +130,15 @@ FIGURES: dict[str, tuple[Callable[[Drawn], Picture | None], ...]] = {
                 "temporal_r1",
                 "blink_repeat",
             ),
-            "Temporal variance of ordinary and of ever hotter pixels, its spread over the pixels, "
-            "and whether the frames remember one another.",
+            "Temporal variance of typical and of hot pixels, its distribution over the pixels, and "
+            "the correlation from frame to frame.",
         ),
     ),
     "codes": (
         codes.roughness,
         _some(
             ("lattice", "unused_codes", "code_roughness", "low_spike"),
-            "Use of the codes.",
+            "Missing codes, roughness of the histogram, and clipping.",
         ),
     ),
     "shading": (shading.maps,),
@@ -171,7 +175,7 @@ def family_panels(
             Section(
                 f"family-{name}",
                 family_title(name),
-                pictures=[figure(drawn) for figure in FIGURES.get(name, ())],
+                pictures=pictures_of(drawn, name),
                 tables=[t for t in (off_table(rows, name), *tables) if t is not None],
                 badge=number(error) if known else "",
                 calm=not known or error < CALM,  # type: ignore[operator]
@@ -180,8 +184,18 @@ def family_panels(
     return made
 
 
+def pictures_of(drawn: Drawn, family: str) -> list[Picture]:
+    """Every figure of a family that has something to show."""
+    made: list[Picture] = []
+    for figure in FIGURES.get(family, ()):
+        found = figure(drawn)
+        some = [found] if found is None or isinstance(found, Picture) else found
+        made += [p for p in some if p is not None]
+    return made
+
+
 def off_table(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
-    """The statistics of a family that are off the most, where any is off by 3 floors."""
+    """The statistics of a family that are off the most, where any is off by 3 sigma."""
     off = [r for r in worst(list(rows), family, 5) if abs(r["discrepancy"]) >= 3]
     if not off:
         return None
@@ -197,7 +211,7 @@ def off_table(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
         )
         for r in off
     ]
-    columns = ("off the most", "where", "measured", "model", "gap", "floors")
+    columns = ("largest differences", "operating point", "measured", "model", "difference", "σ")
     return Table(columns, cells, words=2)
 
 
@@ -220,7 +234,10 @@ def compared(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
         )
         for r in own
     ]
-    columns = ("statistic", "where", "measured", "model", "unit", "gap", "floor", "floors off")
+    columns = (
+        "statistic", "operating point", "measured", "model", "unit", "difference",
+        "reproducibility σ", "difference / σ",
+    )  # fmt: skip
     return Table(columns, cells, words=2, title=f"All {len(cells)} numbers", folded=True)
 
 
@@ -247,7 +264,7 @@ def measured(layer: Layer, family: str) -> Table | None:
         if n in s.values
     ]
     return Table(
-        ("statistic", "where", "value", "unit"),
+        ("statistic", "operating point", "value", "unit"),
         long,
         words=2,
         title=f"All {len(long)} numbers",

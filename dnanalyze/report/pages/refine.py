@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from dnanalyze.report import capture
-from dnanalyze.report.figures.waterfall import waterfall
+from dnanalyze.report.figures.waterfall import Stage, stages, waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
 from dnanalyze.report.pages.model import model_section
@@ -17,36 +18,42 @@ from dnanalyze.report.words import (
     refine_headline,
     sentence,
     step_name,
-    with_error,
 )
 
+STEP_COLUMNS = ("step", "model error", "confidence", "confounded with")
 
-def step_rows(steps: Any) -> list[tuple[str, str, str, str]]:
-    """Step, confidence, what it may be confused with, error after."""
+
+def step_tables(steps: Sequence[Any]) -> list[Table]:
+    """The steps with the baseline model as one, and its parts, folded."""
+    whole = stages(steps)
+    rows = [(_name(s, place), *_cells(s.parts[-1])) for place, s in enumerate(whole)]
+    made = [Table(STEP_COLUMNS, rows, words=1)]
+    for stage in whole:
+        if len(stage.parts) > 1:
+            parts = [(step_name(p.added, 1), *_cells(p)) for p in stage.parts]
+            title = f"Effects of the {stage.name}"
+            made.append(Table(STEP_COLUMNS, parts, words=1, title=title, folded=True))
+    return made
+
+
+def _name(stage: Stage, place: int) -> str:
+    if len(stage.parts) > 1:
+        return stage.name
+    return naming(step_name(stage.parts[0].added, place), stage.parts[0].confidence)
+
+
+def _cells(step: Any) -> tuple[str, str, str]:
+    return number(step.error), percent(step.confidence), ", ".join(step.confused_with) or "–"
+
+
+def evidence(steps: Sequence[Any]) -> list[str]:
+    """Why each effect was added; the baseline model needs no evidence."""
     return [
-        (
-            naming(step_name(s.added, place), s.confidence),
-            percent(s.confidence),
-            ", ".join(s.confused_with) or "–",
-            number(s.error),
-        )
-        for place, s in enumerate(steps)
+        sentence(f"{_name(stage, place)}: {text}")
+        for place, stage in enumerate(stages(steps))
+        if len(stage.parts) == 1
+        for text in stage.parts[0].evidence
     ]
-
-
-STEP_COLUMNS = ("step", "confidence", "confused with", "error after")
-
-
-def parameter_section(result: Any) -> Section:
-    """The numbers of the final model with their standard errors."""
-    rows = [(p.name, with_error(p.value, p.se), p.unit) for p in result.parameters]
-    return Section(
-        "parameters",
-        "The effects of the final model",
-        text=["Value and standard error; the errors are those of one measured and one simulated "
-              "sensor, which the estimate was made with."] if rows else [],
-        tables=[Table(("parameter", "value", "unit"), rows)] if rows else [],
-    )  # fmt: skip
 
 
 def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: bool = False) -> str:
@@ -55,12 +62,6 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
     ``by_hand``: of `add`, where the user named the effect.
     """
     steps = list(result.steps)
-    names = [step_name(s.added, place) for place, s in enumerate(steps)]
-    why = [
-        sentence(f"{naming(name, s.confidence)}: {e}")
-        for name, s in zip(names, steps, strict=True)
-        for e in s.evidence
-    ]
     rest = result.diagnosis
     page = Page(
         "Refinement",
@@ -69,23 +70,19 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
         [
             Section(
                 "steps",
-                "The error, step by step",
-                pictures=[waterfall(names, [s.error for s in steps])],
-                tables=[Table(STEP_COLUMNS, step_rows(steps))],
+                "Refinement steps",
+                pictures=[waterfall(steps)],
+                tables=step_tables(steps),
             ),
-            Section("why", "Why each was added", points=why),
-            parameter_section(result),
+            model_section(result.model, result.parameters),
+            Section("why", "Evidence for each step", points=evidence(steps)),
             *(diagnose.sections(rest) if rest is not None else []),
-            *(
-                compare.sections(comparison)
-                if comparison is not None
-                else [model_section(result.model)]
-            ),
+            *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
         ],
         tone=diagnose.TONES.get(result.verdict, "fair"),
         figures=[
-            (number(steps[0].error), "error at the start"),
-            (number(steps[-1].error), "error at the end"),
+            (number(steps[0].error), "model error at the start"),
+            (number(steps[-1].error), "model error at the end"),
             (str(len(result.effects)), "effects in the model"),
         ],
         facts=capture.facts(captures),

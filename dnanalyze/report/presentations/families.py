@@ -26,6 +26,7 @@ KINDS = {
     "spectrum": spectrum.spectra,
     "spectrum_2d": planes.planes,
     "profiles": lines.profiles,
+    "line_spectra": lines.spectra,
     "time": timeline.frame_means,
     "codes": codes.roughness,
     "shading": shading.maps,

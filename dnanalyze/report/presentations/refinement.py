@@ -31,9 +31,7 @@ def _document(result: Any) -> dict[str, Any]:
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
-    names = [words.step_name(s.added, place) for place, s in enumerate(result.steps)]
-    errors = [s.error for s in result.steps]
-    own: dict[str, Draw] = {"steps": lambda: waterfall(names, errors)}
+    own: dict[str, Draw] = {"steps": lambda: waterfall(result.steps)}
     return own | family_plots(lambda: simulated(result))
 
 
