@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dnanalyze.report import capture, words
-from dnanalyze.report.tables import info, laws, named, worst
+from dnanalyze.report.tables import laws, named, worst
 from dnanalyze.report.words import number, point_label, with_error
 
 BAR = 24
@@ -49,7 +49,7 @@ def _table(
         box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False, header_style="dim"
     )
     for place, name in enumerate(columns):
-        table.add_column(name, justify="left" if place < left else "right", overflow="fold")
+        table.add_column(Text(name), justify="left" if place < left else "right", overflow="fold")
     empty = True
     for row in rows:
         empty = False
@@ -98,37 +98,16 @@ def _span(span: Sequence[float] | None) -> str:
     return f"{span[1] - span[0]:.2g} °C" if span and span[1] > span[0] else "–"
 
 
-_OVERVIEW = {
-    "mean": "mean",
-    "temporal_noise": "temporal",
-    "pattern_noise": "pattern",
-    "frame_noise_core": "spread",
-    "hot_count_5": "hot > 5σ",
-}
-
-
-def statistics(console: Console, captures: Any, measured: Any) -> None:
-    """Level and noise at every operating point, then the trends."""
+def statistics(console: Console, captures: Any, measured: Any, quantities: Any) -> None:
+    """The EMVA 1288 quantities, the laws over temperature, what is not determined."""
     from dnanalyze.analyzers.trends import law_doubts
+    from dnanalyze.report.emva import LAWS
     from dnanalyze.report.pages.analyze import headline
+    from dnanalyze_cli.show_emva import emva_tables, undetermined
 
-    _verdict(console, capture.one_line(captures), headline(measured))
-    names = [n for n in _OVERVIEW if any(n in s.values for s in measured.settings)]
-    if "temporal_noise" in names and "frame_noise_core" in names:
-        names.remove("frame_noise_core")
-    units = [
-        f"{_OVERVIEW[n]}{f' [{info(n).unit}]' if info(n).unit not in ('', '1') else ''}"
-        for n in names
-    ]
-    rows = (
-        (
-            f"{s.point.label()} {s.plane}".strip(),
-            *(number(s.values[n].value, 4) if n in s.values else "–" for n in names),
-        )
-        for s in measured.settings
-    )
-    _table(console, ("operating point", *units), rows)
-    columns, found = laws(measured)
+    _verdict(console, capture.one_line(captures), headline(measured, quantities))
+    emva_tables(console, quantities, _table)
+    columns, found = laws(measured, LAWS)
     _table(
         console,
         ("over temperature", *columns),
@@ -137,9 +116,10 @@ def statistics(console: Console, captures: Any, measured: Any) -> None:
             for title, values, unit in found
         ),
     )
-    _points(console, "What is doubtful", law_doubts(measured))
+    _points(console, "Warnings", law_doubts(measured))
     reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})
-    _points(console, "What these frames cannot tell", reasons[:MOST_FAILURES])
+    not_determined = undetermined(quantities, reasons, 2 * MOST_FAILURES)
+    _points(console, "Not determined from these captures", not_determined)
 
 
 def fit(console: Console, captures: Any, result: Any) -> None:

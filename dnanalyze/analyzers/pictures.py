@@ -1,4 +1,4 @@
-"""Small maps of the field for drawing: at most 160 cells a side, whatever the sensor's size."""
+"""Small maps of the field for drawing: at most 128 cells a side, whatever the sensor's size."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from dnanalyze.analyzers.family import Accumulated
 from dnanalyze.analyzers.line_means import block_means
 
-CELLS = 160  # a side
+CELLS = 128  # a side
 NAMES = ("mean", "fixed", "hot", "frame", "temporal")
 SHADING = 15  # cells over which the slow shape of the field is taken off the nonuniformity
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.emva import kinds
-from dnanalyze.emva.fit import line
+from dnanalyze.emva.fit import alike, line
 from dnanalyze.emva.quantity import DarkCurrent, Line, Quantities, Quantity, known, unknown
 from dnanalyze.emva.reading import Reading, reading
 from dnanalyze.loaders.thermometer import clusters
@@ -64,14 +64,15 @@ def dark_current(
     offset = unknown(kinds.OFFSET, text)
     current = unknown(kinds.CURRENT, text)
     if means is not None:
-        note = f"slope over {len(exposures)} exposures"
-        note += "" if len(exposures) > 2 else "; linearity not checked"
+        note = f"{len(exposures)} exposures"
+        note += "" if len(exposures) > 2 else ", linearity not checked"
         offset = known(kinds.OFFSET, means.intercept, note)
         current = known(kinds.CURRENT, means.slope, note)
     elif len(exposures) == 1:
         current = _above_black_level(timed)
-    variances = _variance_line(readings)
-    items = (current, current.scaled(kinds.CURRENT_E, gain), _from_variance(variances, gain), offset)
+    variances, why = _variance_line(readings)
+    by_variance = _from_variance(variances, why, gain)
+    items = (current, current.scaled(kinds.CURRENT_E, gain), by_variance, offset)
     return DarkCurrent(temperature_c, exposures, Quantities(items), means, variances)
 
 
@@ -99,33 +100,50 @@ def _mean_line(
     return made, ""
 
 
-def _variance_line(readings: Sequence[Reading]) -> Line | None:
+def _variance_line(readings: Sequence[Reading]) -> tuple[Line | None, str]:
+    """Temporal variance over exposure, or the reason why it is no shot noise."""
     own = [r for r in readings if r.frames > 1 and r.variance > 0]
     t = np.array([r.point.exposure_s for r in own], float)
-    if np.unique(t).size < 2:
-        return None
-    y = np.array([r.variance for r in own])
-    return _fitted(t, y, np.array([r.variance_error for r in own]))
+    if np.unique(t).size < 3:
+        return None, "needs three exposures of two frames"
+    every = _fitted(t, *_column(own, "variance"))
+    typical = _fitted(t, *_column(own, "typical_variance", "typical_error"))
+    if every is None or typical is None:
+        return None, "the temporal noise of an operating point is not determined"
+    if not alike(every.slope, typical.slope):
+        text = (
+            f"the variance grows by {every.slope.value:.3g} DN²/s for all pixels, by "
+            f"{typical.slope.value:.3g} for typical ones: not by shot noise alone"
+        )
+        return None, text
+    return every, ""
+
+
+def _column(own: Sequence[Reading], value: str, error: str = "") -> tuple[np.ndarray, np.ndarray]:
+    names = value, error or f"{value}_error"
+    y, e = (np.array([getattr(r, name) for r in own]) for name in names)
+    return y, e
 
 
 def _fitted(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> Line | None:
-    found = line(x, y, error)
+    good = bool(np.all(np.isfinite(y)) and np.all(error > 0))
+    found = line(x, y, error) if good else None
     if found is None:
         return None
     return Line(tuple(x.tolist()), tuple(y.tolist()), tuple(error.tolist()), *found)
 
 
-def _from_variance(found: Line | None, gain: Quantity) -> Quantity:
+def _from_variance(found: Line | None, why: str, gain: Quantity) -> Quantity:
     kind = kinds.CURRENT_VARIANCE
     if found is None:
-        return unknown(kind, "needs two exposures of two frames")
+        return unknown(kind, why)
     if gain.value is None or gain.se is None:
-        return unknown(kind, gain.reason)
+        return unknown(kind, f"{kinds.GAIN.symbol} is not determined")
     if gain.kind == kinds.TRANSFER:
         return unknown(kind, "K itself comes from the variance")
     value = found.slope.value / gain.value**2
     se = np.hypot(found.slope.se / gain.value**2, 2 * value * gain.se / gain.value)
-    return known(kind, Value(value, float(se)), "slope of the temporal variance")
+    return known(kind, Value(value, float(se)))
 
 
 def _above_black_level(settings: Sequence[SettingStatistics]) -> Quantity:
@@ -144,5 +162,5 @@ def _above_black_level(settings: Sequence[SettingStatistics]) -> Quantity:
     return known(
         kinds.CURRENT,
         Value(value, max(v.se for v in found)),
-        "one exposure: mean above the black level",
+        "above black level",
     )

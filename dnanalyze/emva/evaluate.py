@@ -83,7 +83,7 @@ def _group(
         first.point.gain,
         first.point.channel,
         first.plane,
-        Quantities((gain, *((transfer,) if gain.kind != transfer.kind else ()), doubling(dark))),
+        Quantities((gain, *((transfer,) if gain.kind != transfer.kind else ()), *doubling(dark))),
         dark,
         tuple(quantities(s, gain) for s in settings),
         line,

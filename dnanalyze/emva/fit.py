@@ -9,6 +9,9 @@ import numpy as np
 from dnanalyze.analyzers.arrhenius import misfit
 from dnanalyze.analyzers.statistics import Value
 
+AGREES = 0.15  # of a slope: largest difference between all pixels and the typical ones
+SURE = 3.0  # standard errors
+
 
 def line(x: np.ndarray, y: np.ndarray, error: np.ndarray) -> tuple[Value, Value] | None:
     """Intercept and slope of y over x by weighted least squares.
@@ -62,6 +65,10 @@ def common_slope(
     return values[:-1], slope
 
 
-def quadrature(*parts: float) -> float:
-    """Root of the sum of squares."""
-    return math.sqrt(sum(p * p for p in parts))
+def alike(every: Value, typical: Value) -> bool:
+    """Whether a slope of all pixels is that of typical ones, which hits and blinking leave alone.
+
+    Within 15 % and 3 standard errors.
+    """
+    apart = abs(every.value - typical.value)
+    return apart <= AGREES * abs(every.value) + SURE * math.hypot(every.se, typical.se)

@@ -18,26 +18,27 @@ IN_ELECTRONS = {
     COLUMN: Kind("dsnu_col_e", "DSNU1288.col", "DSNU, columns", "e-"),
     PIXEL: Kind("dsnu_pixel_e", "DSNU1288.pixel", "DSNU, pixels", "e-"),
 }
-SKEWNESS = Kind("skewness", "", "skewness of the mean dark image", "1")
-HOT_5 = Kind("hot_5_sigma_percent", "", "hot pixels (> 5 σ)", "%")
-HOT_CURRENT = Kind("hot_10_times_percent", "", "hot pixels (> 10 × median dark current)", "%")
+SKEWNESS = Kind("skewness", "", "skewness, mean dark image", "1")
+HOT_5 = Kind("hot_5_sigma_percent", "", "hot pixels > 5 σ", "%")
+HOT_CURRENT = Kind("hot_10_times_percent", "", "hot > 10 × median μ_c", "%")
 SLOPES = {
     "spatial": Kind("slope_spatial", "", "1/f slope, spatial", "1"),
-    "spatial_rows": Kind("slope_spatial_rows", "", "1/f slope, spatial, row means", "1"),
-    "spatial_columns": Kind("slope_spatial_columns", "", "1/f slope, spatial, column means", "1"),
+    "spatial_rows": Kind("slope_spatial_rows", "", "1/f slope, spatial, rows", "1"),
+    "spatial_columns": Kind("slope_spatial_columns", "", "1/f slope, spatial, cols", "1"),
     "temporal": Kind("slope_temporal", "", "1/f slope, temporal", "1"),
-    "temporal_rows": Kind("slope_temporal_rows", "", "1/f slope, temporal, row means", "1"),
+    "temporal_rows": Kind("slope_temporal_rows", "", "1/f slope, temporal, rows", "1"),
     "temporal_columns": Kind(
-        "slope_temporal_columns", "", "1/f slope, temporal, column means", "1"
+        "slope_temporal_columns", "", "1/f slope, temporal, cols", "1"
     ),
 }
 
 GAIN = Kind("system_gain_dn_e", "K", "overall system gain", "DN/e-")
 TRANSFER = Kind(
-    "photon_transfer_gain_dn_e", "K", "system gain by photon transfer in the dark", "DN/e-"
+    "photon_transfer_gain_dn_e", "K", "system gain, photon transfer", "DN/e-"
 )
 CURRENT = Kind("dark_current_mean_dn_s", "μ_c.mean", "dark current", "DN/s")
 CURRENT_E = Kind("dark_current_mean_e_s", "μ_c.mean", "dark current", "e-/s")
-CURRENT_VARIANCE = Kind("dark_current_var_e_s", "μ_c.var", "dark current from the variance", "e-/s")
+CURRENT_VARIANCE = Kind("dark_current_var_e_s", "μ_c.var", "dark current, variance", "e-/s")
 OFFSET = Kind("mean_dark_signal_0_dn", "μ_y.dark.0", "mean dark signal at exposure 0", "DN")
-DOUBLING = Kind("doubling_temperature_c", "T_d", "doubling temperature interval", "C")
+DOUBLING = Kind("doubling_temperature_c", "T_d", "doubling temperature", "C")
+ENERGY = Kind("activation_energy_ev", "E_a", "activation energy", "eV")

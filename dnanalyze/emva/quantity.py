@@ -60,11 +60,10 @@ class Quantity:
 
     def scaled(self, kind: Kind, factor: Quantity) -> Quantity:
         """This quantity divided by ``factor``, such as a noise in DN by the gain in DN/e-."""
-        for part in (self, factor):
-            if part.value is None or part.se is None:
-                return Quantity(kind, reason=part.reason)
-        assert self.value is not None and self.se is not None
-        assert factor.value is not None and factor.se is not None
+        if self.value is None or self.se is None:
+            return Quantity(kind, reason=self.reason)
+        if factor.value is None or factor.se is None:
+            return Quantity(kind, reason=f"{factor.kind.symbol} is not determined")
         value = self.value / factor.value
         se = math.hypot(self.se / factor.value, value * factor.se / factor.value)
         return known(kind, Value(value, se), self.note)

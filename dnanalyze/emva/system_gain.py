@@ -6,20 +6,17 @@ sigma2_y.dark = sigma2_0 + K (mu_y.dark - mu_0) (Janesick, Photon Transfer, SPIE
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.emva import kinds
-from dnanalyze.emva.fit import common_slope
+from dnanalyze.emva.fit import alike, common_slope
 from dnanalyze.emva.quantity import Line, Quantity, known, unknown
 from dnanalyze.emva.reading import reading
 
 TOLD = 5.0  # standard errors that the slope stands above 0
-AGREES = 0.15  # of K: largest difference between all pixels and the typical ones
-SURE = 3.0  # standard errors
 
 
 def photon_transfer(
@@ -83,15 +80,14 @@ def photon_transfer(
     if not slope.value > TOLD * slope.se:
         text = f"variance over mean has no clear slope ({slope.value:.2g} ± {slope.se:.1g} DN/e⁻)"
         return unknown(kind, text), None
-    apart = abs(slope.value - typical.value)
-    if apart > AGREES * slope.value + SURE * math.hypot(slope.se, typical.se):
+    if not alike(slope, typical):
         text = (
             f"variance over mean gives {slope.value:.3g} DN/e⁻ for all pixels, "
             f"{typical.value:.3g} for typical ones: other noise than shot noise grows with the signal"
         )
         return unknown(kind, text), None
     over = "exposure" if exposed else "temperature"
-    note = f"from the frames: photon transfer over {over}"
+    note = f"photon transfer over {over}"
     shifted = y - np.array([intercepts[g].value for g in group]) + intercepts[0].value
     made = Line(*(tuple(a.tolist()) for a in (x, shifted, e)), intercepts[0], slope)
     return known(kind, slope, note), made
@@ -113,7 +109,7 @@ def system_gain(
     transfer : Quantity
         What photon transfer tells.
     """
-    for value, note in ((given, "given"), (recorded, "recorded in the files")):
+    for value, note in ((given, "given"), (recorded, "recorded in files")):
         if value is not None and alone:
             return known(kinds.GAIN, Value(value, 0.0), note)
     return transfer

@@ -14,6 +14,7 @@ from dnanalyze_cli.options import (
     Quiet,
     Report,
     Scheduler,
+    SystemGain,
     Tolerance,
 )
 from dnanalyze_cli.session import Session
@@ -27,18 +28,22 @@ def analyze(
     config: Config = None,
     tolerance_c: Tolerance = None,
     channel: Channel = None,
+    system_gain: SystemGain = None,
     scheduler: Scheduler = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
-    """Every statistic at every operating point, with its uncertainty."""
+    """EMVA 1288 dark quantities and every statistic, with their uncertainties."""
     from dnanalyze.analyzers.analyze import analyze as run
+    from dnanalyze.emva import evaluate
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
     from dnanalyze.report import documents, tables
     from dnanalyze_cli import show
 
+    if system_gain is not None and not 0 < system_gain < float("inf"):
+        raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e-")
     session = Session("analyze", captures, json, report, csv, quiet=quiet, cache=not no_cache)
     found = session.load(config, tolerance_c, channel)
     with session.progress("Analyzing") as tick:
@@ -46,13 +51,16 @@ def analyze(
         if found.source and found.source.cache:
             with suppress(InputError):  # too small to halve, which these commands will say
                 bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
-    show.statistics(session.console, found, statistics)
+    quantities = evaluate(statistics, system_gain)
+    show.statistics(session.console, found, statistics, quantities)
 
     def page() -> str:
         from dnanalyze.report.pages.analyze import analyze_page
 
-        return analyze_page(found, statistics)
+        return analyze_page(found, statistics, quantities)
 
     session.write(
-        documents.statistics(captures, statistics), page, lambda: tables.statistics(statistics)
+        documents.statistics(captures, statistics, quantities),
+        page,
+        lambda: tables.statistics(statistics),
     )

@@ -1,0 +1,173 @@
+"""Mean dark signal over exposure and temperature, dark current, photon transfer, each with its fit.
+
+Panels that the captures cannot fill are not drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.arrhenius import BOLTZMANN_EV, KELVIN
+from dnanalyze.emva.quantity import DarkCurrent, Emva, Group
+from dnanalyze.report.figures.style import (
+    ACCENT,
+    GAUSSIAN,
+    INK,
+    MODEL,
+    QUIET,
+    Picture,
+    figure,
+    log_axis,
+    picture,
+)
+from dnanalyze.report.words import number, with_error
+
+COLOURS = (MODEL, GAUSSIAN, ACCENT, "#cc79a7", "#e69f00", INK)
+MOST_LINES = 6
+Panel = Callable[[Any], None]
+
+
+def dark_signal(found: Emva) -> Picture | None:
+    """Of the group with most operating points; None where a single operating point is all."""
+    if not found.groups:
+        return None
+    group = max(found.groups, key=lambda g: len(g.points))
+    panels = [p for p in (_exposure(group), _temperature(group), _current(group), _transfer(group)) if p]
+    if not panels:
+        return None
+
+    def draw() -> Any:
+        columns = len(panels)
+        fig, axes = figure(1, columns, 2.9)
+        for ax, panel in zip(axes[0], panels, strict=True):
+            panel(ax)
+        return fig
+
+    named = f" {group.label}." if len(found.groups) > 1 else ""
+    return picture(
+        draw,
+        "Points: measured, with standard errors (often smaller than the point); lines: the fits of "
+        f"the table.{named}",
+        "Mean dark signal over exposure and temperature, and the dark current, with fits.",
+    )
+
+
+def _exposure(group: Group) -> Panel | None:
+    lines = [d for d in group.dark_currents if d.mean_line is not None]
+    if not lines:
+        return None
+    step = max(1, -(-len(lines) // MOST_LINES))
+    some = lines[::-step]
+
+    def draw(ax: Any) -> None:
+        for colour, current in zip(COLOURS, some, strict=False):
+            fit = current.mean_line
+            assert fit is not None
+            label = "" if current.temperature_c is None else f"{number(current.temperature_c)} °C"
+            ax.errorbar(
+                fit.x, fit.y, fit.error, fmt="o", markersize=3.4, color=colour, linewidth=0.9,
+                label=label,
+            )  # fmt: skip
+            ends = np.array([0.0, max(fit.x)])
+            ax.plot(ends, fit.intercept.value + fit.slope.value * ends, color=colour, linewidth=1)
+        if any(d.temperature_c is not None for d in some):
+            ax.legend(loc="upper left", handlelength=1.2)
+        ax.set_xlabel("exposure [s]")
+        ax.set_ylabel("mean dark signal [DN]")
+        ax.set_title("over exposure")
+
+    return draw
+
+
+def _temperature(group: Group) -> Panel | None:
+    by_exposure: dict[float | None, list[tuple[float, float, float]]] = {}
+    for p in group.points:
+        mean = p.quantities["mean_dark_signal_dn"]
+        if p.point.temperature_c is not None and mean.value is not None and mean.se is not None:
+            by_exposure.setdefault(p.point.exposure_s, []).append(
+                (p.point.temperature_c, mean.value, mean.se)
+            )
+    runs = {e: sorted(run) for e, run in by_exposure.items() if _apart([t for t, _, _ in run])}
+    if not runs:
+        return None
+    longest = sorted(runs, key=lambda e: (-len(runs[e]), -(e or 0)))[:3]
+
+    def draw(ax: Any) -> None:
+        for colour, exposure in zip(COLOURS, longest, strict=False):
+            t, y, se = np.array(runs[exposure]).T
+            label = "" if exposure is None else f"{exposure:g} s"
+            ax.errorbar(
+                t, y, se, fmt="o-", markersize=3.4, color=colour, linewidth=0.9, label=label
+            )
+        if any(e is not None for e in longest):
+            ax.legend(loc="upper left", handlelength=1.2)
+        ax.set_xlabel("temperature [°C]")
+        ax.set_ylabel("mean dark signal [DN]")
+        ax.set_title("over temperature")
+
+    return draw
+
+
+def _rates(currents: Sequence[DarkCurrent]) -> list[tuple[float, float, float]]:
+    out = []
+    for current in currents:
+        rate = current.quantities["dark_current_mean_dn_s"]
+        if current.temperature_c is not None and rate.value is not None and rate.se is not None:
+            if rate.value > 2 * rate.se:
+                out.append((current.temperature_c, rate.value, rate.se))
+    return sorted(out)
+
+
+def _current(group: Group) -> Panel | None:
+    rates = _rates(group.dark_currents)
+    if not _apart([t for t, _, _ in rates]):
+        return None
+    step = group.quantities["doubling_temperature_c"]
+
+    def draw(ax: Any) -> None:
+        t, y, se = np.array(rates).T
+        ax.errorbar(t, y, se, fmt="o", markersize=3.4, color=MODEL, linewidth=0.9)
+        if step.value is not None and step.se is not None:
+            kelvin = np.linspace(t.min(), t.max(), 50) + KELVIN
+            middle = 2 / (1 / kelvin[0] + 1 / kelvin[-1])
+            energy = BOLTZMANN_EV * middle**2 * np.log(2) / step.value
+            shape = -energy / BOLTZMANN_EV * (1 / kelvin - 1 / middle)
+            at = -energy / BOLTZMANN_EV * (1 / (t + KELVIN) - 1 / middle)
+            weight = 1 / np.hypot(se / y, 0.02) ** 2
+            level = np.average(np.log(y) - at, weights=weight)
+            ax.plot(kelvin - KELVIN, np.exp(level + shape), color=INK, linewidth=1)
+            text = f"$T_d$ = {with_error(step.value, step.se)} °C".replace("$T_d$", "T_d")
+            ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top")
+        ax.set_yscale("log")
+        log_axis(ax.yaxis)
+        ax.set_xlabel("temperature [°C]")
+        ax.set_ylabel("dark current [DN/s]")
+        ax.set_title("dark current")
+
+    return draw
+
+
+def _transfer(group: Group) -> Panel | None:
+    fit = group.transfer
+    if fit is None:
+        return None
+
+    def draw(ax: Any) -> None:
+        ax.errorbar(fit.x, fit.y, fit.error, fmt="o", markersize=3.4, color=MODEL, linewidth=0.9)
+        ends = np.array([min(fit.x), max(fit.x)])
+        ax.plot(ends, fit.intercept.value + fit.slope.value * ends, color=INK, linewidth=1)
+        text = f"K = {with_error(fit.slope.value, fit.slope.se)} DN/e⁻"
+        ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top", color=QUIET)
+        ax.set_xlabel("mean dark signal [DN]")
+        ax.set_ylabel("temporal variance [DN²]")
+        ax.set_title("photon transfer in the dark")
+
+    return draw
+
+
+def _apart(values: Sequence[float]) -> bool:
+    """Whether there are two temperatures that a drawing tells apart."""
+    return len(values) > 1 and max(values) - min(values) >= 1.0
