@@ -37,7 +37,9 @@ def pictures(acc: Accumulated) -> dict[str, np.ndarray]:
         found["temporal"] = np.sqrt(np.maximum(block_means(variance, grid), 0.0))
         smooth = _smoothed(block_means(acc.clipped_pattern, grid))
         found["fixed"] = acc.pattern[middles] - acc.pattern_centre - smooth
-    return {f"picture_{name}": np.asarray(found[name], np.float32) for name in NAMES if name in found}
+    return {
+        f"picture_{name}": np.asarray(found[name], np.float32) for name in NAMES if name in found
+    }
 
 
 def _middles(size: int, cells: int) -> np.ndarray:

@@ -76,9 +76,7 @@ def _group(
     temperatures = currents.by_temperature(good)
     transfer, line = photon_transfer(temperatures, error)
     gain = system_gain(given, recorded, alone, transfer)
-    dark = tuple(
-        currents.dark_current(celsius, own, error, gain) for celsius, own in temperatures
-    )
+    dark = tuple(currents.dark_current(celsius, own, error, gain) for celsius, own in temperatures)
     return Group(
         first.point.gain,
         first.point.channel,

@@ -27,15 +27,11 @@ SLOPES = {
     "spatial_columns": Kind("slope_spatial_columns", "", "1/f slope, spatial, cols", "1"),
     "temporal": Kind("slope_temporal", "", "1/f slope, temporal", "1"),
     "temporal_rows": Kind("slope_temporal_rows", "", "1/f slope, temporal, rows", "1"),
-    "temporal_columns": Kind(
-        "slope_temporal_columns", "", "1/f slope, temporal, cols", "1"
-    ),
+    "temporal_columns": Kind("slope_temporal_columns", "", "1/f slope, temporal, cols", "1"),
 }
 
 GAIN = Kind("system_gain_dn_e", "K", "overall system gain", "DN/e-")
-TRANSFER = Kind(
-    "photon_transfer_gain_dn_e", "K", "system gain, photon transfer", "DN/e-"
-)
+TRANSFER = Kind("photon_transfer_gain_dn_e", "K", "system gain, photon transfer", "DN/e-")
 CURRENT = Kind("dark_current_mean_dn_s", "μ_c.mean", "dark current", "DN/s")
 CURRENT_E = Kind("dark_current_mean_e_s", "μ_c.mean", "dark current", "e-/s")
 CURRENT_VARIANCE = Kind("dark_current_var_e_s", "μ_c.var", "dark current, variance", "e-/s")

@@ -20,7 +20,8 @@ TOLD = 5.0  # standard errors that the slope stands above 0
 
 
 def photon_transfer(
-    temperatures: Sequence[tuple[float | None, Sequence[SettingStatistics]]], frame_error: float | None
+    temperatures: Sequence[tuple[float | None, Sequence[SettingStatistics]]],
+    frame_error: float | None,
 ) -> tuple[Quantity, Line | None]:
     """Slope of the temporal variance over the mean dark signal.
 
@@ -65,7 +66,9 @@ def photon_transfer(
     fits = []
     for level, variance, error in (("mean", "variance", "variance_error"),
                                    ("typical_level", "typical_variance", "typical_error")):  # fmt: skip
-        x, y, e = (np.array([getattr(r, name) for r in readings]) for name in (level, variance, error))
+        x, y, e = (
+            np.array([getattr(r, name) for r in readings]) for name in (level, variance, error)
+        )
         if not (np.all(np.isfinite(y)) and np.all(e > 0)):
             return unknown(kind, "the temporal noise of an operating point is not determined"), None
         found = common_slope(x, y, e, group)

@@ -89,7 +89,8 @@ def emva_group(group: Any) -> Document:
 
 def _quantities(items: Any) -> list[Document]:
     return [
-        _fields(q.kind, "key", "symbol", "name", "unit") | _fields(q, "value", "se", "reason", "note")
+        _fields(q.kind, "key", "symbol", "name", "unit")
+        | _fields(q, "value", "se", "reason", "note")
         for q in items
     ]
 

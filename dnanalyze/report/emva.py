@@ -160,10 +160,16 @@ def undetermined(found: Emva) -> list[str]:
     for group in found.groups:
         items = [(q, "") for q in group.quantities]
         items += [(q, "") for c in group.dark_currents for q in c.quantities]
-        items += [(q, label) for p, label in zip(group.points, labels(group.points), strict=True) for q in p.quantities]
+        items += [
+            (q, label)
+            for p, label in zip(group.points, labels(group.points), strict=True)
+            for q in p.quantities
+        ]
         for quantity, label in items:
             if quantity.reason:
-                why.setdefault(quantity.reason, {})[quantity.kind.symbol or quantity.kind.name] = None
+                why.setdefault(quantity.reason, {})[quantity.kind.symbol or quantity.kind.name] = (
+                    None
+                )
                 missed.setdefault(quantity.reason, set()).add(label)
     total = len(every_point(found))
     out = []

@@ -17,7 +17,6 @@ from dnanalyze.report.figures.style import (
     GAUSSIAN,
     INK,
     MODEL,
-    QUIET,
     Picture,
     figure,
     log_axis,
@@ -35,7 +34,9 @@ def dark_signal(found: Emva) -> Picture | None:
     if not found.groups:
         return None
     group = max(found.groups, key=lambda g: len(g.points))
-    panels = [p for p in (_exposure(group), _temperature(group), _current(group), _transfer(group)) if p]
+    panels = [
+        p for p in (_exposure(group), _temperature(group), _current(group), _transfer(group)) if p
+    ]
     if not panels:
         return None
 
@@ -94,14 +95,16 @@ def _temperature(group: Group) -> Panel | None:
     if not runs:
         return None
     longest = sorted(runs, key=lambda e: (-len(runs[e]), -(e or 0)))[:3]
+    energy = group.quantities["activation_energy_ev"].value
 
     def draw(ax: Any) -> None:
         for colour, exposure in zip(COLOURS, longest, strict=False):
             t, y, se = np.array(runs[exposure]).T
             label = "" if exposure is None else f"{exposure:g} s"
-            ax.errorbar(
-                t, y, se, fmt="o-", markersize=3.4, color=colour, linewidth=0.9, label=label
-            )
+            ax.errorbar(t, y, se, fmt="o", markersize=3.4, color=colour, linewidth=0.9, label=label)
+            if energy is not None and len(t) > 2:
+                at, fit = _law_over_offset(t, y, energy)
+                ax.plot(at, fit, color=colour, linewidth=1)
         if any(e is not None for e in longest):
             ax.legend(loc="upper left", handlelength=1.2)
         ax.set_xlabel("temperature [°C]")
@@ -109,6 +112,21 @@ def _temperature(group: Group) -> Panel | None:
         ax.set_title("over temperature")
 
     return draw
+
+
+def _law_over_offset(
+    celsius: np.ndarray, level: np.ndarray, energy_ev: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """An Arrhenius law of this energy above a constant, by least squares, to be drawn."""
+    middle = float(celsius.max()) + KELVIN
+
+    def law(t: np.ndarray) -> np.ndarray:
+        return np.asarray(np.exp(-energy_ev / BOLTZMANN_EV * (1 / (t + KELVIN) - 1 / middle)))
+
+    design = np.stack([np.ones_like(celsius), law(celsius)], axis=1)
+    offset, height = np.linalg.lstsq(design, level, rcond=None)[0]
+    at = np.linspace(celsius.min(), celsius.max(), 60)
+    return at, offset + height * law(at)
 
 
 def _rates(currents: Sequence[DarkCurrent]) -> list[tuple[float, float, float]]:
@@ -125,21 +143,17 @@ def _current(group: Group) -> Panel | None:
     rates = _rates(group.dark_currents)
     if not _apart([t for t, _, _ in rates]):
         return None
-    step = group.quantities["doubling_temperature_c"]
+    step, energy = (group.quantities[k] for k in ("doubling_temperature_c", "activation_energy_ev"))
 
     def draw(ax: Any) -> None:
         t, y, se = np.array(rates).T
         ax.errorbar(t, y, se, fmt="o", markersize=3.4, color=MODEL, linewidth=0.9)
-        if step.value is not None and step.se is not None:
-            kelvin = np.linspace(t.min(), t.max(), 50) + KELVIN
-            middle = 2 / (1 / kelvin[0] + 1 / kelvin[-1])
-            energy = BOLTZMANN_EV * middle**2 * np.log(2) / step.value
-            shape = -energy / BOLTZMANN_EV * (1 / kelvin - 1 / middle)
-            at = -energy / BOLTZMANN_EV * (1 / (t + KELVIN) - 1 / middle)
-            weight = 1 / np.hypot(se / y, 0.02) ** 2
-            level = np.average(np.log(y) - at, weights=weight)
-            ax.plot(kelvin - KELVIN, np.exp(level + shape), color=INK, linewidth=1)
-            text = f"$T_d$ = {with_error(step.value, step.se)} °C".replace("$T_d$", "T_d")
+        if step.value is not None and energy.value is not None:
+            at = np.linspace(t.min(), t.max(), 60)
+            slope = energy.value / BOLTZMANN_EV
+            level = np.average(np.log(y) + slope / (t + KELVIN), weights=(se / y + 0.02) ** -2.0)
+            ax.plot(at, np.exp(level - slope / (at + KELVIN)), color=INK, linewidth=1)
+            text = f"T_d = {with_error(step.value, step.se)} °C"
             ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top")
         ax.set_yscale("log")
         log_axis(ax.yaxis)
@@ -160,7 +174,7 @@ def _transfer(group: Group) -> Panel | None:
         ends = np.array([min(fit.x), max(fit.x)])
         ax.plot(ends, fit.intercept.value + fit.slope.value * ends, color=INK, linewidth=1)
         text = f"K = {with_error(fit.slope.value, fit.slope.se)} DN/e⁻"
-        ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top", color=QUIET)
+        ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top")
         ax.set_xlabel("mean dark signal [DN]")
         ax.set_ylabel("temporal variance [DN²]")
         ax.set_title("photon transfer in the dark")

@@ -66,11 +66,10 @@ def emva_section(quantities: Any) -> Section:
     for n, group in enumerate(quantities.groups):
         points = emva.ends(group)
         heads = emva.labels(points) if len(points) > 1 else ["value"]
-        title, fold = group.label or "value", n >= OPEN_GROUPS
-        shown = group.label if several else "quantity"
+        title, fold = group.label if several else "", n >= OPEN_GROUPS
         tables.append(
             Table(
-                ("symbol", shown, "over, from", "value"),
+                ("symbol", "quantity", "over, from", "value"),
                 emva.sensor_rows(group),
                 words=3,
                 title=title,
@@ -82,7 +81,11 @@ def emva_section(quantities: Any) -> Section:
         tables.append(Table(columns, rows, words=2, title=title, folded=fold))
         columns, rows = emva.current_table(group)
         if len(rows) > 1:
-            tables.append(Table(columns, rows, title=f"Dark current {group.label}", folded=True))
+            tables.append(
+                Table(
+                    columns, rows, title=f"Dark current by temperature {title}".strip(), folded=True
+                )
+            )
     points = emva.every_point(quantities)
     if len(points) > 1:
         every = [q.kind for q in points[0].quantities]
