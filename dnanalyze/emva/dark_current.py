@@ -18,6 +18,8 @@ from dnanalyze.emva.quantity import DarkCurrent, Line, Quantities, Quantity, kno
 from dnanalyze.emva.reading import Reading, reading
 from dnanalyze.loaders.thermometer import clusters
 
+NOT_LINEAR = 0.05  # of the span of the signal, from which a deviation from the line is told
+FAR = 4.0  # standard errors
 ONE_EXPOSURE = "one exposure, and the black level is not known"
 NO_EXPOSURE = "the exposure is not known"
 NO_SCATTER = "two exposures of one frame each: no uncertainty"
@@ -65,7 +67,7 @@ def dark_current(
     current = unknown(kinds.CURRENT, text)
     if means is not None:
         note = f"{len(exposures)} exposures"
-        note += "" if len(exposures) > 2 else ", linearity not checked"
+        note += _linearity(means) if len(exposures) > 2 else ", linearity not checked"
         offset = known(kinds.OFFSET, means.intercept, note)
         current = known(kinds.CURRENT, means.slope, note)
     elif len(exposures) == 1:
@@ -144,6 +146,15 @@ def _from_variance(found: Line | None, why: str, gain: Quantity) -> Quantity:
     value = found.slope.value / gain.value**2
     se = np.hypot(found.slope.se / gain.value**2, 2 * value * gain.se / gain.value)
     return known(kind, Value(value, float(se)))
+
+
+def _linearity(found: Line) -> str:
+    """Largest deviation from the line over the span of the signal, where it matters."""
+    x, y = np.array(found.x), np.array(found.y)
+    off = float(np.max(np.abs(y - found.intercept.value - found.slope.value * x)))
+    span = float(np.ptp(y))
+    bent = off > NOT_LINEAR * span and off > FAR * max(found.error)
+    return f", off the line by up to {100 * off / span:.0f} %" if bent else ""
 
 
 def _above_black_level(settings: Sequence[SettingStatistics]) -> Quantity:

@@ -49,8 +49,8 @@ def doubling(currents: Sequence[DarkCurrent]) -> tuple[Quantity, Quantity]:
     if unusual(energy.value, energy.se):
         low_ev, high_ev = USUAL_EV
         text = (
-            f"an activation energy of {energy.value:.2g} ± {energy.se:.1g} eV is not that of a dark "
-            f"current, {low_ev:g} to {high_ev:g} eV"
+            f"an activation energy of {energy.value:.2g} ± {energy.se:.1g} eV is not that of a "
+            f"dark current, {low_ev:g} to {high_ev:g} eV"
         )
         return _neither(text)
     span = f"{low:.3g} to {high:.3g} °C"

@@ -16,7 +16,12 @@ from dnanalyze.loaders.captures import OperatingPoint
 
 CLIPPED = 0.005  # share of the values at an end code from which mean and noise are biased
 STRAYS = 20  # values at an end code that say nothing
-NOISE_GROUPS = ((0.5, "noise_at_50"), (0.09, "noise_at_90"), (0.009, "noise_at_99"), (0.001, "noise_at_999"))  # fmt: skip
+NOISE_GROUPS = (
+    (0.5, "noise_at_50"),
+    (0.09, "noise_at_90"),
+    (0.009, "noise_at_99"),
+    (0.001, "noise_at_999"),
+)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.emva import kinds
 from dnanalyze.emva.fit import alike, common_slope
 from dnanalyze.emva.quantity import Line, Quantity, known, unknown
-from dnanalyze.emva.reading import reading
+from dnanalyze.emva.reading import Reading, reading
 
 TOLD = 5.0  # standard errors that the slope stands above 0
 
@@ -63,37 +63,52 @@ def photon_transfer(
         return unknown(kind, "too few operating points of two frames for photon transfer"), None
     repeats = np.sqrt([r.frames for r in readings])
     shaken = (frame_error or 0.0) / repeats
-    fits = []
-    for level, variance, error in (("mean", "variance", "variance_error"),
-                                   ("typical_level", "typical_variance", "typical_error")):  # fmt: skip
-        x, y, e = (
-            np.array([getattr(r, name) for r in readings]) for name in (level, variance, error)
-        )
-        if not (np.all(np.isfinite(y)) and np.all(e > 0)):
-            return unknown(kind, "the temporal noise of an operating point is not determined"), None
-        found = common_slope(x, y, e, group)
-        if found is None:
-            return unknown(kind, "the mean dark signal does not change"), None
-        for _ in range(2):  # errors of the abscissa count by the slope
-            e_all = np.hypot(e, found[1].value * shaken)
-            found = common_slope(x, y, e_all, group) or found
-        fits.append((found, x, y, e_all))
-    (intercepts, slope), x, y, e = fits[0]
-    typical = fits[1][0][1]
+    every = _slope(readings, ("mean", "variance", "variance_error"), group, shaken)
+    typical = _slope(readings, _TYPICAL, group, shaken)
+    if every is None or typical is None:
+        text = "the mean dark signal does not change, or the noise is not determined"
+        return unknown(kind, text), None
+    slope = every.slope
     if not slope.value > TOLD * slope.se:
         text = f"variance over mean has no clear slope ({slope.value:.2g} ± {slope.se:.1g} DN/e⁻)"
         return unknown(kind, text), None
-    if not alike(slope, typical):
+    if not alike(slope, typical.slope):
         text = (
             f"variance over mean gives {slope.value:.3g} DN/e⁻ for all pixels, "
-            f"{typical.value:.3g} for typical ones: other noise than shot noise grows with the signal"
+            f"{typical.slope.value:.3g} for typical ones: noise other than shot noise grows with "
+            "the signal"
         )
         return unknown(kind, text), None
     over = "exposure" if exposed else "temperature"
-    note = f"photon transfer over {over}"
+    return known(kind, slope, f"photon transfer over {over}"), every
+
+
+_TYPICAL = ("typical_level", "typical_variance", "typical_error")
+
+
+def _slope(
+    readings: Sequence[Reading], names: tuple[str, str, str], group: np.ndarray, shaken: np.ndarray
+) -> Line | None:
+    """Line of a variance over a level, all groups shifted to the intercept of the first.
+
+    ``names`` are those of level, variance and its error in a reading; ``shaken`` is the error of
+    the level because frames drift, DN.
+    """
+    x, y, error = (np.array([getattr(r, name) for r in readings]) for name in names)
+    if not (np.all(np.isfinite(y)) and np.all(error > 0)):
+        return None
+    found = common_slope(x, y, error, group)
+    if found is None:
+        return None
+    widened = error
+    for _ in range(2):  # errors of the abscissa count by the slope
+        widened = np.hypot(error, found[1].value * shaken)
+        found = common_slope(x, y, widened, group) or found
+    intercepts, slope = found
     shifted = y - np.array([intercepts[g].value for g in group]) + intercepts[0].value
-    made = Line(*(tuple(a.tolist()) for a in (x, shifted, e)), intercepts[0], slope)
-    return known(kind, slope, note), made
+    return Line(
+        tuple(x.tolist()), tuple(shifted.tolist()), tuple(widened.tolist()), intercepts[0], slope
+    )
 
 
 def system_gain(

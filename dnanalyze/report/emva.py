@@ -50,7 +50,7 @@ def sensor_rows(group: Group) -> list[Row]:
 
     The dark current is given at the lowest and the highest temperature.
     """
-    rows = []
+    rows: list[Row] = []
     for quantity in group.quantities:
         if quantity.determined or quantity.kind != kinds.TRANSFER:
             name = kinds.GAIN if quantity.kind == kinds.TRANSFER else quantity.kind
@@ -93,7 +93,7 @@ def point_rows(
     points: Sequence[PointQuantities], form: Callable[[Quantity], str] = cell
 ) -> list[Row]:
     """Symbol, quantity, and its value at each of these points; without rows that none has."""
-    rows = []
+    rows: list[Row] = []
     for quantity in points[0].quantities:
         own = [p.quantities[quantity.kind.key] for p in points]
         if any(q.determined for q in own):

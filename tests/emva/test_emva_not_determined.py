@@ -30,9 +30,11 @@ def stated(found: Emva) -> None:
     """A finite value with its error, or a reason."""
     for quantity in every(found):
         if quantity.reason:
-            assert quantity.value is None and quantity.se is None
+            assert quantity.value is None
+            assert quantity.se is None
         else:
-            assert np.isfinite(quantity.value) and quantity.se >= 0, quantity.kind.key
+            assert np.isfinite(quantity.value), quantity.kind.key
+            assert quantity.se >= 0, quantity.kind.key
 
 
 def test_single_frame_has_a_mean_and_no_noise():
@@ -67,7 +69,7 @@ def test_falling_dark_current_has_no_doubling_interval():
     assert not found.groups[0].quantities["doubling_temperature_c"].determined
 
 
-@pytest.mark.parametrize("top, black", [(120, 100.0), (4095, 0.0)])
+@pytest.mark.parametrize(("top", "black"), [(120, 100.0), (4095, 0.0)])
 def test_clipped_operating_points_are_left_out(top, black):
     """Saturated above, or black-clipped below."""
     points = [(25.0, t, 4) for t in (0.0, 1.0, 2.0, 4.0)]
@@ -87,7 +89,8 @@ def test_noise_below_quantization_is_an_upper_limit():
     found = of(sensor_frames(0, [(25.0, 0.0, 8)], gain=0.05, black=100.5), system_gain_dn_e=0.05)
     stated(found)
     reason = found.groups[0].points[0].quantities["temporal_dark_noise_e"].reason
-    assert "0.4 DN" in reason and "8 e" in reason
+    assert "0.4 DN" in reason
+    assert "8 e" in reason
 
 
 def test_hits_that_grow_with_exposure_spoil_photon_transfer():

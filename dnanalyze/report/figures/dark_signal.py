@@ -133,9 +133,10 @@ def _rates(currents: Sequence[DarkCurrent]) -> list[tuple[float, float, float]]:
     out = []
     for current in currents:
         rate = current.quantities["dark_current_mean_dn_s"]
-        if current.temperature_c is not None and rate.value is not None and rate.se is not None:
-            if rate.value > 2 * rate.se:
-                out.append((current.temperature_c, rate.value, rate.se))
+        if current.temperature_c is None or rate.value is None or rate.se is None:
+            continue
+        if rate.value > 2 * rate.se:
+            out.append((current.temperature_c, rate.value, rate.se))
     return sorted(out)
 
 

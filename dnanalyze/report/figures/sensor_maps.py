@@ -88,7 +88,8 @@ def sensor_maps(measured: Statistics) -> Picture | None:
             values = np.asarray(setting.curves[name], float)
             low, high = limits(values, setting)
             tones = colormaps[colours].resampled(TONES)
-            tones.set_under("#ffffff")
+            if limits is _from_hot:
+                tones.set_under("#ffffff")
             image = ax.imshow(
                 values, cmap=tones, vmin=low, vmax=high, interpolation="none",
                 extent=(0, columns, rows, 0), aspect="equal",
