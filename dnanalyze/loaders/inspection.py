@@ -30,7 +30,8 @@ def inspect(captures: CaptureSet) -> dict[str, Any]:
         "frames", "format", "dtype", "shape", "bits", "codes" (smallest, largest, step and
         effective bits seen), "cfa", "black_level", "white_level", "pixel_pitch_um",
         "system_gain_dn_e", "masked" (whether optical black comes along), "tolerance_c",
-        "operating_points", "notes", and "missing": a sentence for each thing that limits the analysis.
+        "operating_points", "notes", and "missing": a sentence for each thing that limits the
+        analysis.
     """
     sensor, source = captures.sensor, captures.source
     seen = _codes(captures)

@@ -89,7 +89,7 @@ def sensor_maps(measured: Statistics) -> Picture | None:
             low, high = limits(values, setting)
             tones = colormaps[colours].resampled(TONES)
             if limits is _from_hot:
-                tones.set_under("#ffffff")
+                tones = tones.with_extremes(under="#ffffff")
             image = ax.imshow(
                 values, cmap=tones, vmin=low, vmax=high, interpolation="none",
                 extent=(0, columns, rows, 0), aspect="equal",
