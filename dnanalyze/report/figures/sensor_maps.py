@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.emva.reading import biased
+from dnanalyze.report.figures.lighter import lighter
 from dnanalyze.report.figures.style import Picture, figure, picture
 from dnanalyze.report.words import point_label
 
@@ -106,7 +108,7 @@ def sensor_maps(measured: Statistics) -> Picture | None:
         axes[0, 0].set_ylabel(f"{rows} × {columns} pixels")
         return fig
 
-    return picture(
+    made = picture(
         draw,
         f"At {where}, {setting.frames} frame{'s' * (setting.frames > 1)}. Maps of larger sensors "
         "are reduced: cell means (mean dark image), cell rms (temporal noise), the highest pixel "
@@ -115,3 +117,4 @@ def sensor_maps(measured: Statistics) -> Picture | None:
         "percentile.",
         "Maps of the sensor: " + ", ".join(title for _, title, _, _ in own),
     )
+    return None if made is None else replace(made, svg=lighter(made.svg))
