@@ -46,6 +46,7 @@ def dark_current(
     settings: Sequence[SettingStatistics],
     frame_error: float | None,
     gain: Quantity,
+    black_known: bool = True,
 ) -> DarkCurrent:
     """The dark current of operating points of one temperature.
 
@@ -58,6 +59,9 @@ def dark_current(
         Standard deviation of the mean of one frame, DN; None where no operating point has two.
     gain : Quantity
         Overall system gain K, DN/e-. ``note`` says where it came from.
+    black_known : bool
+        Whether the black level is recorded or told by other exposures. Else it comes from the law
+        over temperature, and single frames, whose saturation does not show, are not used.
     """
     timed = [s for s in settings if s.point.exposure_s is not None]
     readings = [reading(s) for s in timed]
@@ -71,7 +75,7 @@ def dark_current(
         offset = known(kinds.OFFSET, means.intercept, note)
         current = known(kinds.CURRENT, means.slope, note)
     elif len(exposures) == 1:
-        current = _above_black_level(timed)
+        current = _above_black_level([s for s in timed if black_known or s.frames > 1])
     variances, why = _variance_line(readings)
     by_variance = _from_variance(variances, why, gain)
     items = (current, current.scaled(kinds.CURRENT_E, gain), by_variance, offset)

@@ -58,6 +58,7 @@ def evaluate(measured: Statistics, system_gain_dn_e: float | None = None) -> Emv
                 system_gain_dn_e,
                 measured.sensor.system_gain_dn_e,
                 alone,
+                measured.sensor.black_level,
             )
             for key in keys
         )
@@ -69,14 +70,19 @@ def _group(
     given: float | None,
     recorded: float | None,
     alone: bool,
+    black_level: float | None,
 ) -> Group:
     first = settings[0]
     good = [s for s in settings if not biased(s)]
     error = currents.frame_error(good)
     temperatures = currents.by_temperature(good)
     transfer, line = photon_transfer(temperatures, error)
+    exposures = {s.point.exposure_s for s in good}
+    black = black_level is not None or len(exposures) > 1
     gain = system_gain(given, recorded, alone, transfer)
-    dark = tuple(currents.dark_current(celsius, own, error, gain) for celsius, own in temperatures)
+    dark = tuple(
+        currents.dark_current(celsius, own, error, gain, black) for celsius, own in temperatures
+    )
     return Group(
         first.point.gain,
         first.point.channel,
