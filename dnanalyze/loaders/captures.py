@@ -264,6 +264,8 @@ class Sensor:
         Colour filter of the top-left block of the active area, such as (("R","G"),("G","B")).
     pixel_pitch_um : float, optional
         Micrometres.
+    system_gain_dn_e : float, optional
+        Overall system gain K of EMVA 1288, DN/e-, as recorded.
     """
 
     shape: tuple[int, int]
@@ -272,6 +274,7 @@ class Sensor:
     white_level: float | None = None
     cfa: tuple[tuple[str, ...], ...] | None = None
     pixel_pitch_um: float | None = None
+    system_gain_dn_e: float | None = None
 
 
 @dataclass(frozen=True)

@@ -46,8 +46,8 @@ class Config(BaseModel):
         Headerless raw: bytes before the first pixel; bytes from row to row where rows are padded.
     cfa : str
         Colours of the top-left block of the readout, rows joined ("RGGB"; 4 or 16 letters).
-    black_level, white_level, pixel_pitch_um : float
-        DN, DN, micrometres.
+    black_level, white_level, pixel_pitch_um, system_gain_dn_e : float
+        DN, DN, micrometres, DN/e-.
     active_rows, active_columns : [int, int]
         First and one past the last row, column on which light falls.
     optical_black_rows, optical_black_columns : [int, int]
@@ -78,6 +78,7 @@ class Config(BaseModel):
     black_level: Number | None = None
     white_level: Number | None = None
     pixel_pitch_um: Number | None = Field(default=None, gt=0)
+    system_gain_dn_e: Number | None = Field(default=None, gt=0)
     active_rows: Span | None = None
     active_columns: Span | None = None
     optical_black_rows: Span | None = None

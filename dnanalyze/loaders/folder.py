@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -235,6 +236,7 @@ def _capture_set(
         _first(config.white_level, first.white_level),
         shifted_cfa(cfa, window.top, window.left),
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
+        _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
     notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
     notes += [
@@ -248,6 +250,12 @@ def _capture_set(
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part)
     return CaptureSet(printable(place.name), sensor, settings, tuple(notes), source)
+
+
+def _common(values: Iterable[float | None]) -> float | None:
+    """What all files say; None where they differ or one says nothing."""
+    found = set(values)
+    return found.pop() if len(found) == 1 else None
 
 
 def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:

@@ -29,8 +29,9 @@ def inspect(captures: CaptureSet) -> dict[str, Any]:
     dict
         "frames", "format", "dtype", "shape", "bits", "codes" (smallest, largest, step and
         effective bits seen), "cfa", "black_level", "white_level", "pixel_pitch_um",
-        "masked" (whether optical black comes along), "tolerance_c", "operating_points",
-        "notes", and "missing": a sentence for each thing that limits the analysis.
+        "system_gain_dn_e", "masked" (whether optical black comes along), "tolerance_c",
+        "operating_points", "notes", and "missing": a sentence for each thing that limits the
+        analysis.
     """
     sensor, source = captures.sensor, captures.source
     seen = _codes(captures)
@@ -46,6 +47,7 @@ def inspect(captures: CaptureSet) -> dict[str, Any]:
         "black_level": sensor.black_level,
         "white_level": sensor.white_level,
         "pixel_pitch_um": sensor.pixel_pitch_um,
+        "system_gain_dn_e": sensor.system_gain_dn_e,
         "masked": all(f.masked is not None for f in captures.frames()),
         "tolerance_c": source.tolerance_c if source else None,
         "operating_points": [_operating_point(s) for s in captures.settings],

@@ -72,7 +72,7 @@ class Recording:
         Optical black or overscan.
     cfa : tuple of tuple of str, optional
         Colour filter at the top left of the whole readout.
-    bits, black_level, white_level, pixel_pitch_um
+    bits, black_level, white_level, pixel_pitch_um, system_gain_dn_e
         As in ``Sensor``.
     notes : tuple of str
         What was assumed, one sentence each.
@@ -94,6 +94,7 @@ class Recording:
     black_level: float | None = None
     white_level: float | None = None
     pixel_pitch_um: float | None = None
+    system_gain_dn_e: float | None = None
     notes: tuple[str, ...] = ()
     lit: bool = False
     left_out: str = ""

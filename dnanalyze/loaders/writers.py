@@ -209,6 +209,7 @@ def _sidecar(sensor: Sensor, bits: int, packing: str | None) -> dict[str, Any]:
         "black_level": sensor.black_level,
         "white_level": sensor.white_level,
         "pixel_pitch_um": sensor.pixel_pitch_um,
+        "system_gain_dn_e": sensor.system_gain_dn_e,
     }
     return plain | {key: value for key, value in facts.items() if value is not None}
 

@@ -48,6 +48,7 @@ def facts(captures: Any) -> dict[str, str]:
         "black level": f"{sensor.black_level:g} DN" if sensor.black_level is not None else "",
         "colour filter": "/".join("".join(row) for row in sensor.cfa) if sensor.cfa else "",
         "pixel pitch": f"{sensor.pixel_pitch_um:g} µm" if sensor.pixel_pitch_um else "",
+        "system gain": f"{sensor.system_gain_dn_e:.4g} DN/e⁻" if sensor.system_gain_dn_e else "",
     }
     return {key: text.strip() for key, text in made.items() if text.strip()}
 

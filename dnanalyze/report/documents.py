@@ -21,8 +21,8 @@ def inspection(where: str, found: dict[str, Any]) -> Document:
     return document("inspect", where, **found)
 
 
-def statistics(where: str, measured: Any) -> Document:
-    """Every statistic with its standard error."""
+def statistics(where: str, measured: Any, quantities: Any = None) -> Document:
+    """Every statistic with its standard error; the EMVA 1288 quantities under "emva"."""
     from dnanalyze.analyzers.families.trends import channel_trends, law_doubts
     from dnanalyze.report.tables import info
 
@@ -50,7 +50,9 @@ def statistics(where: str, measured: Any) -> Document:
             }
         )
     channels = {name: {"trends": _values(t)} for name, t in channel_trends(measured).items()}
-    more = {"channels": channels} if channels else {}
+    more: Document = {"channels": channels} if channels else {}
+    if quantities is not None:
+        more["emva"] = [emva_group(g) for g in quantities.groups]
     trends = _values(measured.trends)
     return document(
         "analyze",
@@ -61,6 +63,36 @@ def statistics(where: str, measured: Any) -> Document:
         doubts=law_doubts(measured),
         **more,
     )
+
+
+def emva_group(group: Any) -> Document:
+    """The EMVA 1288 quantities of one gain, channel and colour plane."""
+    return {
+        "gain": group.gain,
+        "channel": group.channel,
+        "plane": group.plane,
+        "quantities": _quantities(group.quantities),
+        "dark_currents": [
+            {
+                "temperature_c": c.temperature_c,
+                "exposures_s": c.exposures_s,
+                "quantities": _quantities(c.quantities),
+            }
+            for c in group.dark_currents
+        ],
+        "operating_points": [
+            _point(p.point) | {"frames": p.frames, "quantities": _quantities(p.quantities)}
+            for p in group.points
+        ],
+    }
+
+
+def _quantities(items: Any) -> list[Document]:
+    return [
+        _fields(q.kind, "key", "symbol", "name", "unit")
+        | _fields(q, "value", "se", "reason", "note")
+        for q in items
+    ]
 
 
 def _values(named: Mapping[str, Any]) -> Document:

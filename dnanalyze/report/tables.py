@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -80,12 +81,17 @@ def candidates(result: Any) -> pd.DataFrame:
     return _frame(rows)
 
 
-def laws(measured: Any) -> tuple[list[str], list[tuple[str, list[Any], str]]]:
-    """Laws over temperature: columns (each channel, or one), rows (title, values, unit)."""
+def laws(
+    measured: Any, without: Collection[str] = ()
+) -> tuple[list[str], list[tuple[str, list[Any], str]]]:
+    """Laws over temperature: columns (each channel, or one), rows (title, values, unit).
+
+    ``without`` names laws that are shown elsewhere.
+    """
     from dnanalyze.analyzers.families.trends import channel_trends
 
     found = channel_trends(measured) or {"value": measured.trends}
-    names = dict.fromkeys(name for own in found.values() for name in own)
+    names = dict.fromkeys(n for own in found.values() for n in own if n not in without)
     return list(found), [
         (info(n).title, [own.get(n) for own in found.values()], info(n).unit) for n in names
     ]

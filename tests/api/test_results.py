@@ -181,7 +181,7 @@ def test_a_figure_of_one_panel_is_drawn_on_the_axes_given():
 def test_what_the_captures_lack_is_said():
     bare = fakes.statistics()
     bare = replace(bare, settings=tuple(replace(s, curves={}) for s in bare.settings))
-    with pytest.raises(dnanalyze.InputError, match="nothing to draw; kinds: temperature"):
+    with pytest.raises(dnanalyze.InputError, match="nothing to draw; kinds: sensor"):
         bare.plot("tails")
     plt.close("all")
 

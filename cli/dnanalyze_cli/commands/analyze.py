@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from dnanalyze_cli.options import NoCache, ReadOptions, Scheduler, takes
+from dnanalyze_cli.options import NoCache, ReadOptions, Scheduler, SystemGain, takes
 
 
 @takes(ReadOptions)
-def analyze(options: ReadOptions, scheduler: Scheduler = None, no_cache: NoCache = False) -> None:
-    """Measure every statistic at every operating point, with its standard error."""
+def analyze(
+    options: ReadOptions,
+    system_gain: SystemGain = None,
+    scheduler: Scheduler = None,
+    no_cache: NoCache = False,
+) -> None:
+    """Measure the EMVA 1288 dark quantities and every statistic, with standard errors."""
     from dnanalyze.analyzers.analyze import analyze as run
+    from dnanalyze.emva import evaluate
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
     from dnanalyze.report import documents, tables
     from dnanalyze.report.terminal.statistics import statistics as show
 
+    if system_gain is not None and not 0 < system_gain < float("inf"):
+        raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e-")
     session = options.session("analyze", cache=not no_cache)
     found = options.load(session)
     with session.progress("Reading frames") as tick:
@@ -26,15 +34,16 @@ def analyze(options: ReadOptions, scheduler: Scheduler = None, no_cache: NoCache
             tick.now("Storing statistics")
             with suppress(InputError):  # too small to halve, which these commands will say
                 bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
-    show(session.console, found, statistics)
+    quantities = evaluate(statistics, system_gain)
+    show(session.console, found, statistics, quantities)
 
     def page() -> str:
         from dnanalyze.report.pages.analyze import analyze_page
 
-        return analyze_page(found, statistics)
+        return analyze_page(found, statistics, quantities)
 
     session.write(
-        documents.statistics(options.captures, statistics),
+        documents.statistics(options.captures, statistics, quantities),
         page,
         lambda: tables.statistics(statistics),
     )

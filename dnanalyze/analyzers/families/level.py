@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.accumulators.accumulated import Accumulated
+from dnanalyze.analyzers.estimators.pictures import pictures
 from dnanalyze.analyzers.estimators.uncertainty import (
     QuantileErrors,
     block_sums,
@@ -70,6 +71,8 @@ def finish(acc: Accumulated) -> FamilyResult:
     """Levels and spreads of the accumulated frames."""
     out = FamilyResult()
     _frames(acc, out.values)
+    if acc.plan.errors and not acc.plan.families:
+        out.curves.update(pictures(acc))
     if acc.frames < 2:
         reason = "one frame cannot tell fixed from temporal noise"
         absent = [i.name for i in INFOS if i.name not in out.values]
@@ -156,11 +159,24 @@ def _pattern(acc: Accumulated, values: dict[str, Value]) -> None:
 def emva_split(acc: Accumulated) -> dict[str, Value]:
     """Spatial nonuniformity and its row, column and pixel parts, EMVA 1288 release 4.0, DN.
 
+    With M rows and N columns, s2 the variance over the pixels of the mean of K frames, s2_cav and
+    s2_rav those of its column and row means, each less what the temporal noise leaves in it::
+
+        row   = ((M N - N) s2_rav - M (s2 - s2_cav)) / (M N - M - N)
+        col   = ((M N - M) s2_cav - N (s2 - s2_rav)) / (M N - M - N)
+        pixel = M N (s2 - s2_cav - s2_rav) / (M N - M - N)
+
+    The standard takes sigma2 / K off s2, sigma2 / (K M) off s2_cav and sigma2 / (K N) off s2_rav:
+    that is white temporal noise of many frames. Rows and columns that move from frame to frame
+    leave more, whole frames that drift leave nothing. So what is taken off the line means is
+    the variance of theirs in the differences of frames, and the drift of whole frames is not in
+    sigma2. For white noise both are the same.
+
     Needs two frames. A part whose variance comes out negative, for its true value is near 0, is
     stated as 0; its error is then that of a variance as large as its error.
     """
     pattern, (rows, columns) = acc.pattern, acc.plan.shape
-    stack = acc.temporal_mean / acc.frames
+    stack = max(acc.temporal_mean - acc.drift_variance, 0.0) / acc.frames
     column_means = pattern.mean(axis=0, dtype=np.float64)
     row_means = pattern.mean(axis=1, dtype=np.float64)
     middle = np.float32(row_means.mean())
@@ -172,10 +188,8 @@ def emva_split(acc: Accumulated) -> dict[str, Value]:
     rest = size - rows - columns
     if rest <= 0:
         return out
-    cav = float(np.var(column_means)) - stack / rows
-    rav = float(np.var(row_means)) - stack / columns
-    cav_se = float(np.var(column_means)) * math.sqrt(2 / max(columns - 1, 1))
-    rav_se = float(np.var(row_means)) * math.sqrt(2 / max(rows - 1, 1))
+    cav, cav_se = _of_lines(acc, column_means, axis=0)
+    rav, rav_se = _of_lines(acc, row_means, axis=1)
     column = ((size - rows) * cav - columns * (total - rav)) / rest
     row = ((size - columns) * rav - rows * (total - cav)) / rest
     pixel = size * (total - cav - rav) / rest
@@ -183,6 +197,15 @@ def emva_split(acc: Accumulated) -> dict[str, Value]:
     out["dsnu_1288_row"] = _root(row, rav_se)
     out["dsnu_1288_pix"] = _root(pixel, math.hypot(total_se, cav_se, rav_se))
     return out
+
+
+def _of_lines(acc: Accumulated, means: np.ndarray, axis: int) -> tuple[float, float]:
+    """Variance of the line means of F without what moves in time, DN^2, and its error."""
+    moving = [float(np.var(d.mean(axis=axis, dtype=np.float64))) for d in acc.end_differences]
+    share = float(np.mean(moving)) / acc.frames
+    variance = float(np.var(means))
+    lines = max(means.size - 1, 1)
+    return variance - share, math.hypot(variance, share) * math.sqrt(2 / lines)
 
 
 def _root(variance: float, se: float) -> Value:

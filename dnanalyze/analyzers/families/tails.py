@@ -92,6 +92,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     if acc.plan.errors:
         _densities(acc, out)
         out.curves["hot_pixels"] = _hot_pixels(acc)
+        out.curves["hot_levels"] = acc.pattern.ravel()[out.curves["hot_pixels"]]
         _exceedance(acc, centre, sigma, out)
         _tail_index(acc, out)
     if acc.frames == 1:

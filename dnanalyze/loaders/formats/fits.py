@@ -99,6 +99,7 @@ def _read(path: Path, name: str) -> Recording:
         masked=masked,
         cfa=_colour_filter(header),
         pixel_pitch_um=_positive(header.get("XPIXSZ")),
+        system_gain_dn_e=_inverse(_positive(header.get("EGAIN"))),
         notes=tuple(notes),
         left_out=_left_out(header),
     )
@@ -210,6 +211,11 @@ def _colour_filter(header: fits.Header) -> Any:
     except (TypeError, ValueError):
         dx = dy = 0
     return shifted_cfa(pattern, dy, dx)
+
+
+def _inverse(value: float | None) -> float | None:
+    """EGAIN is in e-/DN, the system gain in DN/e-."""
+    return None if value is None else 1.0 / value
 
 
 def _positive(value: Any) -> float | None:

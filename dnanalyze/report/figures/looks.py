@@ -58,5 +58,9 @@ def styled() -> Iterator[None]:
     """The style, for the time of drawing only."""
     import matplotlib as mpl
 
-    with mpl.rc_context(STYLE):
+    before = {key: mpl.rcParams[key] for key in STYLE}  # not all: a notebook's state is among them
+    mpl.rcParams.update(STYLE)
+    try:
         yield
+    finally:
+        mpl.rcParams.update(before)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dnanalyze.errors import InputError
+from dnanalyze.report.figures.lighter import lighter
 from dnanalyze.report.figures.looks import styled
 from dnanalyze.report.figures.svg import svg_of
 from dnanalyze.report.figures.ticks import log_axis
@@ -85,7 +86,7 @@ def panels(cells: Sequence[Cell], caption: str, alt: str, title: str = "") -> Pi
             return None
         kept, axes = tuple(m[0] for m in made), [m[2] for m in made]
         _share(kept, axes)
-        drawn = tuple(Panel(svg_of(fig), cell.width) for cell, fig, _ in made)
+        drawn = tuple(Panel(lighter(svg_of(fig)), cell.width) for cell, fig, _ in made)
         return Picture(drawn, caption, alt, legend_of(axes), title, kept)
 
 

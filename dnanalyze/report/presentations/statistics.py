@@ -7,7 +7,10 @@ from typing import Any
 
 from rich.console import Console
 
+from dnanalyze.emva import evaluate
 from dnanalyze.report import documents, tables
+from dnanalyze.report.figures.dark_signal import dark_signal
+from dnanalyze.report.figures.sensor_maps import sensor_maps
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.pages.analyze import analyze_page, headline
 from dnanalyze.report.presentation import Draw, Presentation
@@ -20,13 +23,17 @@ def _terminal(console: Console, result: Any) -> None:
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
-    return family_plots(lambda: layers(result))
+    own: dict[str, Draw] = {
+        "sensor": lambda: sensor_maps(result),
+        "dark_signal": lambda: dark_signal(evaluate(result)),
+    }
+    return own | family_plots(lambda: layers(result))
 
 
 PRESENTATION = Presentation(
     _terminal,
     headline,
-    lambda result: documents.statistics(result.name, result),
+    lambda result: documents.statistics(result.name, result, evaluate(result)),
     tables.statistics,
     lambda result: analyze_page(result.capture_set, result),
     _plots,

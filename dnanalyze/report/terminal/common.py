@@ -31,7 +31,12 @@ def as_text(draw: Callable[[Console], None], columns: int = COLUMNS) -> str:
     stream = StringIO()
     draw(
         Console(
-            file=stream, width=columns, color_system=None, highlight=False, legacy_windows=False
+            file=stream,
+            width=columns,
+            color_system=None,
+            highlight=False,
+            legacy_windows=False,
+            force_jupyter=False,
         )
     )
     lines = (line.rstrip() for line in stream.getvalue().splitlines())
@@ -72,7 +77,7 @@ def table(
         box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1), show_edge=False, header_style="dim"
     )
     for place, name in enumerate(columns):
-        made.add_column(name, justify="left" if place < left else "right", overflow="fold")
+        made.add_column(Text(name), justify="left" if place < left else "right", overflow="fold")
     for row in rows:
         made.add_row(*(cell if isinstance(cell, Text) else Text(str(cell)) for cell in row))
     if made.row_count:

@@ -6,41 +6,23 @@ from typing import Any
 
 from rich.console import Console
 
-from dnanalyze.report.tables import info, laws
+from dnanalyze.report.tables import laws
 from dnanalyze.report.terminal.common import MOST_FAILURES, points, table, verdict
-from dnanalyze.report.words import number, with_error
-
-_OVERVIEW = {
-    "mean": "mean",
-    "temporal_noise": "temporal",
-    "pattern_noise": "pattern",
-    "frame_noise_core": "spread",
-    "hot_count_5": "hot > 5σ",
-}
+from dnanalyze.report.terminal.emva import emva_tables, undetermined
+from dnanalyze.report.words import with_error
 
 
-def statistics(console: Console, captures: Any, measured: Any) -> None:
-    """Level and noise at every operating point, then the trends."""
+def statistics(console: Console, captures: Any, measured: Any, quantities: Any = None) -> None:
+    """The EMVA 1288 quantities, the laws over temperature, what is not determined."""
     from dnanalyze.analyzers.families.trends import law_doubts
+    from dnanalyze.emva import evaluate
+    from dnanalyze.report.emva import LAWS
     from dnanalyze.report.pages.analyze import headline
 
-    verdict(console, captures, headline(measured))
-    names = [n for n in _OVERVIEW if any(n in s.values for s in measured.settings)]
-    if "temporal_noise" in names and "frame_noise_core" in names:
-        names.remove("frame_noise_core")
-    units = [
-        f"{_OVERVIEW[n]}{f' [{info(n).unit}]' if info(n).unit not in ('', '1') else ''}"
-        for n in names
-    ]
-    rows = (
-        (
-            f"{s.point.label()} {s.plane}".strip(),
-            *(number(s.values[n].value, 4) if n in s.values else "–" for n in names),
-        )
-        for s in measured.settings
-    )
-    table(console, ("operating point", *units), rows)
-    columns, found = laws(measured)
+    quantities = evaluate(measured) if quantities is None else quantities
+    verdict(console, captures, headline(measured, quantities))
+    emva_tables(console, quantities, table)
+    columns, found = laws(measured, LAWS)
     table(
         console,
         ("over temperature", *columns),
@@ -51,4 +33,5 @@ def statistics(console: Console, captures: Any, measured: Any) -> None:
     )
     points(console, "Warnings", law_doubts(measured))
     reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})
-    points(console, "Not determined from these captures", reasons, MOST_FAILURES)
+    not_determined = undetermined(quantities, reasons, 2 * MOST_FAILURES)
+    points(console, "Not determined from these captures", not_determined)
