@@ -145,10 +145,12 @@ def page(effect: type[Effect], known: dict[str, type[Effect]]) -> str:
             f"| `{n}` | {known_statistics[n].title if n in known_statistics else ''} |"
             for n in effect.fingerprint
         ]
-        parts.append("## Fingerprint\n\nThe [statistics](../statistics.md) that it moves most.\n")
+        parts.append(
+            "## Fingerprint\n\n[Statistics](../statistics.md) that the effect changes most.\n"
+        )
         parts.append("| statistic | what it is |\n|---|---|\n" + "\n".join(rows) + "\n")
     if effect.confused_with:
-        parts.append("## Confused with\n\n| effect | told apart by |\n|---|---|")
+        parts.append("## Confounded with\n\n| effect | distinguished by |\n|---|---|")
         rows = [
             f"| {f'[{n}]({n}.md)' if n in known else n} | {_cell(text)} |"
             for n, text in effect.confused_with.items()
