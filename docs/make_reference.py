@@ -33,8 +33,8 @@ def statistics() -> str:
         "# Statistics\n",
         f"{len(catalogue())} statistics in {len(families)} families; {compared} are part of the "
         "model error (marked •); the others are reported only. Each is computed at every operating "
-        "point and, for a mosaic, in every colour plane, with its standard error on the scale given "
-        "here: linear, log (natural logarithm), root (2 sqrt(n + 3/8), for counts), ratio "
+        "point and, for a mosaic, in every colour plane, with its standard error on the scale "
+        "given here: linear, log (natural logarithm), root (2 sqrt(n + 3/8), for counts), ratio "
         "(ln(1 + r)). Spatial frequencies are in cycles/pixel (c/px). Spectra are normalized so "
         "that white noise of variance s² has the power s² at every frequency. Terms are in the "
         "[glossary](glossary.md). "

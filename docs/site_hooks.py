@@ -27,6 +27,8 @@ DISPLAY = re.compile(r'<div class="arithmatex">\s*\\\[(.*?)\\\]\s*</div>', re.DO
 
 def on_config(config: Any) -> Any:
     """List the generated pages in the navigation."""
+    tutorials = next(part["Tutorials"] for part in config.nav if "Tutorials" in part)
+    tutorials.append({"Notebooks": [f"notebooks/{path.stem}.md" for path in _notebooks(config)]})
     reference = next(part["Reference"] for part in config.nav if "Reference" in part)
     reference.append({"Python API": [{title: f"api/{key}.md"} for key, title in _groups().items()]})
     return config
@@ -37,11 +39,18 @@ def on_files(files: Any, config: Any) -> Any:
     from mkdocs.structure.files import File
 
     pages = {f"api/{key}.md": api_page(key) for key in _groups()}
-    for path in sorted(Path(config.docs_dir).glob("notebooks/*.ipynb")):
+    for path in _notebooks(config):
         pages[f"notebooks/{path.stem}.md"] = notebook_page(path)
     for name, text in pages.items():
         files.append(File.generated(config, name, content=text))
     return files
+
+
+def on_page_markdown(text: str, page: Any, **_: Any) -> str:
+    """Links to a notebook lead to its page; there the link is a download."""
+    if page.file.src_uri.startswith("notebooks/"):
+        return text
+    return re.sub(r"\((notebooks/[\w-]+)\.ipynb\)", r"(\1.md)", text)
 
 
 def on_page_content(text: str, **_: Any) -> str:
@@ -98,6 +107,10 @@ def _output(out: dict[str, Any]) -> str:
         return f"<div>{''.join(data['text/html'])}</div>".replace("\n\n", "\n")
     text = "".join(out.get("text", data.get("text/plain", "")))
     return f"<pre><code>{html.escape(text)}</code></pre>" if text else ""
+
+
+def _notebooks(config: Any) -> list[Path]:
+    return sorted(Path(config.docs_dir).glob("notebooks/*.ipynb"))
 
 
 def _groups() -> dict[str, str]:
