@@ -104,9 +104,17 @@ def _output(out: dict[str, Any]) -> str:
         base64.b64decode(png, validate=True)
         return f'<p><img alt="Output of the cell above" src="data:image/png;base64,{png}"></p>'
     if "text/html" in data:
-        return f"<div>{''.join(data['text/html'])}</div>".replace("\n\n", "\n")
+        table = re.sub(
+            r"<style.*?</style>|<table[^>]*>", _bare, "".join(data["text/html"]), flags=re.S
+        )
+        return f"<div>{table}</div>".replace("\n\n", "\n")
     text = "".join(out.get("text", data.get("text/plain", "")))
     return f"<pre><code>{html.escape(text)}</code></pre>" if text else ""
+
+
+def _bare(found: re.Match[str]) -> str:
+    """A pandas table in the style of the site."""
+    return "<table>" if found[0].startswith("<table") else ""
 
 
 def _notebooks(config: Any) -> list[Path]:
