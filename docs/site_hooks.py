@@ -18,7 +18,7 @@ GROUPS = {
     "comparator": "Comparison and checks",
     "diagnosis": "Diagnosis and refinement",
     "detection": "Hidden filters",
-    "benchmark": "Benchmark",
+    "benchmarking": "Benchmark",
     "errors": "Errors",
 }
 INLINE = re.compile(r'<span class="arithmatex">\\\((.*?)\\\)</span>', re.DOTALL)

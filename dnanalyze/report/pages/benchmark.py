@@ -84,7 +84,7 @@ def _glance(result: Any) -> Section:
     at = f"What runs with temperature is that at {middle:g} °C. " if middle is not None else ""
     return Section(
         "glance",
-        "At a glance",
+        "Overview by criterion",
         text=[f"{at}In brackets the rank; equal ranks are not distinguishable.",
               *_marks(result)],
         tables=[Table(("sensor", *columns), rows, sortable=True, narrow=True)],
