@@ -116,8 +116,8 @@ def _shrunk(image: np.ndarray, threshold: float, levels: int) -> np.ndarray:
     bands = [part for half in _split(image, 0) for part in _split(half, 1)]
     low, details = bands[0], bands[1:]
     kept = [np.sign(d) * np.maximum(np.abs(d) - threshold, 0.0) for d in details]
-    halves = [_shrunk(low, threshold, levels - 1), *kept]
-    return _joined(_joined(*halves[:2], 1), _joined(*halves[2:], 1), 0)
+    low = _shrunk(low, threshold, levels - 1)
+    return _joined(_joined(low, kept[0], 1), _joined(kept[1], kept[2], 1), 0)
 
 
 def _split(image: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
