@@ -84,7 +84,8 @@ def _spectra(ax: Any, captures: CaptureSet, model: NoiseModel, colours: tuple[st
         kept = len(f) // 8 * 8
         f, power = (np.asarray(x)[:kept].reshape(-1, 8).mean(axis=1) for x in (f, power))
         ax.plot(f, power, color=colour, label=label, linewidth=width)
-    ax.set(yscale="log", xlabel="spatial frequency [cycles/pixel]", ylabel="power spectral density [DN²]")
+    ax.set(yscale="log", xlabel="spatial frequency [cycles/pixel]")
+    ax.set_ylabel("power spectral density [DN²]")
     ax.set_title("Spectrum of the column means")
     ax.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
 
