@@ -1,4 +1,4 @@
-"""Write docs/statistics.md and docs/commands.md from the code; a test holds them against it."""
+"""Write docs/statistics.md and docs/commands.md from the code; a test compares them with it."""
 
 from __future__ import annotations
 
@@ -11,20 +11,9 @@ from dnanalyze_cli.main import app
 
 from dnanalyze.analyzers.catalogue import FAMILIES, catalogue
 from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.report.words import family_title
 
 HERE = Path(__file__).resolve().parent
-TITLES = {
-    "level": "Level and noise",
-    "distribution": "Distribution",
-    "tails": "Tails",
-    "spectrum": "Spectrum",
-    "lines": "Rows and columns",
-    "neighbours": "Neighbours",
-    "time": "Time",
-    "codes": "Codes",
-    "shading": "Shading",
-    "trends": "Over temperature",
-}
 
 
 def main() -> None:
@@ -43,11 +32,12 @@ def statistics() -> str:
     parts = [
         "# Statistics\n",
         f"{len(catalogue())} statistics in {len(families)} families; {compared} are part of the "
-        "error (marked •), the others are given for information. Each is taken at every operating "
-        "point and, on a mosaic, in every colour plane, with its standard error on the scale named "
-        "here: linear, log (natural logarithm), root (2 sqrt(n + 3/8), for counts), ratio "
-        "(ln(1 + r)). Frequencies are in cycles/pixel (c/px). Spectra are normalised so that white "
-        "noise of variance s² has the power s² at every frequency. "
+        "model error (marked •); the others are reported only. Each is computed at every operating "
+        "point and, for a mosaic, in every colour plane, with its standard error on the scale "
+        "given here: linear, log (natural logarithm), root (2 sqrt(n + 3/8), for counts), ratio "
+        "(ln(1 + r)). Spatial frequencies are in cycles/pixel (c/px). Spectra are normalized so "
+        "that white noise of variance s² has the power s² at every frequency. Terms are in the "
+        "[glossary](glossary.md). "
         "Generated from the code by `docs/make_reference.py`.\n",
     ]
     for family, infos in families.items():
@@ -56,10 +46,10 @@ def statistics() -> str:
             f"{_cell(i.title)} |"
             for i in infos
         ]
-        parts.append(f"## {TITLES.get(family, family.capitalize())}\n")
+        parts.append(f"## {family_title(family)}\n")
         if family in about:
             parts.append(about[family] + "\n")
-        parts.append("| name | error | unit | scale | what it is |\n|---|---|---|---|---|")
+        parts.append("| name | in the error | unit | scale | meaning |\n|---|---|---|---|---|")
         parts.append("\n".join(rows) + "\n")
     return "\n".join(parts)
 

@@ -1,7 +1,7 @@
 """Draw docs/figures/story.png, the picture of the README: ``python docs/make_story.py``.
 
-The sensor of ``dnanalyze demo``, its frame, its error step by step, and the spectrum that gives the
-hidden effect away.
+The sensor of ``dnanalyze demo``: a frame, the model error at each refinement step, and the column
+spectrum with and without the hidden effect.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ HIDDEN, SEED, SHAPE, FRAMES = "column_fpn", 1, (256, 256), 6  # as `dnanalyze de
 
 
 def main() -> None:
-    """Refine the demo's sensor and draw what was found."""
+    """Refine the model of the demo's sensor and draw the result."""
     sensor = draw_sensor(np.random.default_rng(SEED))
     captures = generate(sensor, {HIDDEN: "middling"}, SHAPE, frames=FRAMES, seed=SEED)
     draw(captures, refine(captures))
@@ -48,14 +48,14 @@ def draw(captures: CaptureSet, refined: Refinement) -> None:
         image.set_xlabel(f"mean of {len(coldest.frames)}, a crop")
         image.grid(False)
 
-        names = ["paper's model", *(f"+ {s.added}" for s in refined.steps[1:])]
+        names = ["Wang 2025 model", *(f"+ {s.added}" for s in refined.steps[1:])]
         errors = [s.error for s in refined.steps]
         colours = [ACCENT if HIDDEN in n else QUIET for n in names]
         steps.barh(range(len(names)), errors, color=colours, height=0.62)
         for row, error in enumerate(errors):
             steps.text(max(error, 1.0) * 1.06, row, f"{error:.3g}", va="center", fontsize=8)
         steps.axvline(1.0, color=INK, linewidth=0.9)
-        steps.set(xscale="log", xlim=(0.5, max(errors) * 2), title="Error, step by step")
+        steps.set(xscale="log", xlim=(0.5, max(errors) * 2), title="Model error at each step")
         steps.set_yticks(range(len(names)), names, fontsize=8)
         steps.tick_params(axis="y", length=0)
         steps.set_xlabel("1: as close as a second sensor of the same make")
@@ -84,8 +84,9 @@ def _spectra(ax: Any, captures: CaptureSet, model: NoiseModel, colours: tuple[st
         kept = len(f) // 8 * 8
         f, power = (np.asarray(x)[:kept].reshape(-1, 8).mean(axis=1) for x in (f, power))
         ax.plot(f, power, color=colour, label=label, linewidth=width)
-    ax.set(yscale="log", xlabel="cycles/pixel", ylabel="DN²")
-    ax.set_title("Power that whole columns share")
+    ax.set(yscale="log", xlabel="spatial frequency [cycles/pixel]")
+    ax.set_ylabel("power spectral density [DN²]")
+    ax.set_title("Spectrum of the column means")
     ax.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
 
 

@@ -1,6 +1,6 @@
 """Corrections and denoisers as a camera's processor would run them, frame by frame, on codes.
 
-Arrays are 2-D, DN; edges see the nearest pixel. scipy and scikit-image are imported when used.
+Arrays are 2-D, DN; edges see the nearest pixel. scipy is imported when used.
 """
 
 from __future__ import annotations
@@ -9,7 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dnanalyze.errors import InputError
+_ROOT3 = np.sqrt(3.0)
+# Low-pass of the orthogonal wavelet with two vanishing moments (Daubechies 1988)
+DAUBECHIES_2 = np.array([1 - _ROOT3, 3 - _ROOT3, 3 + _ROOT3, 1 + _ROOT3]) / (4.0 * np.sqrt(2.0))
 
 
 def neighbours(image: np.ndarray) -> np.ndarray:
@@ -78,24 +80,70 @@ def bilateral(image: np.ndarray, range_dn: float) -> np.ndarray:
 
 
 def nlm(image: np.ndarray, range_dn: float) -> np.ndarray:
-    """Non-local means (Buades) of 3x3 patches within 3 pixels."""
-    from skimage.restoration import denoise_nl_means
+    """Non-local means (Buades) within 3 pixels.
 
-    return denoise_nl_means(
-        image.astype(float), patch_size=3, patch_distance=3, h=range_dn, fast_mode=True
-    )
+    A pixel at which the squared differences of the 2x2 patches add up to s weighs
+    exp(-s / (3 range_dn)^2), and nothing below exp(-5).
+    """
+    reach = 3
+    rows, columns = image.shape
+    padded = np.pad(image.astype(float), ((reach, reach + 1), (reach, reach + 1)), mode="reflect")
+    own = padded[reach : reach + rows + 1, reach : reach + columns + 1]
+    total, weights = np.zeros(image.shape), np.zeros(image.shape)
+    for r in range(2 * reach + 1):
+        for c in range(2 * reach + 1):
+            near = padded[r : r + rows + 1, c : c + columns + 1]
+            square = (near - own) ** 2
+            patch = square[:-1, :-1] + square[1:, :-1] + square[:-1, 1:] + square[1:, 1:]
+            apart = patch / (3.0 * range_dn) ** 2
+            weight = np.where(apart <= 5.0, np.exp(-apart), 0.0)
+            total += weight * near[:-1, :-1]
+            weights += weight
+    return total / weights
 
 
 def wavelet(image: np.ndarray, range_dn: float) -> np.ndarray:
-    """Soft threshold on three levels of an orthogonal wavelet (Daubechies 2)."""
-    try:
-        import pywt
-    except ImportError:
-        raise InputError("denoise kind 'wavelet': install the package PyWavelets") from None
-    low, *bands = pywt.wavedec2(image.astype(float), "db2", mode="periodization", level=3)
-    soft = [tuple(pywt.threshold(b, range_dn, "soft") for b in level) for level in bands]
-    smooth = pywt.waverec2([low, *soft], "db2", mode="periodization")
-    return smooth[: image.shape[0], : image.shape[1]]
+    """Soft threshold on three levels of an orthogonal wavelet (Daubechies 2), decimated."""
+    rows, columns = image.shape
+    padded = np.pad(image.astype(float), ((0, -rows % 8), (0, -columns % 8)), mode="edge")
+    return _shrunk(padded, range_dn, 3)[:rows, :columns]
+
+
+def _shrunk(image: np.ndarray, threshold: float, levels: int) -> np.ndarray:
+    """The image with the details of this level, and of those below, shrunk towards 0."""
+    if levels == 0:
+        return image
+    bands = [part for half in _split(image, 0) for part in _split(half, 1)]
+    low, details = bands[0], bands[1:]
+    kept = [np.sign(d) * np.maximum(np.abs(d) - threshold, 0.0) for d in details]
+    low = _shrunk(low, threshold, levels - 1)
+    return _joined(_joined(low, kept[0], 1), _joined(kept[1], kept[2], 1), 0)
+
+
+def _split(image: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high half-band along an axis, every second sample, the axis taken as periodic."""
+    taps = [_every_second(np.roll(image, j - 2, axis), axis) for j in range(4)]
+    return np.tensordot(DAUBECHIES_2, taps, 1), np.tensordot(_high_pass(), taps, 1)
+
+
+def _joined(low: np.ndarray, high: np.ndarray, axis: int) -> np.ndarray:
+    """What `_split` took apart: its transpose, since the wavelet is orthogonal."""
+    shape = list(low.shape)
+    shape[axis] *= 2
+    whole = np.zeros(shape)
+    for j, (h, g) in enumerate(zip(DAUBECHIES_2, _high_pass(), strict=True)):
+        spread = np.zeros(shape)
+        _every_second(spread, axis)[...] = h * low + g * high
+        whole += np.roll(spread, 2 - j, axis)
+    return whole
+
+
+def _high_pass() -> np.ndarray:
+    return DAUBECHIES_2[::-1] * np.array([-1.0, 1.0, -1.0, 1.0])
+
+
+def _every_second(image: np.ndarray, axis: int) -> np.ndarray:
+    return image[::2] if axis == 0 else image[:, ::2]
 
 
 DENOISERS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {

@@ -112,6 +112,21 @@ def test_edge_preserving_denoise_smooths_noise_and_keeps_steps(kind):
     assert middle[1] - middle[0] > 250.0
 
 
+def test_non_local_means_and_wavelet_are_those_of_other_packages():
+    import pywt
+    from skimage.restoration import denoise_nl_means
+
+    rng = np.random.default_rng(1)
+    image = np.rint(rng.normal(100.0, 5.0, (64, 96)))
+    image[rng.random(image.shape) < 0.01] += 80.0
+    other = denoise_nl_means(image, patch_size=3, patch_distance=3, h=6.0, fast_mode=True)
+    np.testing.assert_allclose(filters.nlm(image, 6.0), other, atol=0.3)  # its exponential is rough
+    low, *bands = pywt.wavedec2(image, "db2", mode="periodization", level=3)
+    soft = [tuple(pywt.threshold(b, 6.0, "soft") for b in level) for level in bands]
+    other = pywt.waverec2([low, *soft], "db2", mode="periodization")
+    np.testing.assert_allclose(filters.wavelet(image, 6.0), other, atol=1e-9)
+
+
 def test_bilateral_with_a_wide_range_is_a_gaussian_window():
     image = np.zeros((11, 11))
     image[5, 5] = 1.0

@@ -13,6 +13,11 @@ def test_effect_pages_are_in_step_with_the_registry():
     assert written == made, "run: python docs/make_effects.py"
 
 
+def test_gallery_is_in_step_with_the_registry():
+    made = tree.script("make_effects").gallery(built_in())
+    assert (tree.DOCS / "gallery.md").read_text() == made, "run: python docs/make_effects.py"
+
+
 def test_every_effect_has_its_figure():
     figures = {p.stem for p in (tree.DOCS / "effects").glob("*.png")}
     assert figures == set(built_in()), "run: python docs/make_effects.py"

@@ -1,4 +1,4 @@
-"""The paper's model: a log-normal seed under a 3x3 kernel that is random at every pixel."""
+"""The Wang 2025 model: a log-normal seed under a 3x3 kernel that is random at every pixel."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ class ConvolvedLognormal(Effect):
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "both"
     placing: ClassVar[Placing] = Placing.EVERYWHERE
-    summary: ClassVar[str] = "the paper's model: log-normal dark current under a random 3x3 kernel"
+    summary: ClassVar[str] = (
+        "the Wang 2025 model: log-normal dark current under a random 3x3 kernel"
+    )
     physics: ClassVar[str] = (
         "The logarithm of the dark current is nearly normal over the pixels, since many "
         "independent factors multiply in it: fields, distances, numbers of defects. mu is its "
@@ -32,7 +34,7 @@ class ConvolvedLognormal(Effect):
         "passes the share phi to each of its 8 neighbours, and the weights of the 3x3 kernel are "
         "random at every pixel and frame with spread sigma, which makes a noise that grows with "
         "the signal. With the seed fixed in the silicon the pattern repeats from frame to frame "
-        "as it does in real sensors; redrawn, as the paper's formula may be read, hot pixels "
+        "as it does in real sensors; redrawn, as the formula of Wang 2025 may be read, hot pixels "
         "move. mu follows temperature through the dark current's activation energy (about .6 to "
         "1.2 eV: a doubling every 5 to 9 degrees). delta may follow temperature too, with a "
         "negative energy (delta: {value, at_c, ea_ev}): diffusion current is alike in all pixels "
@@ -49,7 +51,7 @@ class ConvolvedLognormal(Effect):
         "2 cos 2 pi u)(1 + 2 cos 2 pi v)"
     )
     references: ClassVar[tuple[str, ...]] = (
-        "Wang, Funatsu and Fowler (the paper)",
+        "Wang, Funatsu and Fowler (Wang 2025)",
         "Baer, SPIE 6068 (2006)",
         "Widenhorn, Blouke, Weber, Rest and Bodegom, SPIE 4669 (2002): temperature of CCD dark "
         "current",

@@ -94,8 +94,8 @@ def _glance(result: Any) -> Section:
     )
     return Section(
         "glance",
-        "At a glance",
-        text=[f"{at}In brackets: the rank; equal ranks are not distinguishable.",
+        "Overview by criterion",
+        text=[f"{at}In brackets the rank; equal ranks are not distinguishable.",
               *_marks(result)],
         tables=[Table(("sensor", *columns), rows, sortable=True, narrow=True)],
     )  # fmt: skip

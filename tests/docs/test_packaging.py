@@ -1,0 +1,57 @@
+"""The action, the workflows and the package's own data say what the code says."""
+
+import re
+import tomllib
+
+import docs_tree as tree
+import typer
+import yaml
+
+PROJECT = tomllib.loads((tree.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+ACTION = yaml.safe_load((tree.ROOT / "action.yml").read_text(encoding="utf-8"))
+
+
+def test_options_of_the_action_are_those_of_check():
+    from dnanalyze_cli.main import app
+
+    check = typer.main.get_command(app).commands["check"]
+    known = {flag for option in check.params for flag in option.opts}
+    script = "\n".join(step["run"] for step in ACTION["runs"]["steps"][1:])
+    used = set(re.findall(r"--[a-z]+", script))
+    assert "--targets" in used
+    assert used <= known
+
+
+def test_inputs_of_the_action_are_documented_and_used():
+    inputs = set(ACTION["inputs"])
+    page = (tree.DOCS / "ci.md").read_text(encoding="utf-8")
+    table = page.split("Inputs of the action:")[1].split("Without the action")[0]
+    assert set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == inputs
+    steps = yaml.safe_dump(ACTION["runs"])
+    assert set(re.findall(r"inputs\.(\w+)", steps)) == inputs
+
+
+def test_no_input_is_written_into_a_script():
+    for step in ACTION["runs"]["steps"]:
+        assert "${{" not in step["run"]
+
+
+def test_the_matrix_tests_what_the_classifiers_promise():
+    workflow = tree.ROOT / ".github" / "workflows" / "ci.yml"
+    jobs = yaml.safe_load(workflow.read_text(encoding="utf-8"))["jobs"]
+    tested = set(jobs["test"]["strategy"]["matrix"]["python"])
+    promised = {m[1] for c in PROJECT["classifiers"] if (m := re.search(r":: (3\.\d+)$", c))}
+    assert tested == promised
+
+
+def test_every_direct_dependency_is_imported_by_the_package():
+    imported = {"pillow": "PIL", "pyyaml": "yaml"}
+    code = "\n".join(
+        path.read_text(encoding="utf-8")
+        for folder in ("dnanalyze", "cli")
+        for path in (tree.ROOT / folder).rglob("*.py")
+    )
+    for requirement in PROJECT["dependencies"]:
+        name = re.match(r"[A-Za-z0-9-]+", requirement)[0].lower()
+        module = imported.get(name, name)
+        assert re.search(rf"^\s*(import|from) {module}\b", code, re.MULTILINE), requirement
