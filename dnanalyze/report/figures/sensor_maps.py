@@ -79,6 +79,7 @@ def sensor_maps(measured: Statistics) -> Picture | None:
     own = [item for item in MAPS if item[0] in setting.curves]
     where = point_label(setting.point) + (f", plane {setting.plane}" if setting.plane else "")
     rows, columns = setting.shape
+    plural = "s" if setting.frames > 1 else ""
     height = min(max(WIDE * rows / columns, 0.9), 3.2)
 
     def cell(name: str, title: str, colours: str, limits: Limits) -> Cell:
@@ -88,8 +89,7 @@ def sensor_maps(measured: Statistics) -> Picture | None:
 
     return panels(
         [cell(*item) for item in own],
-        f"{rows} × {columns} pixels. At {where}, {setting.frames} frame{'s' * (setting.frames > 1)}. "
-        "Maps of larger sensors "
+        f"{rows} × {columns} pixels. At {where}, {setting.frames} frame{plural}. Maps of larger sensors "
         "are reduced: cell means (mean dark image), cell rms (temporal noise), the highest pixel "
         "of a cell (hot pixels, from 5 robust standard deviations), one pixel of each cell (DSNU, "
         "with the slow shading taken off, and one frame). Colours end at the 1st and 99th "
