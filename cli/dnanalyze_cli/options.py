@@ -74,15 +74,6 @@ SystemGain = Annotated[
         help="Overall system gain K, DN/e-; default: as recorded, else from the frames.",
     ),
 ]
-SystemGain = Annotated[
-    float | None,
-    typer.Option(
-        "--system-gain",
-        metavar="K",
-        rich_help_panel=_READING,
-        help="Overall system gain K, DN/e-; default: as recorded, else from the frames.",
-    ),
-]
 EffectFiles = Annotated[
     list[Path] | None,
     typer.Option(

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
+from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
+from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import (
     State,
     converge,
@@ -148,7 +149,9 @@ def fit(
     ('pedestal', 'DN')
     """
     held = held or bench(design(captures))
-    model = located(held, with_seed(held, model, seed) or paper_start(held), frozen)
+    model = with_seed(held, model, seed) or paper_start(held)
+    _check(frozen, model)
+    model = located(held, model, frozen)
     state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
     return replace(with_uncertainties(held, state, replicates), capture_set=captures)
 
@@ -166,6 +169,14 @@ def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseM
     if seed is None:
         return model
     return replace(model or paper_start(held), seed=seed)
+
+
+def _check(frozen: Sequence[str], model: NoiseModel) -> None:
+    """Every name is one of the model's."""
+    valid = [PEDESTAL, *(f"{e.name}.{name}" for e in model.effects for name in e.parameters())]
+    for name in frozen:
+        if name not in valid:
+            raise InputError(f"frozen: no parameter {name!r}; valid: {', '.join(valid)}")
 
 
 def paper_start(held: Bench) -> NoiseModel:

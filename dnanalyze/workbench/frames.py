@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from dnanalyze.loaders.captures import CaptureSet, Window
+from dnanalyze.loaders.captures import CaptureSet, Frame, Window
 
 Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
@@ -50,7 +51,7 @@ def image(captures: CaptureSet, view: View) -> np.ndarray:
     return plane_of(found, view.plane, captures.sensor.cfa)
 
 
-def _moment(frames: tuple, deviation: bool) -> np.ndarray:  # type: ignore[type-arg]
+def _moment(frames: Sequence[Frame], deviation: bool) -> np.ndarray:
     """Mean or standard deviation over frames, by Welford's recurrence: one frame in memory."""
     mean: np.ndarray | None = None
     squares: np.ndarray | None = None
@@ -104,8 +105,8 @@ def for_screen(pixels: np.ndarray, window: Window, most: int) -> np.ndarray:
     if k == 1:
         return cut
     high, wide = (n // k * k for n in cut.shape)
-    blocks = cut[:high, :wide].reshape(high // k, k, wide // k, k).swapaxes(1, 2)
-    blocks = blocks.reshape(high // k, wide // k, k * k)
+    apart = cut[:high, :wide].reshape(high // k, k, wide // k, k)
+    blocks = apart.swapaxes(1, 2).reshape(high // k, wide // k, k * k)
     middle = np.nanmedian(cut)
     noise = 1.4826 * np.nanmedian(np.abs(cut - middle))
     away = np.abs(blocks - middle)

@@ -61,8 +61,8 @@ def python(source: CaptureSource, path: Sequence[Node]) -> str:
         lines.append(f"captures = captures.channel({source.channel!r})")
     known = ""
     if source.effects:
-        files = ", ".join(repr(str(p)) for p in source.effects)
-        lines += ["", f"known = dnanalyze.catalogue([{files}])"]
+        files = "".join(f"Path({str(p)!r}), " for p in source.effects)
+        lines += ["", f"known = dnanalyze.catalogue(({files}))"]
         known = ", known=known"
     model = ""
     for node in path:
@@ -80,7 +80,7 @@ def python(source: CaptureSource, path: Sequence[Node]) -> str:
 def _call(command: Sequence[str], model: str, known: str) -> str:
     name, *arguments = command
     if name == "fit":
-        frozen = [b for a, b in pairwise(arguments) if a == "--freeze"]
+        frozen = [b for a, b in pairwise(arguments) if a == "--frozen"]
         options = f", frozen={frozen!r}" if frozen else ""
         given = f", {model}" if model else ""
         return f"model = dnanalyze.fit(captures{given}{options}, replicates=0).model"

@@ -298,7 +298,7 @@ class WorkbenchSession:
     def fit(self) -> Job:
         """Refit the present model but for its pinned parameters."""
         frozen = tuple(sorted(self.pinned))
-        command = ("fit", "--replicates", "0", *(w for n in frozen for w in ("--freeze", n)))
+        command = ("fit", "--replicates", "0", *(w for n in frozen for w in ("--frozen", n)))
         base = self.present
         first = base.parent is None and base.model.names == [BASE] and self.model is None
 

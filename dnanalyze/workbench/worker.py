@@ -185,7 +185,7 @@ def serve(pipe: Connection, source: CaptureSource) -> None:
         while True:
             task = pipe.recv()
             try:
-                answer = "done", carried_out(bed, task, tell)
+                answer: tuple[str, Any] = "done", carried_out(bed, task, tell)
             except InputError as error:
                 answer = "failed", str(error)
             except (EOFError, OSError):

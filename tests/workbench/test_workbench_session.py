@@ -104,7 +104,7 @@ def test_pinned_parameters_keep_their_values_in_a_fit(session):
     session.pin("pedestal", True)
     session.fit().over.wait(120)
     assert session.present.model.pedestal == value + 0.5
-    assert "--freeze pedestal" in session.commands()
+    assert "--frozen pedestal" in session.commands()
 
 
 def test_a_running_task_is_cancelled_within_a_second_and_the_next_one_runs(session):

@@ -2,12 +2,41 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import typer
+
 from dnanalyze_cli.options import ModelOptions, ModelOut, takes
+
+Frozen = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--frozen",
+        metavar="PARAMETER",
+        help="Keep a parameter, as effect.parameter or pedestal; may be given again.",
+    ),
+]
+Replicates = Annotated[
+    int | None,
+    typer.Option(
+        "--replicates",
+        metavar="N",
+        min=0,
+        help="Simulated sensors for the standard errors; 0: none, and no correction by them.",
+        show_default="24",
+    ),
+]
 
 
 @takes(ModelOptions)
-def fit(options: ModelOptions, output: ModelOut = None) -> None:
+def fit(
+    options: ModelOptions,
+    output: ModelOut = None,
+    frozen: Frozen = None,
+    replicates: Replicates = None,
+) -> None:
     """Fit a model's parameters, with their standard errors; -o writes the model file."""
+    from dnanalyze.fitting.fit import REPLICATES
     from dnanalyze.fitting.fit import fit as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables
@@ -20,7 +49,14 @@ def fit(options: ModelOptions, output: ModelOut = None) -> None:
         start = over_channels.spread(start, found)
     with session.progress("Fitting") as progress:
         held = progress.bench(found)
-        result = run(found, model=start, held=held, tell=progress.fitting(held))
+        result = run(
+            found,
+            model=start,
+            frozen=frozen or (),
+            replicates=REPLICATES if replicates is None else replicates,
+            held=held,
+            tell=progress.fitting(held),
+        )
     show(session.console, found, result)
 
     def page() -> str:

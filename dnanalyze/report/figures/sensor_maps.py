@@ -89,10 +89,10 @@ def sensor_maps(measured: Statistics) -> Picture | None:
 
     return panels(
         [cell(*item) for item in own],
-        f"{rows} × {columns} pixels. At {where}, {setting.frames} frame{plural}. Maps of larger sensors "
-        "are reduced: cell means (mean dark image), cell rms (temporal noise), the highest pixel "
-        "of a cell (hot pixels, from 5 robust standard deviations), one pixel of each cell (DSNU, "
-        "with the slow shading taken off, and one frame). Colours end at the 1st and 99th "
+        f"{rows} × {columns} pixels. At {where}, {setting.frames} frame{plural}. Maps of larger "
+        "sensors are reduced: cell means (mean dark image), cell rms (temporal noise), the highest "
+        "pixel of a cell (hot pixels, from 5 robust standard deviations), one pixel of each cell "
+        "(DSNU, with the slow shading taken off, and one frame). Colours end at the 1st and 99th "
         "percentile.",
         "Maps of the sensor: " + ", ".join(title for _, title, _, _ in own),
     )

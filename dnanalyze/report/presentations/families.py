@@ -19,7 +19,8 @@ from dnanalyze.report.figures import (
 from dnanalyze.report.figures.style import Layer
 from dnanalyze.report.presentation import Draw
 
-KINDS = {
+Figure = Callable[[Sequence[Layer]], object]
+KINDS: dict[str, Figure] = {
     "temperature": trends.over_temperature,
     "distribution": distribution.histograms,
     "tails": tails.exceedance,
@@ -45,5 +46,5 @@ def family_plots(drawn: Callable[[], Sequence[Layer]]) -> dict[str, Draw]:
     return {kind: partial(_one, figure, once) for kind, figure in KINDS.items()}
 
 
-def _one(figure: Callable[..., object], drawn: Callable[[], Sequence[Layer]]) -> object:
+def _one(figure: Figure, drawn: Callable[[], Sequence[Layer]]) -> object:
     return figure(drawn())

@@ -197,8 +197,8 @@ class Failures:
         self._cells.data = data
         self._axes(names, points)
         if context.address is None and addresses:
-            z = [abs(float(r["discrepancy"])) for r in rows if r["name"] in names]
-            context.address = addresses[int(np.argmax(z))]
+            sizes = [abs(float(r["discrepancy"])) for r in rows if r["name"] in names]
+            context.address = addresses[int(np.argmax(sizes))]
             context.tell("address")
 
     def _axes(self, names: list[str], points: list[tuple[OperatingPoint, str]]) -> None:
