@@ -25,7 +25,7 @@ WORKERS = 2  # groups in memory at a time
 def detect(
     captures: CaptureSet,
     *,
-    alpha: float = 1e-4,
+    alpha: float = 1e-3,
     progress: Callable[[int, int], None] | None = None,
 ) -> Detection:
     """Look for hidden defect-pixel correction, denoise and temporal denoise.
@@ -187,11 +187,11 @@ def _ambiguous(
     kind: str, answers: list[Answer], evidence: list[ViewEvidence], alpha: float
 ) -> tuple[str, ...]:
     said = []
-    tests = ("spectral_corner", "crosstalk_or_denoise")
+    tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
     soft = [
         a for a in answers
         if a.asked.test in tests and a.asked.evidence.view == "frame"
-        and a.judge and a.asked.any_effect * len(answers) < alpha
+        and a.judge and a.holm < alpha
         and 0.3 < a.asked.effect / a.asked.limit <= 1
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:

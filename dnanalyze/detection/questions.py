@@ -48,7 +48,6 @@ class Asked:
     neighbours: int = 8
     slope: float = 1.0  # of the neighbours' maximum, in a rule of a slope and a bound
     sites: Replaced | None = None  # that the answer rests on
-    any_effect: float = 1.0  # p-value of an effect that crosstalk may be
 
     @property
     def everywhere(self) -> bool:
@@ -71,30 +70,28 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     (bend, bend_se), lag = e.spectrum.concavity(), e.correlation
     shared = lag.short_range_under_flicker if e.temporal else lag.short_range
     extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
-    chords = e.spectrum.chords  # the one that rises most was taken
+    chords = e.spectrum.independent_chords  # the one that rises most was taken
     asked = [
         Asked(
             "spectral_corner",
             "denoise",
             e,
-            min(1.0, chords * one_sided(bend - room * bound.concavity, bend_se)),
+            min(1.0, chords * one_sided(bend, bend_se)),
             bend,
             0.08 + 2 * extra + room * bound.concavity,
             f"the noise spectrum is flat at low, falling at high frequencies, by {bend:.2f} "
             "in ln P below a straight line: 1/f noise only ever bends the other way",
-            any_effect=min(1.0, chords * one_sided(bend, bend_se)),
         ),
         Asked(
             "crosstalk_or_denoise",
             "denoise",
             e,
-            one_sided(shared - room * bound.short_range, lag.short_range_error),
+            one_sided(shared, lag.short_range_error),
             shared,
             0.02 + extra + room * bound.short_range,
             f"neighbours' noise correlates by {max(lag.along_rows[0], 0):.3f} along rows and "
             f"{max(lag.along_columns[0], 0):.3f} along columns; crosstalk, which cannot touch read "
             f"noise, could give at most {share * bound.short_range:.3f} here",
-            any_effect=one_sided(shared, lag.short_range_error),
         ),
     ]
     asked += _backed(

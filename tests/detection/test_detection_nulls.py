@@ -209,7 +209,7 @@ def test_p_values_of_rows_and_chords_hold_for_the_largest_of_many():
         found, spectrum = row_phase(image), octave_spectrum(image)
         rows.append(found.p * found.tried)
         rise, se = spectrum.concavity()
-        bends.append(spectrum.chords * stats.norm.sf(rise / se))
+        bends.append(spectrum.independent_chords * stats.norm.sf(rise / se))
     assert np.sum(np.array(rows) < 0.01) <= 14  # 5 standard deviations above
     assert np.sum(np.array(bends) < 0.01) <= 14
 
@@ -267,7 +267,7 @@ def _seen(view: str, variance: float) -> SimpleNamespace:
     return SimpleNamespace(
         view=view, usable=True, temporal=True, noise=5.0, step=1.0, correlation=lag,
         point=SimpleNamespace(temperature_c=None, gain=1.0, channel=None), equal=(0.1, 0.1, 10000),
-        spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01), chords=56),
+        spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01), independent_chords=6),
         rank={8: SimpleNamespace(extremes=1.0, se=0.01)},
         texture=SimpleNamespace(
             dispersion=1.0, dispersion_se=0.1, hh_excess=0.0, hh_se=0.1, hh_kurtosis=3.0
