@@ -63,7 +63,7 @@ def page(session: WorkbenchSession, query: str, theme: str) -> Any:
         margin=0,
         styles={
             "display": "grid",
-            "grid-template-columns": "442px minmax(300px, 1fr) minmax(300px, 372px)",
+            "grid-template-columns": "412px minmax(280px, 1fr) minmax(290px, 372px)",
             "grid-template-rows": "40px minmax(0, 1.32fr) minmax(0, 1fr)",
             "grid-template-areas": "'bar bar bar' 'sensor fails model' 'sensor history missing'",
             "gap": "6px",

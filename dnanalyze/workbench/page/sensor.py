@@ -32,7 +32,7 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 SCREEN = 256  # rows and columns of a displayed image at most
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
-IMAGE = 208, 268  # width and height of an image's figure, screen pixels
+IMAGE = 196, 256  # width and height of an image's figure, screen pixels
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
 
 
@@ -151,7 +151,7 @@ class Sensor:
         )
         rows = min(len(rest), 8)
         made = plain_figure(
-            p, width=416, height=38 + 20 * rows, tools="tap",
+            p, width=392, height=38 + 20 * rows, tools="tap",
             x_range=Range1d(-0.5, len(temperatures) - 0.5), y_range=Range1d(-0.5, len(rest) - 0.5),
         )  # fmt: skip
         cells = made.rect("x", "y", width=0.96, height=0.9, source=source, fill_color=p.present,
