@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy import fft
+from scipy import fft, stats
 
 from dnanalyze.detection.flatten import clipped
 
@@ -107,6 +107,7 @@ def octave_spectrum(images: np.ndarray) -> OctaveSpectrum:
     for image in images:
         spectrum = fft.rfft2(clipped(image))
         total += spectrum.real**2 + spectrum.imag**2
+    scatter = _of_median(n)
     power = np.full(EDGES.size - 1, np.nan)
     se = np.full(EDGES.size - 1, np.inf)
     for band in range(power.size):
@@ -115,8 +116,19 @@ def octave_spectrum(images: np.ndarray) -> OctaveSpectrum:
             middle = float(np.median(inside)) / (n * h * w)
             if middle > 0:
                 power[band] = np.log(middle)
-                se[band] = 1.25 / np.sqrt(n * inside.size)
+                se[band] = scatter / np.sqrt(inside.size)
     return OctaveSpectrum(power, se)
+
+
+def _of_median(n: int) -> float:
+    """Standard error of ln of the median of N powers, times sqrt(N).
+
+    The sum of n powers of Gaussian noise has a gamma distribution of shape n; a median m scatters
+    by 1 / (2 f(m) sqrt(N)), f the density.
+    """
+    law = stats.gamma(n)
+    middle = law.median()
+    return float(1 / (2 * law.pdf(middle) * middle))
 
 
 def _bins(h: int, w: int) -> tuple[np.ndarray, np.ndarray]:

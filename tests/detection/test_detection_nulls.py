@@ -286,3 +286,18 @@ def test_a_denoise_may_show_at_any_setting_within_a_colour_and_at_the_quietest_i
     seen = [_seen(view, variance) for view in ("frame", "planes") for variance in (1.0, 4.0, 9.0)]
     judges = verdict._quietest(seen)
     assert [id(e) in judges for e in seen] == [True, True, False, True, True, True]
+
+
+@pytest.mark.parametrize("images", [1, 4])
+def test_the_error_of_an_octaves_power_is_its_scatter(images):
+    """Over 200 draws of white noise; the scatter of 200 is known to 5 %."""
+    rng = np.random.default_rng(3)
+    drawn = [
+        octave_spectrum(rng.standard_normal((images, 64, 64)).astype(np.float32))
+        for _ in range(200)
+    ]
+    ln = np.array([d.log_power for d in drawn])
+    known = np.isfinite(ln).all(axis=0)
+    ratio = ln[:, known].std(axis=0) / drawn[0].se[known]
+    assert np.all(np.abs(ratio - 1) < 0.2)
+    assert abs(ratio.mean() - 1) < 0.06
