@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
@@ -82,7 +81,7 @@ class Worker:
 
         def listen() -> None:
             answer: tuple[str, Any] = "failed", "the worker process ended unexpectedly; try again"
-            with suppress(EOFError, OSError):
+            try:
                 pipe.send(task)
                 while True:
                     kind, content = pipe.recv()
@@ -94,6 +93,8 @@ class Worker:
                     else:
                         answer = kind, content
                         break
+            except (EOFError, OSError):
+                self._end()  # so that the next task begins with a new process
             with self._lock:
                 self.job = None
             if not job.cancelled:

@@ -48,7 +48,7 @@ def test_the_error_is_that_of_compare_and_of_the_copied_commands(
     assert session.present.error == pytest.approx(own, rel=1e-6)
 
     script = session.commands().replace("dnanalyze ", f'{sys.executable} -c "{RUN}" ')
-    (tmp_path / "script.sh").write_text(script)
+    (tmp_path / "script.sh").write_text(script.rstrip() + " --json out.json\n")
     subprocess.run(["sh", "script.sh"], cwd=tmp_path, check=True, capture_output=True)
     again = json.loads((tmp_path / "out.json").read_text())["error"]
     assert again == pytest.approx(own, rel=1e-6)
