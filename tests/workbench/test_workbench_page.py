@@ -94,9 +94,13 @@ class Workbench:
 
     def points(self, layer: str) -> int:
         """Points of a curve of the open figure."""
-        script = f"""() => {{ for (const d of Bokeh.documents) {{
-            const found = d.get_model_by_name("{layer}");
-            if (found) return found.data_source.data.x?.length ?? found.data_source.data.get?.('x')?.length ?? 0; }} return 0; }}"""
+        script = f"""() => {{
+            for (const d of Bokeh.documents) {{
+                const data = d.get_model_by_name("{layer}")?.data_source.data;
+                if (data) return (data.x ?? data.get?.("x"))?.length ?? 0;
+            }}
+            return 0;
+        }}"""
         return int(self.page.evaluate(script))
 
     def click(self, name: str) -> None:
