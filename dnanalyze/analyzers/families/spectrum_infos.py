@@ -65,22 +65,23 @@ def _of_part(part: str) -> Iterator[StatisticInfo]:
 
 def _lines_of(part: str, of: str) -> Iterator[StatisticInfo]:
     yield StatisticInfo(
-        f"{part}_line", "spectrum", "1", f"strongest single line {of} over its floor", Scale.LOG,
-        high="a single spectral line stands {ratio} times higher than in the model: interference "
+        f"{part}_line", "spectrum", "1", f"strongest spectral peak {of} over its surroundings",
+        Scale.LOG,
+        high="the strongest spectral peak is {ratio} times as high as in the model: interference "
         "from a clock or supply, or a periodic pattern",
-        low="the model has a spectral line that the measurement lacks",
+        low="the model has a spectral peak that the measurement lacks",
     )  # fmt: skip
     yield StatisticInfo(
         f"{part}_line_in_step", "spectrum", "1",
-        f"share of the strongest line {of} that is in step over the field",
-        high="the strongest spectral line keeps step over the field better than the model's: one "
-        "plane wave",
-        low="the strongest spectral line is out of step over the field: no one plane wave as in "
-        "the model, but rings, a chirp, a beat or a patch",
+        f"phase coherence over the field of the strongest peak {of}",
+        high="the strongest spectral peak is more phase-coherent over the field than in the "
+        "model: a single plane wave",
+        low="the strongest spectral peak is not phase-coherent over the field, as a plane "
+        "wave would be: rings, a chirp, a beat, or a part of the field",
     )  # fmt: skip
-    yield from _placed(f"{part}_line", f"the strongest line {of}")
-    name, what = f"{part}_axis_line", f"the strongest line {of} that whole rows or columns share"
-    yield _told(name, "1", f"{what}, over its floor", Scale.LOG)
+    yield from _placed(f"{part}_line", f"the strongest peak {of}")
+    name, what = f"{part}_axis_line", f"the strongest peak {of} of whole rows or columns"
+    yield _told(name, "1", f"{what}, over its surroundings", Scale.LOG)
     yield from _placed(name, what)
 
 
