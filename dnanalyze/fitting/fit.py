@@ -176,7 +176,7 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
     valid = [PEDESTAL, *(f"{e.name}.{name}" for e in model.effects for name in e.parameters())]
     for name in frozen:
         if name not in valid:
-            raise InputError(f"frozen: no parameter {name!r}; valid: {', '.join(valid)}")
+            raise InputError(f"--frozen (frozen): no parameter {name!r}; valid: {', '.join(valid)}")
 
 
 def paper_start(held: Bench) -> NoiseModel:

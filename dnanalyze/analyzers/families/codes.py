@@ -20,7 +20,7 @@ OVERUSED = 5.0  # standard errors above its neighbours
 
 INFOS = (
     StatisticInfo(
-        "lattice", "codes", "1", "values lie on whole numbers",
+        "lattice", "codes", "1", "whole-number codes",
         high="the values are whole codes, and the model's are not",
         low="the model's values are whole codes, and the measured ones are not",
     ),

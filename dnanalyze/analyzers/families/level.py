@@ -48,10 +48,8 @@ INFOS = (
     ),
     StatisticInfo(
         "pattern_noise_core", "level", "DN", "mean frame, central 68 %", Scale.LOG,
-        high="the robust standard deviation of the standard deviation of the mean frame is "
-        "{ratio} times the model's",
-        low="the robust standard deviation of the standard deviation of the mean frame is only "
-        "{ratio} of the model's",
+        high="the robust standard deviation of the mean frame is {ratio} times the model's",
+        low="the robust standard deviation of the mean frame is only {ratio} of the model's",
     ),
     StatisticInfo(
         "frame_noise_core", "level", "DN", "single frame, central 68 %", Scale.LOG,

@@ -29,8 +29,7 @@ def _correlations(part: str) -> Iterator[StatisticInfo]:
         yield StatisticInfo(
             f"{part}_corr_{name}", _FAMILY, "1", title,
             high=f"pixels {_AWAY[name]} are more correlated {_OF[part]} than in the model: "
-            "crosstalk, "
-            "denoise, or a coarser structure",
+            "crosstalk, denoise, or a coarser structure",
             low=f"pixels {_AWAY[name]} are less correlated {_OF[part]} than in the model: "
             "sharpening, or too much crosstalk in the model",
         )  # fmt: skip
@@ -91,8 +90,7 @@ INFOS: tuple[StatisticInfo, ...] = (
     StatisticInfo(
         "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band",
         high="the diagonal detail (finest Haar band) of the temporal noise has heavier tails "
-        "than in the model: a "
-        "wavelet denoise, RTS pixels or cosmic rays",
+        "than in the model: a wavelet denoise, RTS pixels or cosmic rays",
         low="the diagonal detail (finest Haar band) of the temporal noise has lighter tails than "
         "in the model",
     ),

@@ -38,27 +38,27 @@ def _power(name: str, title: str, compared: bool = True) -> StatisticInfo:
 
 def _band_text(label: str) -> str:
     if label == "first":
-        return "lowest three frequencies"
+        return "at the lowest three frequencies"
     low, high = label.split("_")
-    return f"below {high} c/px" if low == "0" else f"{low} to {high} c/px"
+    return f"below {high} c/px" if low == "0" else f"at {low} to {high} c/px"
 
 
 def _of_part(part: str) -> Iterator[StatisticInfo]:
     of = _OF[part]
     for label, _, _ in band_names(RADIAL_BANDS):
         # the single frame follows from the other two; with one frame only, it is all there is
-        yield _power(f"{part}_psd_{label}", f"power {of}, {_band_text(label)}")
+        yield _power(f"{part}_psd_{label}", f"power {of} {_band_text(label)}")
     if part != "frame":
         for kind in ("columns", "rows"):
             for label, _, _ in band_names(STRUCTURE_BANDS):
-                title = f"power {of} of whole {kind}, {_band_text(label)}"
+                title = f"power {of} of whole {kind} {_band_text(label)}"
                 yield _power(f"{part}_{kind}_{label}", title)
         for axis, way in (("u", "along the rows"), ("v", "along the columns")):
             for label, _, _ in profile_names():
-                yield _power(f"{part}_{axis}_{label}", f"power {of} {way}, {_band_text(label)}")
+                yield _power(f"{part}_{axis}_{label}", f"power {of} {way} {_band_text(label)}")
         yield from _lines_of(part, of)
-    for label, span in (("low", ".005-.05"), ("mid", ".05-.2"), ("high", ".2-.5")):
-        yield _told(f"{part}_slope_{label}", "1", f"log-log slope {of}, {span} c/px")
+    for label, span in (("low", "0.005-0.05"), ("mid", "0.05-0.2"), ("high", "0.2-0.5")):
+        yield _told(f"{part}_slope_{label}", "1", f"log-log slope {of} at {span} c/px")
     yield _told(f"{part}_corner_frequency", "c/px", f"corner frequency {of}")
     yield _told(f"{part}_hf_mf", "1", f"high-to-mid-frequency ratio {of}", Scale.LOG)
 
