@@ -22,7 +22,8 @@ Replicates = Annotated[
         "--replicates",
         metavar="N",
         min=0,
-        help="Simulated sensors for the standard errors; 0: no standard errors and no bias correction.",
+        help="Simulated sensors for the standard errors; 0: no standard errors, no bias "
+        "correction.",
         show_default="24",
     ),
 ]

@@ -121,4 +121,5 @@ def _law(ax: Any, layer: Layer, warm: Sequence[Any], pedestal: float) -> None:
     line = hottest[1] * np.exp(-trend.value / BOLTZMANN_EV * (1 / kelvin - 1 / hottest[0]))
     doubt = " (not typical of dark current)" if unusual(trend.value, trend.se) else ""
     ax.plot(1000 / kelvin, line, color=ACCENT, linewidth=1.0, linestyle=(0, (1, 2)),
-            label=f"activation energy {with_error(trend.value, trend.se)} eV{doubt}")  # fmt: skip
+            label=f"activation energy of the median {with_error(trend.value, trend.se)} eV"
+            f"{doubt}")  # fmt: skip

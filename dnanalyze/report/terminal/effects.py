@@ -67,5 +67,9 @@ def effect(console: Console, kind: Any) -> None:
                 Text(f"Statistics that respond most: {', '.join(kind.fingerprint)}"), (0, 0, 1, 2)
             )
         )
-    points(console, "Confounded with", [f"{k}: {v.rstrip('.')}." for k, v in kind.confused_with.items()])
+    points(
+        console,
+        "Confounded with",
+        [f"{k}: {v.rstrip('.')}." for k, v in kind.confused_with.items()],
+    )
     points(console, "References", list(kind.references))
