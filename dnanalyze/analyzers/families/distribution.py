@@ -109,7 +109,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     residue = math.sqrt(acc.temporal_mean / acc.frames)
     steps = pattern_steps(acc.pattern_ordered, residue)
     if steps is None:
-        out.missing["pattern_steps"] = "the DSNU is not wider than its temporal residue"
+        out.missing["pattern_steps"] = "the DSNU is not above the remaining temporal noise"
         out.missing["pattern_step_dn"] = out.missing["pattern_steps"]
     else:
         out.values["pattern_steps"], out.values["pattern_step_dn"] = steps

@@ -369,7 +369,7 @@ def _shape(part: _Part, result: FamilyResult) -> None:
     knee = corner(modes.rho, mean, modes.count)
     if knee is None:
         result.missing[f"{part.name}_corner_frequency"] = (
-            f"the power does not rise to {CORNER_RISE:g} times the white floor"
+            f"the power does not rise to {CORNER_RISE:g} times the white noise"
         )
     else:
         result.values[f"{part.name}_corner_frequency"] = knee

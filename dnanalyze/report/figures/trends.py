@@ -22,7 +22,7 @@ from dnanalyze.report.figures.style import (
 )
 from dnanalyze.report.words import is_number, with_error
 
-NOISES = {"temporal_noise": "temporal dark noise", "pattern_noise": "DSNU"}
+NOISES = {"temporal_noise": "temporal dark noise", "pattern_noise": "mean frame"}
 
 
 def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
@@ -51,8 +51,9 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
     )
     return panels(
         cells,
-        f"{left} Temporal dark noise and DSNU over the operating points." + one_line_each(measured),
-        "Arrhenius plot of the dark signal, temporal dark noise and DSNU.",
+        f"{left} Temporal dark noise, and standard deviation of the mean frame, over the "
+        "operating points." + one_line_each(measured),
+        "Arrhenius plot of the dark signal, temporal dark noise, and standard deviation of the mean frame.",
     )
 
 
