@@ -53,7 +53,8 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
         cells,
         f"{left} Temporal dark noise, and standard deviation of the mean frame, over the "
         "operating points." + one_line_each(measured),
-        "Arrhenius plot of the dark signal, temporal dark noise, and standard deviation of the mean frame.",
+        "Arrhenius plot of the dark signal; temporal dark noise and standard deviation of the "
+        "mean frame.",
     )
 
 
