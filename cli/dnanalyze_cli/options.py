@@ -24,18 +24,18 @@ Captures = Annotated[
 Json = Annotated[
     Path | None,
     typer.Option(
-        "--json", metavar="OUT.json", rich_help_panel=_FILES, help="All numbers; - prints them."
+        "--json", metavar="OUT.json", rich_help_panel=_FILES, help="Results as JSON; - prints them."
     ),
 ]
 Report = Annotated[
     Path | None,
     typer.Option(
-        "--report", metavar="OUT.html", rich_help_panel=_FILES, help="One self-contained page."
+        "--report", metavar="OUT.html", rich_help_panel=_FILES, help="Report, one HTML file."
     ),
 ]
 Csv = Annotated[
     Path | None,
-    typer.Option("--csv", metavar="OUT.csv", rich_help_panel=_FILES, help="The table of numbers."),
+    typer.Option("--csv", metavar="OUT.csv", rich_help_panel=_FILES, help="Results as a table."),
 ]
 Config = Annotated[
     Path | None,
@@ -53,7 +53,7 @@ Tolerance = Annotated[
         metavar="C",
         min=0.0,
         rich_help_panel=_READING,
-        help="Frames within so many °C share an operating point; default 1.5.",
+        help="Frames that differ by no more share an operating point; default 1.5 °C.",
     ),
 ]
 Channel = Annotated[
@@ -107,7 +107,7 @@ Scheduler = Annotated[
 NoCache = Annotated[
     bool,
     typer.Option(
-        "--no-cache", rich_help_panel=_RUN, help="Read the frames again; store no statistics."
+        "--no-cache", rich_help_panel=_RUN, help="Do not use or store statistics of earlier runs."
     ),
 ]
 Model = Annotated[

@@ -217,7 +217,7 @@ class Session:
         def tell() -> None:
             if not self._told:
                 self._told = True
-                self.say("note: compiling for this machine; only the first run does")
+                self.say("note: compiling for this machine (first run only)")
 
         with event.install_listener("numba:compile", Listener()):
             yield

@@ -54,7 +54,7 @@ CRITERIA = (
 )  # fmt: skip
 
 SINGLE = (
-    Criterion("read_noise", "noise, coldest and shortest", "DN",
+    Criterion("read_noise", "baseline noise floor", "DN",
               ("temporal_noise_core", "frame_noise_core"), thermal=False, electrons=True),
     Criterion("spectral_slope", "1/f slope of the spectrum", "1",
               ("pattern_slope_low", "frame_slope_low"), better="", thermal=False),
@@ -62,7 +62,7 @@ SINGLE = (
     Criterion("pedestal", "black level", "DN", ("pedestal",), better="", thermal=False),
     Criterion("activation_energy", "activation energy", "eV", ("activation_energy_ev",),
               better="", thermal=False),
-    Criterion("doubling_step", "doubling step", "C", ("doubling_step_c",),
+    Criterion("doubling_step", "doubling temperature", "C", ("doubling_step_c",),
               better="", thermal=False),
 )  # fmt: skip
 

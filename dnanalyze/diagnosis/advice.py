@@ -170,7 +170,7 @@ def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list
         advice.append("a second frame at each operating point separates DSNU from temporal noise")
     elif min(frames) < 4:
         advice.append(
-            "eight frames at each operating point: with fewer than four, blinking pixels and "
+            "eight frames at each operating point: with fewer than four, RTS pixels and "
             "temporal filters cannot be separated from noise"
         )
     if candidates and candidates[0].confused_with:

@@ -176,7 +176,7 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
     valid = [PEDESTAL, *(f"{e.name}.{name}" for e in model.effects for name in e.parameters())]
     for name in frozen:
         if name not in valid:
-            raise InputError(f"frozen: no parameter {name!r}; valid: {', '.join(valid)}")
+            raise InputError(f"--frozen (frozen): no parameter {name!r}; valid: {', '.join(valid)}")
 
 
 def paper_start(held: Bench) -> NoiseModel:
@@ -347,19 +347,21 @@ def _doubts(
     for i, knob in enumerate(knobs):
         if knob.energy and not seen[i]:
             sentences.append(
-                f"{knob.name}: held; these captures do not determine an activation energy"
+                f"not determined: {knob.name}, kept; these captures give no activation energy"
             )
         elif not seen[i]:
-            sentences.append(f"{knob.name}: nothing in these captures depends on it")
+            sentences.append(
+                f"not determined: {knob.name}; nothing in these captures depends on it"
+            )
         elif knob.log and spread[i] > VAGUE:
             sentences.append(
-                f"{knob.name}: not determined within a factor of {np.exp(min(spread[i], 50)):.3g}"
+                f"not determined: {knob.name}, within a factor of {np.exp(min(spread[i], 50)):.3g}"
             )
     for i in range(len(knobs)):
         for j in range(i):
             if abs(correlations[i, j]) > ALIKE:
                 sentences.append(
-                    f"{knobs[j].name} and {knobs[i].name}: confounded in these captures "
+                    f"confounded in these captures: {knobs[j].name} and {knobs[i].name} "
                     f"(correlation {correlations[i, j]:+.3f})"
                 )
     return sentences

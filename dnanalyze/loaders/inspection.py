@@ -74,7 +74,7 @@ def missing(captures: CaptureSet) -> list[str]:
     if 1 < max(counts) < _FEW_FRAMES:
         said.append(
             f"At most {max(counts)} frames at an operating point: temporal noise of a pixel, "
-            "blinking pixels and drift are measured poorly; 16 or more are better."
+            "RTS pixels and drift are measured poorly; 16 or more are better."
         )
     return said + _missing_temperature(points) + _missing_exposure(points)
 

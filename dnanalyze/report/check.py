@@ -45,7 +45,7 @@ def look(check: Any) -> str:
     if check.family == "model":
         return "the model file"
     if check.family == "error":
-        return "'Where the model fails'"
+        return "'Differences between sensor and model'"
     return f"'{family_title(check.family)}'"
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
+from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Emva, Group, Kind, PointQuantities, Quantity
-from dnanalyze.report.words import number, point_label, varied, with_error
+from dnanalyze.report.words import family_title, listing, number, point_label, varied, with_error
 
 UNITS = {"e-": "e⁻", "e-/s": "e⁻/s", "DN/e-": "DN/e⁻", "C": "°C", "1": ""}
 NONE = "–"
@@ -153,6 +155,24 @@ def current_table(group: Group) -> tuple[Row, list[Row]]:
     return ("temperature", "exposures", *heads), rows if own else []
 
 
+def _some(names: Sequence[str], most: int = 4) -> str:
+    """The first few names; between names with commas of their own stand semicolons."""
+    between = "; " if any("," in n for n in names) else ", "
+    more = [f"{len(names) - most} more"] if len(names) > most else []
+    return listing([*names[:most], *more], between)
+
+
+def missing_statistics(measured: Any) -> list[str]:
+    """A sentence for each reason why statistics are not determined, with their titles."""
+    known = catalogue()
+    why: dict[str, dict[str, None]] = {}
+    for setting in measured.settings:
+        for name, reason in setting.missing.items():
+            title = known[name].title if name in known else family_title(name).lower()
+            why.setdefault(reason, {})[title] = None
+    return [f"{_some(list(names), 2)}: {reason}" for reason, names in why.items()]
+
+
 def undetermined(found: Emva) -> list[str]:
     """A sentence for each reason, with the quantities that it holds for."""
     why: dict[str, dict[str, None]] = {}
@@ -177,6 +197,5 @@ def undetermined(found: Emva) -> list[str]:
         count = len(missed[reason] - {""})
         where = f" at {count} of {total} operating points" if 0 < count < total else ""
         shown = list(names)
-        text = ", ".join(shown[:4]) + (f" and {len(shown) - 4} more" if len(shown) > 4 else "")
-        out.append(f"{text}{where}: {reason}")
+        out.append(f"{_some(shown)}{where}: {reason}")
     return out

@@ -83,7 +83,7 @@ def test_what_the_model_misses_at_first_is_written_down_but_not_enforced():
     columns = [t for t in limits.targets if t.statistic == "pattern_columns_0.1_0.3"]
     assert columns
     assert not any(t.enforced for t in columns)
-    assert "misses" in columns[0].note
+    assert "violates" in columns[0].note
     result = check(sensor(3, truth), limits, replace(MODEL, seed=77))
     assert result.passed
     assert "pattern_columns_0.1_0.3" in {c.subject for c in result.known_misses}

@@ -64,7 +64,9 @@ def test_what_one_temperature_cannot_tell_is_said():
         series, replace(true, seed=9000), frozen=["read_noise.spread"], replicates=REPLICATES
     )
     said = found.undetermined
-    assert "hot_pixels.ea_ev: held; these captures tell no activation energy" in said
+    assert (
+        "not determined: hot_pixels.ea_ev, kept; these captures give no activation energy" in said
+    )
     # Level, shot noise and skewness of the Poisson count are all that tells the pedestal from mu.
     assert any(s.startswith("pedestal and convolved_lognormal.mu") for s in said)
 

@@ -13,7 +13,7 @@ from dnanalyze_cli.session import Session
 
 def benchmark(
     folders: Annotated[
-        list[str], typer.Argument(metavar="A B ...", help="Capture folders, one a sensor.")
+        list[str], typer.Argument(metavar="A B ...", help="Capture folders, one per sensor.")
     ],
     at: Annotated[
         str | None,
@@ -25,7 +25,7 @@ def benchmark(
         ),
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Leave out which effects each sensor has.")
+        bool, typer.Option("--quick", help="Do not identify the effects of each sensor.")
     ] = False,
     json: Json = None,
     report: Report = None,
@@ -36,7 +36,7 @@ def benchmark(
     no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
-    """Several sensors side by side: EMVA dark figures, tails, spectra, effects, filters."""
+    """Compare several sensors: EMVA 1288 dark quantities, tails, spectra, effects, filters."""
     from dnanalyze.benchmarking.run import benchmark as run
     from dnanalyze.report import benchmark as results
     from dnanalyze.report.terminal.benchmark import result as show

@@ -24,17 +24,17 @@ def demo(
         ),
     ] = None,
     hide: Annotated[
-        str, typer.Option("--hide", metavar="EFFECT", help="What to hide in the sensor.")
+        str, typer.Option("--hide", metavar="EFFECT", help="Effect to hide in the sensor.")
     ] = "column_fpn",
     level: Annotated[
-        str, typer.Option("--level", help="How strong: weak, middling or strong.")
+        str, typer.Option("--level", help="Strength of the effect: weak, middling or strong.")
     ] = "middling",
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Names the sensor.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the virtual sensor.")] = 1,
     json: Json = None,
     report: Report = None,
     quiet: Quiet = False,
 ) -> None:
-    """A virtual sensor with a hidden effect: its frames, the comparison, what is missing."""
+    """Make frames of a virtual sensor with a hidden effect, compare, and identify the effect."""
     if folder is not None:
         _tell(folder, hide, level, seed, json, report, quiet, True)
         return

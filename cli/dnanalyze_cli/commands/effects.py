@@ -15,7 +15,7 @@ Name = Annotated[
 
 
 def effects(name: Name = None, json: Json = None, effects: EffectFiles = None) -> None:
-    """The catalogue; with a name, its physics, formula, units, fingerprint, references."""
+    """List the effects; with NAME: physics, formula, parameters, statistics, references."""
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents
     from dnanalyze.report.terminal.effects import catalogue, effect

@@ -13,7 +13,7 @@ Frozen = Annotated[
     typer.Option(
         "--frozen",
         metavar="PARAMETER",
-        help="Keep a parameter, as effect.parameter or pedestal; may be given again.",
+        help="Do not fit this parameter: effect.parameter, or pedestal; may be given again.",
     ),
 ]
 Replicates = Annotated[
@@ -22,7 +22,8 @@ Replicates = Annotated[
         "--replicates",
         metavar="N",
         min=0,
-        help="Simulated sensors for the standard errors; 0: none, and no correction by them.",
+        help="Simulated sensors for the standard errors; 0: no standard errors, no bias "
+        "correction.",
         show_default="24",
     ),
 ]

@@ -48,7 +48,7 @@ def hdr(
     seed: Seed = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compare combined HDR frames with the models of their channels; noise steps between them."""
+    """Compare combined HDR frames with the models of their channels."""
     from rich.text import Text
 
     from dnanalyze.comparator.combined import compare_combined

@@ -41,7 +41,7 @@ def workbench(
     seed: Seed = None,
     quiet: Quiet = False,
 ) -> None:
-    """One live page: where the model fails, what is missing, and the error as it falls."""
+    """Live page: discrepancies of the model, missing effects, the model error at each step."""
     if demo == (captures is not None):
         raise InputError("workbench: give a folder of dark frames, or --demo without one")
     if demo:

@@ -20,24 +20,24 @@ OVERUSED = 5.0  # standard errors above its neighbours
 
 INFOS = (
     StatisticInfo(
-        "lattice", "codes", "1", "values lie on whole numbers",
+        "lattice", "codes", "1", "whole-number codes",
         high="the values are whole codes, and the model's are not",
         low="the model's values are whole codes, and the measured ones are not",
     ),
     StatisticInfo(
         "unused_codes", "codes", "1", "share of codes that never occur",
-        high="codes are missing: {measured} of those in the body of the histogram never occur",
+        high="codes are missing: a share of {measured} of the central codes never occurs",
         low="the model leaves codes unused that the sensor gives",
     ),
     StatisticInfo(
         "code_roughness", "codes", "1", "roughness of the histogram of codes", Scale.LOG,
-        high="neighbouring codes occur unequally often, {ratio} times as much so as in the model",
-        low="neighbouring codes occur more equally often than in the model",
+        high="the frequencies of neighbouring codes differ {ratio} times as much as in the model",
+        low="the frequencies of neighbouring codes differ less than in the model",
     ),
     StatisticInfo(
-        "code_comb", "codes", "1", "strongest period of that roughness", Scale.LOG,
-        high="the histogram of codes has a comb {ratio} times as strong as the model's",
-        low="the histogram of codes lacks the comb of the model",
+        "code_comb", "codes", "1", "strongest periodic component of that roughness", Scale.LOG,
+        high="the histogram of codes has a periodic component {ratio} times the model's",
+        low="the histogram of codes lacks the periodic component of the model",
     ),
     StatisticInfo(
         "low_spike", "codes", "1", "pile-up at the lowest code", Scale.LOG,
@@ -49,13 +49,15 @@ INFOS = (
         high="values pile up at the highest code: it saturates",
         low="the model piles up values at the highest code, the sensor does not",
     ),
-    StatisticInfo("code_comb_period", "codes", "DN", "period of the comb", compared=False),
+    StatisticInfo(
+        "code_comb_period", "codes", "DN", "period of the histogram of codes", compared=False
+    ),
     StatisticInfo("effective_bits", "codes", "bits", "entropy of the histogram", compared=False),
     StatisticInfo("clipped_low", "codes", "1", "share at the lowest code", compared=False),
     StatisticInfo("clipped_high", "codes", "1", "share at the highest code", compared=False),
     StatisticInfo("lowest_code", "codes", "DN", "lowest code", compared=False),
     StatisticInfo("highest_code", "codes", "DN", "highest code", compared=False),
-    StatisticInfo("overused_codes", "codes", "codes", "over-used codes", compared=False),
+    StatisticInfo("overused_codes", "codes", "codes", "codes that occur too often", compared=False),
 )  # fmt: skip
 
 

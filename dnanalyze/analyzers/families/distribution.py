@@ -69,7 +69,7 @@ INFOS = (
             ("skewness", "skewness"),
             ("kurtosis", "excess kurtosis"),
             ("robust_skewness", "(q.99 + q.01 - 2 median) / (q.99 - q.01)"),
-            ("robust_kurtosis", "(q.99 - q.01) / (q.75 - q.25) over the normal law's"),
+            ("robust_kurtosis", "(q.99 - q.01) / (q.75 - q.25) over that of a normal distribution"),
         )
     ),
     StatisticInfo("lognormal_mu", "distribution", "ln DN", "log-normal fit, mu", compared=False),
@@ -95,7 +95,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     out.curves["histogram_codes"] = acc.values.centres
     out.curves["histogram_counts"] = acc.values.counts
     if acc.frames == 1:
-        _absent(out, "one frame cannot tell fixed from temporal noise")
+        _absent(out, "one frame does not separate DSNU from temporal noise")
         return out
     pattern = QuantileErrors(acc.plan, (acc.pattern,), acc.pattern_ordered, PROBABILITIES)
     _quantiles(acc, "pattern", pattern, out)
@@ -109,7 +109,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     residue = math.sqrt(acc.temporal_mean / acc.frames)
     steps = pattern_steps(acc.pattern_ordered, residue)
     if steps is None:
-        out.missing["pattern_steps"] = "the DSNU is not wider than its temporal residue"
+        out.missing["pattern_steps"] = "the DSNU is not above the remaining temporal noise"
         out.missing["pattern_step_dn"] = out.missing["pattern_steps"]
     else:
         out.values["pattern_steps"], out.values["pattern_step_dn"] = steps
@@ -161,7 +161,7 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
     mean = float(w @ x)
     m2, m4 = float(w @ (x - mean) ** 2), float(w @ (x - mean) ** 4)
     if m2 <= 0:
-        out.missing["temporal_kurtosis"] = "there is no noise between the frames"
+        out.missing["temporal_kurtosis"] = "the frames are identical"
         return
     ratio = m4 / m2**2
     error = _kurtosis_error(acc, np.float32(reach), m2, ratio) if acc.plan.errors else 0.0

@@ -28,8 +28,8 @@ INFOS = (
     ),
     StatisticInfo(
         "median", "level", "DN", "median dark signal",
-        high="the typical pixel is {difference} brighter than the model's",
-        low="the typical pixel is {difference} darker than the model's",
+        high="the median dark signal is {difference} above the model's",
+        low="the median dark signal is {difference} below the model's",
     ),
     StatisticInfo(
         "temporal_noise", "level", "DN", "temporal dark noise", Scale.LOG,
@@ -37,24 +37,24 @@ INFOS = (
         low="the temporal dark noise is only {ratio} of the model's",
     ),
     StatisticInfo(
-        "temporal_noise_core", "level", "DN", "temporal dark noise, typical pixel", Scale.LOG,
-        high="the typical pixel's temporal dark noise is {ratio} times the model's",
-        low="the typical pixel's temporal dark noise is only {ratio} of the model's",
+        "temporal_noise_core", "level", "DN", "temporal dark noise, robust", Scale.LOG,
+        high="the robust temporal dark noise is {ratio} times the model's",
+        low="the robust temporal dark noise is only {ratio} of the model's",
     ),
     StatisticInfo(
-        "pattern_noise", "level", "DN", "DSNU, standard deviation", Scale.LOG,
-        high="the DSNU is {ratio} times as strong as the model's",
-        low="the DSNU is only {ratio} as strong as the model's",
+        "pattern_noise", "level", "DN", "standard deviation of the mean frame", Scale.LOG,
+        high="the standard deviation of the mean frame is {ratio} times the model's",
+        low="the standard deviation of the mean frame is only {ratio} of the model's",
     ),
     StatisticInfo(
-        "pattern_noise_core", "level", "DN", "DSNU, central 68 %", Scale.LOG,
-        high="the bulk of the pixels spreads {ratio} times as wide as the model's",
-        low="the bulk of the pixels spreads only {ratio} as wide as the model's",
+        "pattern_noise_core", "level", "DN", "mean frame, central 68 %", Scale.LOG,
+        high="the robust standard deviation of the mean frame is {ratio} times the model's",
+        low="the robust standard deviation of the mean frame is only {ratio} of the model's",
     ),
     StatisticInfo(
         "frame_noise_core", "level", "DN", "single frame, central 68 %", Scale.LOG,
-        high="a single frame's core is {ratio} times as wide as the model's",
-        low="a single frame's core is only {ratio} as wide as the model's",
+        high="the robust standard deviation of one frame is {ratio} times the model's",
+        low="the robust standard deviation of one frame is only {ratio} of the model's",
     ),
     StatisticInfo("dsnu_1288", "level", "DN", "EMVA 1288 DSNU", compared=False),
     StatisticInfo("dsnu_1288_row", "level", "DN", "EMVA 1288 DSNU, rows", compared=False),
@@ -74,7 +74,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     if acc.plan.errors and not acc.plan.families:
         out.curves.update(pictures(acc))
     if acc.frames < 2:
-        reason = "one frame cannot tell fixed from temporal noise"
+        reason = "one frame does not separate DSNU from temporal noise"
         absent = [i.name for i in INFOS if i.name not in out.values]
         out.missing.update(dict.fromkeys(absent, reason))
         return out

@@ -199,7 +199,7 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
     rows, columns = spectra.shape
     means = [spectra.sum.mean(axis=axis) / spectra.frames for axis in (0, 1)]
     if acc.frames < 2:
-        result.missing["lines"] = "one frame does not tell noise in time from a DSNU"
+        result.missing["lines"] = "one frame does not separate DSNU from temporal noise"
         repeats = [1.0, 1.0]
     else:
         fixed = _image_axis_powers(spectra.sum, spectra.frames, *means)

@@ -18,8 +18,9 @@ def _outliers(kind: str) -> tuple[StatisticInfo, ...]:
         StatisticInfo(
             f"{kind}_extreme", _FAMILY, "sigma", f"largest deviation of a {kind}",
             Scale.LOG,
-            high=f"the worst {kind} is {{ratio}} times as far off as in the model: a defect {kind}",
-            low=f"the worst {kind} is less far off than in the model",
+            high=f"the largest deviation of a {kind} is {{ratio}} times the model's: a defect "
+            f"{kind}",
+            low=f"the largest deviation of a {kind} is smaller than in the model",
         ),
     )  # fmt: skip
 
@@ -35,8 +36,8 @@ def _share(name: str, title: str, why: str) -> StatisticInfo:
 def _lag(kind: str, why: str) -> StatisticInfo:
     return StatisticInfo(
         f"temporal_{kind}_lag1", _FAMILY, "1", f"correlation of neighbouring {kind} means in time",
-        high=f"neighbouring {kind}s move together in time, more than in the model: {why}",
-        low=f"neighbouring {kind}s move against each other in time, unlike in the model",
+        high=f"neighbouring {kind}s are more correlated in time than in the model: {why}",
+        low=f"neighbouring {kind}s are anticorrelated in time, unlike in the model",
     )  # fmt: skip
 
 

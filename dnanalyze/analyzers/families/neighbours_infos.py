@@ -18,7 +18,7 @@ _AWAY = {
 _OF = {
     "frame": "in single frames",
     "pattern": "in the DSNU",
-    "temporal": "between frames",
+    "temporal": "in the temporal noise",
 }
 _TITLE = {"frame": "single frame", "pattern": "DSNU", "temporal": "temporal noise"}
 
@@ -28,9 +28,9 @@ def _correlations(part: str) -> Iterator[StatisticInfo]:
         title = f"correlation of pixels {_AWAY[name]}, {_TITLE[part]}"
         yield StatisticInfo(
             f"{part}_corr_{name}", _FAMILY, "1", title,
-            high=f"pixels {_AWAY[name]} are more alike {_OF[part]} than in the model: crosstalk, "
-            "denoise, or a coarser structure",
-            low=f"pixels {_AWAY[name]} are less alike {_OF[part]} than in the model: "
+            high=f"pixels {_AWAY[name]} are more correlated {_OF[part]} than in the model: "
+            "crosstalk, denoise, or a coarser structure",
+            low=f"pixels {_AWAY[name]} are less correlated {_OF[part]} than in the model: "
             "sharpening, or too much crosstalk in the model",
         )  # fmt: skip
 
@@ -41,8 +41,8 @@ def _ranks(part: str) -> Iterator[StatisticInfo]:
         yield StatisticInfo(
             f"{part}_{name}", _FAMILY, "1",
             f"9 × share of pixels {word} all 8 neighbours, {_TITLE[part]}",
-            high=f"more pixels stand {place} than in the model",
-            low=f"fewer pixels stand {place} than in the model: a spatial filter cuts "
+            high=f"more pixels lie {place} than in the model",
+            low=f"fewer pixels lie {place} than in the model: a spatial filter cuts "
             f"{end} pixels, or crosstalk",
         )  # fmt: skip
 
@@ -55,9 +55,9 @@ INFOS: tuple[StatisticInfo, ...] = (
     *_ranks("temporal"),
     *(
         StatisticInfo(
-            name, _FAMILY, "1", f"share of a hot pixel's excess {where}",
-            high=f"hot pixels leave more {where} than in the model: crosstalk or blooming",
-            low=f"hot pixels leave less {where} than in the model",
+            name, _FAMILY, "1", f"share of a hot pixel's signal {where}",
+            high=f"hot pixels leave more signal {where} than in the model: crosstalk or blooming",
+            low=f"hot pixels leave less signal {where} than in the model",
         )
         for name, where in (
             ("hot_halo", "in each of its 8 neighbours"),
@@ -68,15 +68,15 @@ INFOS: tuple[StatisticInfo, ...] = (
         StatisticInfo(
             f"excess_{k}", _FAMILY, "pixels", f"pixels {k} sigma above all neighbours",
             Scale.ROOT,
-            high="more single pixels stand out of their neighbourhood than in the model: hot or "
-            "blinking pixels, or cosmic rays",
-            low="fewer single pixels stand out of their neighbourhood than in the model: a defect "
-            "correction caps them, or they come in clusters",
+            high="more single pixels lie far above all neighbours than in the model: hot or RTS "
+            "pixels, or cosmic rays",
+            low="fewer single pixels lie far above all neighbours than in the model: a defect "
+            "correction caps them, or they form clusters",
         )
         for k in (4, 8, 16)
     ),
     StatisticInfo(
-        "ties_max8", _FAMILY, "1", "share of the top 1 % that equal their highest neighbour",
+        "ties_max8", _FAMILY, "1", "share of the brightest 1 % that equal their highest neighbour",
         high="too many of the brightest pixels equal their highest neighbour exactly: a defect "
         "correction copies neighbours",
         low="fewer of the brightest pixels equal their highest neighbour than in the model",
@@ -84,13 +84,14 @@ INFOS: tuple[StatisticInfo, ...] = (
     StatisticInfo(
         "local_variance_cv", _FAMILY, "1", "CV² of the temporal variance of 4×4 tiles", Scale.LOG,
         high="the temporal noise is more uneven from place to place than in the model, {ratio} "
-        "times: blinking pixels, heavy tails, or an edge-preserving denoise",
+        "times: RTS pixels, heavy tails, or an edge-preserving denoise",
         low="the temporal noise is more even from place to place than in the model",
     ),
     StatisticInfo(
         "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band",
-        high="the finest detail of the temporal noise has heavier tails than in the model: a "
-        "wavelet denoise, blinking pixels or cosmic rays",
-        low="the finest detail of the temporal noise has lighter tails than in the model",
+        high="the diagonal detail (finest Haar band) of the temporal noise has heavier tails "
+        "than in the model: a wavelet denoise, RTS pixels or cosmic rays",
+        low="the diagonal detail (finest Haar band) of the temporal noise has lighter tails than "
+        "in the model",
     ),
 )  # fmt: skip

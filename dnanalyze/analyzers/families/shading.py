@@ -27,12 +27,11 @@ _REACH = 8.0  # times the typical temporal variance; a pixel's own is cut there
 _RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
 
 _NOISE_UNLIKE = (
-    "the temporal dark noise varies over the field otherwise than in the model: shading of charge "
-    "has its shot noise with it, shading by the readout has none"
+    "the temporal dark noise varies over the field differently from the model: shading of the "
+    "dark charge adds shot noise, shading by the readout does not"
 )
 _UNLIKE = (
-    "the DSNU is shaded over the field otherwise than in the model: glow, a thermal "
-    "gradient, or a readout ramp"
+    "the shading differs from the model's: amplifier glow, a thermal gradient, or a readout ramp"
 )
 
 

@@ -296,7 +296,8 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
             _place(part, axis, error, images, result, name)
         else:
             for what in ("", "_u", "_v", "_amplitude"):
-                result.missing[f"{part.name}_axis_line{what}"] = "no line stands out of the axes"
+                why = "no peak of whole rows or columns is significant"
+                result.missing[f"{part.name}_axis_line{what}"] = why
     if part.name == "pattern":
         ratios = nyquist_ratios(part.power, shape)
         for label in ("10", "01", "11"):
@@ -368,7 +369,7 @@ def _shape(part: _Part, result: FamilyResult) -> None:
     knee = corner(modes.rho, mean, modes.count)
     if knee is None:
         result.missing[f"{part.name}_corner_frequency"] = (
-            f"the power does not rise to {CORNER_RISE:g} times the white floor"
+            f"the power does not rise to {CORNER_RISE:g} times the white noise"
         )
     else:
         result.values[f"{part.name}_corner_frequency"] = knee

@@ -38,49 +38,50 @@ def _power(name: str, title: str, compared: bool = True) -> StatisticInfo:
 
 def _band_text(label: str) -> str:
     if label == "first":
-        return "lowest three frequencies"
+        return "at the lowest three frequencies"
     low, high = label.split("_")
-    return f"below {high} c/px" if low == "0" else f"{low} to {high} c/px"
+    return f"below {high} c/px" if low == "0" else f"at {low} to {high} c/px"
 
 
 def _of_part(part: str) -> Iterator[StatisticInfo]:
     of = _OF[part]
     for label, _, _ in band_names(RADIAL_BANDS):
         # the single frame follows from the other two; with one frame only, it is all there is
-        yield _power(f"{part}_psd_{label}", f"power {of}, {_band_text(label)}")
+        yield _power(f"{part}_psd_{label}", f"power {of} {_band_text(label)}")
     if part != "frame":
         for kind in ("columns", "rows"):
             for label, _, _ in band_names(STRUCTURE_BANDS):
-                title = f"power {of} of whole {kind}, {_band_text(label)}"
+                title = f"power {of} of whole {kind} {_band_text(label)}"
                 yield _power(f"{part}_{kind}_{label}", title)
         for axis, way in (("u", "along the rows"), ("v", "along the columns")):
             for label, _, _ in profile_names():
-                yield _power(f"{part}_{axis}_{label}", f"power {of} {way}, {_band_text(label)}")
+                yield _power(f"{part}_{axis}_{label}", f"power {of} {way} {_band_text(label)}")
         yield from _lines_of(part, of)
-    for label, span in (("low", ".005-.05"), ("mid", ".05-.2"), ("high", ".2-.5")):
-        yield _told(f"{part}_slope_{label}", "1", f"log-log slope {of}, {span} c/px")
+    for label, span in (("low", "0.005-0.05"), ("mid", "0.05-0.2"), ("high", "0.2-0.5")):
+        yield _told(f"{part}_slope_{label}", "1", f"log-log slope {of} at {span} c/px")
     yield _told(f"{part}_corner_frequency", "c/px", f"corner frequency {of}")
     yield _told(f"{part}_hf_mf", "1", f"high-to-mid-frequency ratio {of}", Scale.LOG)
 
 
 def _lines_of(part: str, of: str) -> Iterator[StatisticInfo]:
     yield StatisticInfo(
-        f"{part}_line", "spectrum", "1", f"strongest single line {of} over its floor", Scale.LOG,
-        high="a single spectral line stands {ratio} times higher than in the model: interference "
+        f"{part}_line", "spectrum", "1", f"strongest spectral peak {of} over its surroundings",
+        Scale.LOG,
+        high="the strongest spectral peak is {ratio} times as high as in the model: interference "
         "from a clock or supply, or a periodic pattern",
-        low="the model has a spectral line that the measurement lacks",
+        low="the model has a spectral peak that the measurement lacks",
     )  # fmt: skip
     yield StatisticInfo(
         f"{part}_line_in_step", "spectrum", "1",
-        f"share of the strongest line {of} that is in step over the field",
-        high="the strongest spectral line keeps step over the field better than the model's: one "
-        "plane wave",
-        low="the strongest spectral line is out of step over the field: no one plane wave as in "
-        "the model, but rings, a chirp, a beat or a patch",
+        f"phase coherence over the field of the strongest peak {of}",
+        high="the strongest spectral peak is more phase-coherent over the field than in the "
+        "model: a single plane wave",
+        low="the strongest spectral peak is not phase-coherent over the field, as a plane "
+        "wave would be: rings, a chirp, a beat, or a part of the field",
     )  # fmt: skip
-    yield from _placed(f"{part}_line", f"the strongest line {of}")
-    name, what = f"{part}_axis_line", f"the strongest line {of} that whole rows or columns share"
-    yield _told(name, "1", f"{what}, over its floor", Scale.LOG)
+    yield from _placed(f"{part}_line", f"the strongest peak {of}")
+    name, what = f"{part}_axis_line", f"the strongest peak {of} of whole rows or columns"
+    yield _told(name, "1", f"{what}, over its surroundings", Scale.LOG)
     yield from _placed(name, what)
 
 

@@ -32,16 +32,20 @@ INFOS = (
     *(
         StatisticInfo(
             f"hot_count_{k}", "tails", "pixels", f"pixels above {k} robust sigma", Scale.ROOT,
-            high=f"{{ratio}} times as many pixels as in the model stand above {k} robust sigma",
-            low=f"only {{ratio}} of the model's number of pixels stand above {k} robust sigma",
+            high=f"{{ratio}} times as many pixels as in the model lie more than {k} robust sigma "
+            "above the median",
+            low=f"only {{ratio}} of the model's number of pixels lie more than {k} robust sigma "
+            "above the median",
         )
         for k in HOT
     ),
     *(
         StatisticInfo(
             f"cold_count_{k}", "tails", "pixels", f"pixels below {k} robust sigma", Scale.ROOT,
-            high=f"{{ratio}} times as many pixels as in the model lie {k} robust sigma too low",
-            low=f"only {{ratio}} of the model's number of pixels lie {k} robust sigma too low",
+            high=f"{{ratio}} times as many pixels as in the model lie more than {k} robust sigma "
+            "below the median",
+            low=f"only {{ratio}} of the model's number of pixels lie more than {k} robust sigma "
+            "below the median",
         )
         for k in COLD
     ),
@@ -57,8 +61,9 @@ INFOS = (
     ),
     StatisticInfo(
         "transient_adjacent", "tails", "pixels", "adjacent pixels bright in one frame", Scale.ROOT,
-        high="pixels that are bright in a single frame come in tracks and clumps",
-        low="pixels that are bright in a single frame come in fewer tracks than in the model",
+        high="pixels that are bright in a single frame form tracks and clusters more than in the "
+        "model",
+        low="pixels that are bright in a single frame form fewer tracks than in the model",
     ),
     StatisticInfo(
         "hot_pairs", "tails", "pixels", "hot pixels with a hot neighbour", Scale.ROOT,
@@ -75,10 +80,18 @@ INFOS = (
         high="pixels that give the same code in every frame are {ratio} times the model's number",
         low="pixels that give the same code in every frame are only {ratio} of the model's number",
     ),
-    StatisticInfo("hot_density_frame", "tails", "ppm", "above 5 sigma in a frame", compared=False),
-    StatisticInfo("hot_density_pattern", "tails", "ppm", "above 5 sigma in F", compared=False),
-    StatisticInfo("frame_above_5", "tails", "1", "share above 5 sigma in a frame", compared=False),
-    StatisticInfo("tail_index", "tails", "1", "Hill's tail index of the pattern", compared=False),
+    StatisticInfo(
+        "hot_density_frame", "tails", "ppm", "hot pixels > 5 sigma, single frame", compared=False
+    ),
+    StatisticInfo(
+        "hot_density_pattern", "tails", "ppm", "hot pixels > 5 sigma, mean frame", compared=False
+    ),
+    StatisticInfo(
+        "frame_above_5", "tails", "1", "share of pixels > 5 sigma, single frame", compared=False
+    ),
+    StatisticInfo(
+        "tail_index", "tails", "1", "Hill's tail index of the mean frame", compared=False
+    ),
 )  # fmt: skip
 
 
@@ -193,7 +206,7 @@ def _densities(acc: Accumulated, out: FamilyResult) -> None:
         scale = 1e6 / acc.plan.pixels
         out.values["hot_density_pattern"] = Value(above * scale, math.sqrt(above + 1) * scale)
     else:
-        out.missing["hot_density_pattern"] = "one frame cannot tell fixed from temporal noise"
+        out.missing["hot_density_pattern"] = "one frame does not separate DSNU from temporal noise"
 
 
 def _hot_pixels(acc: Accumulated) -> np.ndarray:
@@ -232,7 +245,7 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
     scalars = acc.maps.scalars
     before, both = float(scalars[:-1, 3].sum()), float(scalars[1:, 4].sum())
     if before == 0:
-        out.missing["hot_repeat"] = "no pixel stands above 5 robust sigma"
+        out.missing["hot_repeat"] = "no pixel lies above 5 robust sigma"
         return
     pixels = before / (acc.frames - 1)
     share = both / before

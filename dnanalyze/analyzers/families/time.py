@@ -24,13 +24,14 @@ TIED_FRAMES = 8  # up to which variances of codes take few values
 INFOS = (
     StatisticInfo(
         "drift", "time", "DN", "standard deviation of the frame means", Scale.LOG,
-        high="whole frames move up and down {ratio} times as much as in the model",
-        low="whole frames move up and down only {ratio} times as much as in the model",
+        high="the mean of the frames varies {ratio} times as much as in the model",
+        low="the mean of the frames varies only {ratio} times as much as in the model",
     ),
     StatisticInfo(
-        "temporal_r1", "time", "1", "correlation from frame to frame, typical pixel",
-        high="a pixel's noise remembers the frame before: a temporal filter, or slow noise",
-        low="a pixel's noise alternates from frame to frame",
+        "temporal_r1", "time", "1", "temporal correlation of a pixel, successive frames",
+        high="the temporal noise of successive frames is correlated: a temporal filter, or slow "
+        "noise",
+        low="the temporal noise of successive frames is anticorrelated",
     ),
     *(
         StatisticInfo(
@@ -44,29 +45,31 @@ INFOS = (
         for level in VARIANCE_LEVELS
     ),
     StatisticInfo(
-        "blink_repeat", "time", "1", "repeatedly noisy pixels",
-        high="some pixels are noisy again and again, as blinking ones are",
-        low="noisy pixels stay noisy less than in the model",
+        "blink_repeat", "time", "1", "correlation of a pixel's temporal variance in two halves",
+        high="the same pixels are noisy in all parts of the series, as RTS pixels are",
+        low="noisy pixels are less often noisy in all parts of the series than in the model",
     ),
     *(
         StatisticInfo(
             f"noise_at_{name}", "time", "DN^2",
             f"temporal variance of the pixels at {100 * low:g} to {100 * high:g} % of the DSNU",
             Scale.LOG,
-            high=f"pixels at {100 * low:g}-{100 * high:g} % of the pattern are {{ratio}} times as "
+            high=f"pixels at {100 * low:g}-{100 * high:g} % of the DSNU are {{ratio}} times as "
             "noisy, in variance, as the model's",
-            low=f"pixels at {100 * low:g}-{100 * high:g} % of the pattern are only {{ratio}} as "
+            low=f"pixels at {100 * low:g}-{100 * high:g} % of the DSNU are only {{ratio}} as "
             "noisy, in variance, as the model's",
         )
         for name, (low, high) in GROUPS.items()
     ),
     StatisticInfo(
         "pattern_correlation", "time", "1", "correlation of successive frames",
-        high="more of a frame is fixed in the silicon than in the model",
-        low="less of a frame is fixed in the silicon than in the model",
+        high="the fixed pattern is a larger share of one frame's variance than in the model",
+        low="the fixed pattern is a smaller share of one frame's variance than in the model",
     ),
     StatisticInfo("drift_trend", "time", "DN/frame", "slope of the frame means", compared=False),
-    StatisticInfo("blinking_count", "time", "pixels", "blinking pixels", compared=False),
+    StatisticInfo(
+        "blinking_count", "time", "pixels", "pixels with repeated temporal outliers", compared=False
+    ),
 )  # fmt: skip
 
 
@@ -75,7 +78,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     out = FamilyResult()
     out.curves["frame_means"] = acc.frame_means + acc.plan.centre
     if acc.frames < 2:
-        reason = "one frame cannot tell fixed from temporal noise"
+        reason = "one frame does not separate DSNU from temporal noise"
         out.missing.update(dict.fromkeys((i.name for i in INFOS), reason))
         return out
     _drift(acc, out)
@@ -150,7 +153,7 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
     assert variance is not None
     names = [f"temporal_variance_q{level}" for level in VARIANCE_LEVELS]
     if mean <= 0:
-        reason = "there is no noise between the frames"
+        reason = "the frames are identical"
         absent = names + [f"noise_at_{name}" for name in GROUPS]
         out.missing.update(dict.fromkeys(absent, reason))
         return
@@ -220,7 +223,7 @@ def _blinking(acc: Accumulated, out: FamilyResult) -> None:
     sums = np.array(pixel_loops.products(a.ravel(), b.ravel())) / acc.plan.pixels
     mean, sd = sums[:2], np.sqrt(np.maximum(sums[2:4] - sums[:2] ** 2, 0.0))
     if sd.min() <= 1e-6 * mean.max():
-        out.missing["blink_repeat"] = "there is no noise between the frames"
+        out.missing["blink_repeat"] = "the frames are identical"
         return
     r = float((sums[4] - mean[0] * mean[1]) / (sd[0] * sd[1]))
     error = 0.0

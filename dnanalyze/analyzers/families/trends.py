@@ -36,15 +36,20 @@ HEADROOM = 4.0  # standard errors above 0 from which a dark rate tells an activa
 INFOS = (
     StatisticInfo("pedestal", "trends", "DN", "black level", compared=False),
     StatisticInfo("activation_energy_ev", "trends", "eV", "activation energy", compared=False),
-    StatisticInfo("activation_energy_1_ev", "trends", "eV", "lower of two", compared=False),
-    StatisticInfo("activation_energy_2_ev", "trends", "eV", "higher of two", compared=False),
     StatisticInfo(
-        "activation_share", "trends", "1", "share of the higher energy", compared=False
+        "activation_energy_1_ev", "trends", "eV", "lower activation energy of two", compared=False
     ),
-    StatisticInfo("doubling_step_c", "trends", "C", "doubling step", compared=False),
-    StatisticInfo("dark_rate_dn_s", "trends", "DN/s", "typical dark rate", compared=False),
     StatisticInfo(
-        "hot_repeat_settings", "trends", "1", "share of hot pixels that are so in the next setting",
+        "activation_energy_2_ev", "trends", "eV", "higher activation energy of two", compared=False
+    ),
+    StatisticInfo(
+        "activation_share", "trends", "1", "share of the higher activation energy", compared=False
+    ),
+    StatisticInfo("doubling_step_c", "trends", "C", "doubling temperature", compared=False),
+    StatisticInfo("dark_rate_dn_s", "trends", "DN/s", "median dark current", compared=False),
+    StatisticInfo(
+        "hot_repeat_settings", "trends", "1", "share of hot pixels still hot at the next "
+        "temperature",
         compared=False,
     ),
 )  # fmt: skip

@@ -84,12 +84,12 @@ class ConvolvedLognormal(Effect):
         "linear",
     )
     delta: float = parameter(
-        0.5, "ln DN", 1e-4, 4.0, "spread of the log of the seed; may have an energy"
+        0.5, "ln DN", 1e-4, 4.0, "standard deviation of the log of the seed; may have an energy"
     )
     phi: float = parameter(
         1e-3, "1", 0.0, 0.125, "kernel weight of each of the 8 neighbours", "linear"
     )
-    sigma: float = parameter(0.01, "1", 1e-6, 1e6, "spread of each random kernel tap")
+    sigma: float = parameter(0.01, "1", 1e-6, 1e6, "standard deviation of each random kernel tap")
     seed: str = choice("fixed", "seed in the silicon, or redrawn each frame", "fixed", "redrawn")
     exposure: str = choice("proportional", "signal over exposure", "proportional", "none")
 

@@ -160,7 +160,7 @@ def draw_spectra(ax: Any, result: Any) -> Any:
         ax.set_yscale("log")
         log_axis(ax.yaxis)
         frequency_axis(ax, "radial frequency [cycles/pixel]")
-        ax.set_ylabel("power / median power above 0.25")
+        ax.set_ylabel("power / median power above 0.25 c/px")
     return ax
 
 

@@ -88,7 +88,7 @@ def _temperature(group: Group) -> Panel | None:
     def draw(ax: Any) -> None:
         for colour, exposure in zip(COLOURS, longest, strict=False):
             t, y, se = np.array(runs[exposure]).T
-            label = "" if exposure is None else f"{exposure:g} s"
+            label = "" if exposure is None else f"{number(exposure)} s"
             ax.errorbar(t, y, se, fmt="o", markersize=3.4, color=colour, linewidth=0.9, label=label)
             if energy is not None and len(t) > 2:
                 at, fit = _law_over_offset(t, y, energy)

@@ -22,7 +22,7 @@ from dnanalyze.report.figures.style import (
 )
 from dnanalyze.report.words import is_number, with_error
 
-NOISES = {"temporal_noise": "temporal dark noise", "pattern_noise": "DSNU"}
+NOISES = {"temporal_noise": "temporal dark noise", "pattern_noise": "mean frame"}
 
 
 def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
@@ -51,8 +51,10 @@ def over_temperature(drawn: Sequence[Layer]) -> Picture | None:
     )
     return panels(
         cells,
-        f"{left} Temporal dark noise and DSNU over the operating points." + one_line_each(measured),
-        "Arrhenius plot of the dark signal, temporal dark noise and DSNU.",
+        f"{left} Temporal dark noise, and standard deviation of the mean frame, over the "
+        "operating points." + one_line_each(measured),
+        "Arrhenius plot of the dark signal; temporal dark noise and standard deviation of the "
+        "mean frame.",
     )
 
 
@@ -121,4 +123,5 @@ def _law(ax: Any, layer: Layer, warm: Sequence[Any], pedestal: float) -> None:
     line = hottest[1] * np.exp(-trend.value / BOLTZMANN_EV * (1 / kelvin - 1 / hottest[0]))
     doubt = " (not typical of dark current)" if unusual(trend.value, trend.se) else ""
     ax.plot(1000 / kelvin, line, color=ACCENT, linewidth=1.0, linestyle=(0, (1, 2)),
-            label=f"activation energy {with_error(trend.value, trend.se)} eV{doubt}")  # fmt: skip
+            label=f"activation energy of the median {with_error(trend.value, trend.se)} eV"
+            f"{doubt}")  # fmt: skip

@@ -115,12 +115,11 @@ def trend_section(measured: Any) -> Section:
 
 def missing_section(measured: Any, quantities: Any = None) -> Section:
     """What is not determined, with the reasons; EMVA 1288 quantities first where they are given."""
-    reasons = dict.fromkeys(r for s in measured.settings for r in s.missing.values())
     first = emva.undetermined(quantities) if quantities is not None else []
     return Section(
         "missing",
         "Not determined from these captures",
-        points=[sentence(r) for r in (*first, *reasons)],
+        points=[sentence(r) for r in (*first, *emva.missing_statistics(measured))],
     )
 
 

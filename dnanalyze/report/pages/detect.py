@@ -43,7 +43,10 @@ def headline(result: Any) -> str:
             "show few of them."
         )
     if not result.filtered:
-        return "No sign of defect-pixel correction or denoise: the frames agree with raw frames."
+        return (
+            "No sign of defect-pixel correction or denoise: the frames agree with unfiltered "
+            "frames."
+        )
     text = f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}"
     if is_number(result.confidence):
         text += f" ({percent(result.confidence)} confidence)"
@@ -56,7 +59,7 @@ def detect_page(captures: Any, result: Any) -> str:
     """HTML of the page."""
     flagged = [f for f in result.findings if f.flagged]
     others = [f for f in result.findings if not f.flagged]
-    count = f"{len(flagged)} of {len(result.findings)} tests are flagged, corrected for their"
+    count = f"{len(flagged)} of {len(result.findings)} tests are flagged, after Holm's correction"
     page = Page(
         "Hidden filters",
         capture.title(captures),
@@ -81,7 +84,7 @@ def detect_page(captures: Any, result: Any) -> str:
             Section(
                 "tests",
                 "Tests",
-                text=[f"{count} number."],
+                text=[f"{count}."],
                 pictures=[draw(result.answers) for draw in TESTS],
                 tables=[t for t in (_tests(flagged, False), _tests(others, True)) if t.rows],
             ),

@@ -23,12 +23,12 @@ def inspect_page(captures: Any, seen: Mapping[str, Any]) -> str:
     page = Page(
         "Captures",
         capture.title(captures),
-        sentence(capture.one_line(captures)),
+        capture.one_line(captures) + ".",
         [
             Section(
                 "points",
                 "Operating points",
-                tables=[Table(("operating point", "frames", "first"), rows, words=3)],
+                tables=[Table(("operating point", "frames", "first file"), rows, words=3)],
             )
         ],
         points=[sentence(text) for text in seen["missing"]],

@@ -70,7 +70,7 @@ def _value(value: Any, name: str, known: dict[str, Any]) -> str:
     found = known.get(name)
     if found is not None:
         return with_error(found.value, found.se)
-    return number(value, 4) if is_number(value) else str(value)
+    return number(value) if is_number(value) else str(value)
 
 
 def _unit(unit: str) -> str:

@@ -225,8 +225,8 @@ def compared(rows: Sequence[Mapping[str, Any]], family: str) -> Table | None:
         (
             r["name"],
             point_label(r, parts),
-            number(r["measured"], 4),
-            number(r["simulated"], 4),
+            number(r["measured"]),
+            number(r["simulated"]),
             r.get("unit", ""),
             gap(r["measured"], r["simulated"], r.get("unit", ""), r.get("scale", "")),
             number(r["floor"], 2),

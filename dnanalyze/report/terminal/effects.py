@@ -10,8 +10,10 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from dnanalyze.digits import number
 from dnanalyze.report.terminal.common import points
 from dnanalyze.report.terminal.common import table as rows_of
+from dnanalyze.report.words import sentence
 
 
 def catalogue(console: Console, known: Mapping[str, Any]) -> None:
@@ -27,7 +29,7 @@ def catalogue(console: Console, known: Mapping[str, Any]) -> None:
                 table.add_row()
             stage = kind.stage
             table.add_row(Text(stage.name.lower().replace("_", " "), style="dim"))
-        table.add_row(Text(kind.name, style="bold"), kind.varies, Text(kind.summary))
+        table.add_row(Text(kind.name, style="bold"), kind.varies, Text(sentence(kind.summary)))
     console.print(table)
     console.print()
     console.print("`dnanalyze effects NAME` describes one effect in full.", style="dim")
@@ -39,7 +41,7 @@ def effect(console: Console, kind: Any) -> None:
     console.print(
         Text(kind.name, style="bold"), Text(f" {stage}, {kind.varies}", style="dim"), sep=""
     )
-    for text in (kind.summary, " ".join(kind.physics.split())):
+    for text in (sentence(kind.summary), " ".join(kind.physics.split())):
         if text:
             console.print()
             console.print(Padding(Text(text), (0, 0, 0, 2)))
@@ -53,7 +55,7 @@ def effect(console: Console, kind: Any) -> None:
             p.unit or "–",
             " | ".join(map(str, p.choices)) or "numbers, or none"
             if p.scale == "choice"
-            else f"{p.lower:g} to {p.upper:g}",
+            else f"{number(p.lower)} to {number(p.upper)}",
             p.doc,
         )
         for name, p in kind.parameters().items()
@@ -65,5 +67,9 @@ def effect(console: Console, kind: Any) -> None:
                 Text(f"Statistics that respond most: {', '.join(kind.fingerprint)}"), (0, 0, 1, 2)
             )
         )
-    points(console, "Confounded with", [f"{k}: {v}" for k, v in kind.confused_with.items()])
+    points(
+        console,
+        "Confounded with",
+        [f"{k}: {v.rstrip('.')}." for k, v in kind.confused_with.items()],
+    )
     points(console, "References", list(kind.references))

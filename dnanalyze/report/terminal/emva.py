@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from rich.console import Console
@@ -50,6 +50,6 @@ def _more(console: Console, count: int, what: str) -> None:
         console.print()
 
 
-def undetermined(found: Any, reasons: Iterable[str], most: int) -> Sequence[str]:
+def undetermined(found: Any, measured: Any, most: int) -> Sequence[str]:
     """What is not determined: EMVA quantities first, then other statistics."""
-    return [*emva.undetermined(found), *reasons][:most]
+    return [*emva.undetermined(found), *emva.missing_statistics(measured)][:most]

@@ -29,5 +29,5 @@ def parameters(console: Console, title: str, result: Any) -> None:
         (row if told else row[:-1] for row in rows),
     )
     if rows and common:
-        console.print(f"The parameters hold at {common}.", style="dim")
+        console.print(f"Operating point of the parameters: {common}.", style="dim")
         console.print()

@@ -32,6 +32,5 @@ def statistics(console: Console, captures: Any, measured: Any, quantities: Any =
         ),
     )
     points(console, "Warnings", law_doubts(measured))
-    reasons = sorted({reason for s in measured.settings for reason in s.missing.values()})
-    not_determined = undetermined(quantities, reasons, 2 * MOST_FAILURES)
+    not_determined = undetermined(quantities, measured, 2 * MOST_FAILURES)
     points(console, "Not determined from these captures", not_determined)
