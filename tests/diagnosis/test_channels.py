@@ -103,7 +103,7 @@ def test_which_effect_belongs_where():
         "row_fpn: in a only, so of that readout",
     ]
     assert belonging({"a": of(), "b": of()}, known)[2] == [
-        "no channel needs more than what every sensor has"
+        "no channel needs more than the baseline effects"
     ]
 
 

@@ -29,7 +29,7 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
     assert rest.steps[-1].error < 1.0 < 1.1 < rest.steps[0].error
     by_hand = add(striped, "row_fpn", kept[1].model, known=known)
     for done in (whole, by_hand):  # and say why, how sure that is, and how strong it is
-        assert any("row_fpn in" in words for words in done.steps[-1].evidence)
+        assert any("with row_fpn" in words for words in done.steps[-1].evidence)
         assert done.steps[-1].confidence > 0.99
         assert done.unexplained == []
         (strength,) = (p for p in done.parameters if p.name == "row_fpn.sigma")

@@ -86,7 +86,7 @@ def test_what_is_needless_with_an_addition_goes_and_does_not_come_back(
     assert added == evidence_for(
         ordinary.bench, ordinary.state, state, type(state.model.get("row_fpn"))
     )
-    assert any("row_fpn in" in words for words in added)
+    assert any("with row_fpn" in words for words in added)
     assert begun == gone == []
 
 
