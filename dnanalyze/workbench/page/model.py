@@ -152,6 +152,7 @@ class ParameterRow:
         self.slider = slider
         self._move = move
         self._quiet = False
+        self._value = math.nan
         knob = slider.knob
         label = slider.label or knob.name
         unit = (
@@ -181,8 +182,15 @@ class ParameterRow:
         self.set(slider)
 
     def set(self, slider: Slider) -> None:
-        """Show another value without telling anyone."""
-        self.slider = slider
+        """Show another value without telling anyone.
+
+        The slider keeps its range where it stands at that value already: a handle that is being
+        moved must not jump.
+        """
+        stands = slider.value == self._value
+        self.slider, self._value = slider, slider.value
+        if stands:
+            return
         self._low, self._high = _range(slider)
         self._quiet = True
         try:
@@ -204,6 +212,7 @@ class ParameterRow:
             self.number.value = f"{value:.4g}"
         finally:
             self._quiet = False
+        self._value = value
         self._move(knob.name, value)
 
     def _typed(self, event: Any) -> None:
