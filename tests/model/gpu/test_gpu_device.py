@@ -116,4 +116,4 @@ def test_the_page_says_where_each_effect_is_drawn(host_device, monkeypatch):
         elif any(a.nbytes >= shape[0] * shape[1] for a in sent):
             by_field.add(name)
     assert on_host == host_effects()
-    assert by_field == listed("On the host, a field a frame")
+    assert by_field == listed("On the host, one field per frame")
