@@ -9,6 +9,7 @@ import numpy as np
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.report.words import point_label
 
 BINS = 120  # of a histogram
 PARTS = {"pattern": "fixed pattern (DSNU)", "temporal": "temporal noise", "frame": "single frame"}
@@ -116,7 +117,7 @@ def over_points(statistics: Statistics, address: Address) -> tuple[list[str], Cu
         value = setting.values.get(address.name)
         if setting.plane != address.plane or value is None:
             continue
-        labels.append(setting.point.label().replace(" C", " °C"))
+        labels.append(point_label(setting.point))
         y.append(value.value)
         at = scale.coordinate(value.value)
         error = 2 * value.se if np.isfinite(value.se) else 0.0

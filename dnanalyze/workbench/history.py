@@ -35,6 +35,8 @@ class Node:
         Error of each family of statistics.
     name : str
         Given by the user.
+    standard_errors : mapping
+        Of parameters by name, in plain units; empty: not computed.
     """
 
     number: int
@@ -46,11 +48,31 @@ class Node:
     error: float | None = None
     families: Mapping[str, float] = field(default_factory=dict)
     name: str = ""
+    standard_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """The user's name for it, or what was done."""
         return self.name or self.action
+
+
+def effects_apart(one: NoiseModel, other: NoiseModel) -> str:
+    """Effects that one of two models lacks: ``with column_fpn; without crosstalk``.
+
+    Examples
+    --------
+    >>> from dnanalyze import NoiseModel
+    >>> from dnanalyze.workbench.history import effects_apart
+    >>> from dnanalyze.model.effects.column_fpn import ColumnFpn
+    >>> effects_apart(NoiseModel(), NoiseModel().with_effect(ColumnFpn()))
+    'with column_fpn'
+    """
+    parts = {
+        "with": [n for n in other.names if n not in one.names],
+        "without": [n for n in one.names if n not in other.names],
+    }
+    said = [f"{word} {', '.join(names)}" for word, names in parts.items() if names]
+    return "; ".join(said) or "the same effects"
 
 
 @dataclass(frozen=True)
@@ -125,6 +147,10 @@ class History:
     def measured(self, number: int, error: float, families: Mapping[str, float]) -> History:
         """A node with its error."""
         return self._changed(replace(self.node(number), error=error, families=dict(families)))
+
+    def known(self, number: int, standard_errors: Mapping[str, float]) -> History:
+        """A node with the standard errors of its parameters."""
+        return self._changed(replace(self.node(number), standard_errors=dict(standard_errors)))
 
     def path(self, number: int | None = None) -> list[Node]:
         """Nodes from the starting model to one of them; the present one by default."""

@@ -17,6 +17,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 from dnanalyze.model.registry import BASE, find
+from dnanalyze.report.words import point_label, varied
 from dnanalyze.workbench import recipe
 from dnanalyze.workbench.evaluation import Evaluation, Preview, evaluate
 from dnanalyze.workbench.history import History, Node
@@ -42,12 +43,15 @@ class Slider:
         Whether a fit keeps the value.
     label : str
         Name within the effect, with the operating point where the number is of one.
+    se : float or None
+        Standard error in plain units; None: not computed for this model.
     """
 
     knob: Knob
     value: float
     pinned: bool
     label: str = ""
+    se: float | None = None
 
 
 @dataclass
@@ -144,10 +148,10 @@ class WorkbenchSession:
 
     def sliders(self) -> list[Slider]:
         """Every number of the present model that can be moved, in the model's order."""
-        model = self.present.model
+        model, se = self.present.model, self.present.standard_errors
         knobs = knobs_of(model)
         return [
-            Slider(k, k.plain(x), _parameter(k) in self.pinned, _label(model, k))
+            Slider(k, k.plain(x), _parameter(k) in self.pinned, _label(model, k), se.get(k.name))
             for k, x in zip(knobs, positions(model, knobs), strict=True)
         ]
 
@@ -334,6 +338,17 @@ class WorkbenchSession:
 
         return self._run(Task("add", base.model.to_plain(), effect=effect), done)
 
+    def standard_errors(self) -> Job:
+        """Standard errors of the present model's parameters, from simulated replicates."""
+        base = self.present
+
+        def done(found: dict[str, Any]) -> None:
+            with self._lock:
+                self.history = self._history().known(base.number, found["standard_errors"])
+            self.changed("history")
+
+        return self._run(Task("standard errors", base.model.to_plain()), done)
+
     def diagnose(self) -> Job:
         """Rank the effects that may be missing in the present model."""
         base = self.present
@@ -478,12 +493,9 @@ def _label(model: NoiseModel, knob: Knob) -> str:
     law = getattr(effect, knob.parameter) if effect is not None else model.pedestal
     if not isinstance(law, TableLaw):
         return name if knob.part == "value" else f"{name}, activation energy"
-    points = law.points
-    here = vars(points[int(knob.part)])
-    differ = [k for k in here if len({getattr(p, k) for p in points}) > 1]
-    units = {"temperature_c": " °C", "exposure_s": " s"}
-    where = [f"{here[k]:g}{units.get(k, '')}" if k != "channel" else here[k] for k in differ]
-    return ", ".join([name, *(str(w) for w in where)])
+    here = law.points[int(knob.part)]
+    differ = varied([vars(point) for point in law.points])
+    return f"{name}, {point_label(here, differ)}" if differ else name
 
 
 def _last(steps: Sequence[dict[str, Any]]) -> str:

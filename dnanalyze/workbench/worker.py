@@ -19,6 +19,7 @@ from dnanalyze.model.noise_model import NoiseModel, model_from_plain
 from dnanalyze.workbench.source import CaptureSource
 
 Tell = Callable[[str, Any], None]
+REPLICATES = 8  # simulated sensors for standard errors: 27 % of an error, 1 / sqrt(2 * 7)
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Task:
 
     Parameters
     ----------
-    kind : {"fit", "add", "diagnose", "refine", "detect"}
+    kind : {"fit", "standard errors", "add", "diagnose", "refine", "detect"}
     model : mapping or None
         As in YAML; None: the starting model of the captures.
     effect : str
@@ -90,6 +91,18 @@ def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         tell=lambda s: tell("progress", f"fitting, error {pooled(s.train, families):.3g}"),
     )
     return {"model": found.model.to_plain(), "undetermined": found.undetermined}
+
+
+def _standard_errors(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.fitting.fit import with_uncertainties
+    from dnanalyze.fitting.knobs import knobs_of
+    from dnanalyze.fitting.least_squares import start
+
+    model = bed.model(task)
+    assert model is not None
+    tell("progress", f"simulating {REPLICATES} sensors of the model")
+    found = with_uncertainties(bed.bench, start(bed.bench, model, knobs_of(model)), REPLICATES)
+    return {"standard_errors": {p.name: p.se for p in found.parameters if p.se == p.se}}
 
 
 def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
@@ -162,6 +175,7 @@ def _steps(steps: Any) -> list[dict[str, Any]]:
 
 _TASKS: dict[str, Callable[[Bed, Task, Tell], dict[str, Any]]] = {
     "fit": _fit,
+    "standard errors": _standard_errors,
     "add": _add,
     "diagnose": _diagnose,
     "refine": _refine,

@@ -17,7 +17,7 @@ from dnanalyze.workbench.page.history import HistoryPane
 from dnanalyze.workbench.page.missing import Missing
 from dnanalyze.workbench.page.model import Model
 from dnanalyze.workbench.page.sensor import Sensor
-from dnanalyze.workbench.page.style import inner, palette, sheet
+from dnanalyze.workbench.page.style import inner, layout, palette, sheet
 from dnanalyze.workbench.session import WorkbenchSession
 
 
@@ -57,22 +57,7 @@ def page(session: WorkbenchSession, query: str, theme: str) -> Any:
     }  # fmt: skip
     for pane, area in areas.items():
         pane.styles = {**pane.styles, "grid-area": area, "min-width": "0", "min-height": "0"}
-    whole = pn.Column(
-        *areas,
-        sizing_mode="stretch_both",
-        margin=0,
-        styles={
-            "display": "grid",
-            "grid-template-columns": "412px minmax(280px, 1fr) minmax(290px, 372px)",
-            "grid-template-rows": "40px minmax(0, 1.32fr) minmax(0, 1fr)",
-            "grid-template-areas": "'bar bar bar' 'sensor fails model' 'sensor history missing'",
-            "gap": "6px",
-            "padding": "4px 6px 6px",
-            "height": "100vh",
-            "box-sizing": "border-box",
-            "background": colours.background,
-        },
-    )
+    whole = pn.Column(*areas, sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
     context.back(lambda: _all(context))
     return whole
 
@@ -110,7 +95,7 @@ class TopBar:
         style = [inner(context.palette)]
         captures = context.session.captures
         rows, columns = captures.sensor.shape
-        where = html.escape(captures.name)
+        where = html.escape(Path(captures.name).name)
         facts = (
             f"{captures.frame_count} frames of {columns} × {rows} pixels, "
             f"{len(captures.settings)} operating points"
@@ -123,7 +108,7 @@ class TopBar:
             pn.pane.HTML(
                 f"<b style='font-size:15px'>dnanalyze</b> &nbsp;<b>{where}</b> "
                 f"<span class=quiet>{facts}</span>",
-                stylesheets=style, margin=(8, 20, 0, 4),
+                stylesheets=style, margin=(8, 20, 0, 4), styles={"white-space": "nowrap"},
             ),
             pn.layout.HSpacer(),
             self.error,

@@ -11,6 +11,7 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.errors import InputError
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
+from dnanalyze.workbench.history import Node
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.style import Palette
 from dnanalyze.workbench.session import WorkbenchSession
@@ -34,6 +35,7 @@ class Context:
     address: Address | None = None
     candidate: tuple[str, Statistics] | None = None
     shown: Evaluation | None = None
+    compared: Node | None = None
     listeners: list[Callable[[str], None]] = field(default_factory=list)
 
     def __post_init__(self) -> None:

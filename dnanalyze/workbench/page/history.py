@@ -10,10 +10,11 @@ import panel as pn
 from bokeh.models import ColumnDataSource, FixedTicker, Range1d, TapTool
 
 from dnanalyze.report.words import number
-from dnanalyze.workbench.history import History, Node
+from dnanalyze.workbench.history import History, Node, effects_apart
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
+WRAP = {"flex-wrap": "wrap"}  # of a row of widgets on a narrow page
 MOST = 12  # nodes of a path in the figure; the last ones
 
 
@@ -70,15 +71,17 @@ class HistoryPane:
         self.view = pn.Column(
             pn.Row(
                 pn.pane.HTML("<h2>History</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
-                self.undo, self.redo, self.node, self.name, margin=0,
+                self.undo, self.redo, self.node, self.name, margin=0, styles=WRAP,
             ),
             pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90),
             self.text,
             pn.Row(
                 pn.pane.HTML("compare with", stylesheets=style, margin=(4, 4, 0, 0)),
-                self.other, self.comparison, margin=0,
+                self.other, self.comparison, margin=0, styles=WRAP,
             ),
-            pn.Row(self.yaml, self.report, self.targets, self.recipe, margin=(3, 0, 0, 0)),
+            pn.Row(
+                self.yaml, self.report, self.targets, self.recipe, margin=(3, 0, 0, 0), styles=WRAP,
+            ),
             styles=card(p), sizing_mode="stretch_both", margin=0,
         )  # fmt: skip
         context.listeners.append(self.update)
@@ -91,9 +94,10 @@ class HistoryPane:
         )  # fmt: skip
         bars = made.vbar("x", top="top", width=0.72, color="colour", source=self.source,
                          nonselection_alpha=1.0)  # fmt: skip
-        made.text("x", "top", "error", source=self.source, text_align="center", y_offset=-3,
-                  text_font_size="11px", text_color=p.ink)  # fmt: skip
         made.line([-1, 1000], [1, 1], line_dash="4 3", color=p.quiet)
+        made.text("x", "top", "error", source=self.source, text_align="center", y_offset=-3,
+                  text_font_size="11px", text_color=p.ink, background_fill_color=p.card,
+                  background_fill_alpha=0.8)  # fmt: skip
         made.xgrid.visible = False
         made.add_tools(hover(p, [bars], ("step", "@name"), ("model error", "@error")))
         made.select_one(TapTool).renderers = [bars]
@@ -152,20 +156,17 @@ class HistoryPane:
             self.context.act(lambda: session.name(number, event.new))
 
     def _compare(self) -> None:
-        """Families of the present node beside those of another."""
-        history = self.context.session.history
-        if history is None or self.other.value is None:
-            self.comparison.object = ""
-            return
-        here, there = history.present, history.node(self.other.value)
-        both = [("all", there.error, here.error)]
-        both += [(k, there.families.get(k), here.families.get(k)) for k in here.families]
-        cells = " · ".join(
-            f"{html.escape(name)} {number(a)} → {number(b)}"
-            for name, a, b in both
-            if a is not None and b is not None
-        )
-        self.comparison.object = f"<span style='font-size:11px'>{cells}</span>"
+        """Mark another node's errors beside the present ones, and say how the models differ."""
+        history, node, text = self.context.session.history, None, ""
+        if history is not None and self.other.value is not None:
+            node, here = history.node(self.other.value), history.present
+            text = (
+                f"<b>{number(node.error)} → {number(here.error)}</b> "
+                f"{html.escape(effects_apart(node.model, here.model))}"
+            )
+        self.comparison.object = text
+        self.context.compared = node
+        self.context.tell("compared")
 
     def _recipe(self) -> None:
         session = self.context.session

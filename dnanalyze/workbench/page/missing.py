@@ -61,6 +61,7 @@ class Missing:
         self.cancel.on_click(lambda _: context.act(session.cancel))
         self.progress = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.message = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
+        self.of = pn.pane.HTML("", stylesheets=style, margin=0)
         self.list = CandidateList(
             stylesheets=[inner(p) + _rows(p)], sizing_mode="stretch_width", margin=0
         )
@@ -72,7 +73,7 @@ class Missing:
                 pn.pane.HTML("<h2>What is missing</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
                 self.diagnose, self.refine, self.detect, self.cancel, margin=0,
             ),
-            self.progress, self.message,
+            self.progress, self.message, self.of,
             pn.Column(
                 self.list, self.notes, margin=0, sizing_mode="stretch_both",
                 styles={"overflow-y": "auto", "min-height": "0"},
@@ -88,6 +89,8 @@ class Missing:
             self._diagnosed()
         elif what == "detection":
             self._detected()
+        elif what == "history":
+            self._aged()
         elif what == "message":
             self.message.object = f"<b>{html.escape(self.context.session.message)}</b>"
 
@@ -125,6 +128,7 @@ class Missing:
             }
             for c in found["candidates"][:MOST]
         ]
+        self._aged()
         words = {
             "adequate": "The model is adequate: nothing more is missing.",
             "missing": "An effect is missing.",
@@ -139,6 +143,26 @@ class Missing:
         if found["detection_limits"]:
             parts.append(_details("Detection limits", list(found["detection_limits"].values())))
         self.notes.object = "".join(parts)
+
+    def _aged(self) -> None:
+        """Say of which model the candidates are, where it is not the present one."""
+        session = self.context.session
+        found, history = session.diagnosis, session.history
+        if found is None or history is None or not self.list.rows:
+            return
+        if found["node"] == history.at:
+            self.of.object = ""
+            return
+        node = history.node(found["node"])
+        self.of.object = (
+            f"<span class=quiet>diagnosis of step {node.number}, {html.escape(node.title)}</span>"
+        )
+        if self.context.candidate is not None:
+            self.context.candidate = None
+            self.context.tell("candidate")
+        present = set(history.present.model.names)
+        self.list.rows = [r | {"can_add": r["effect"] not in present} for r in self.list.rows]
+        self.message.object = ""
 
     def _detected(self) -> None:
         found = self.context.session.detection

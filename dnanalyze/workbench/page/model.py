@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 
+from dnanalyze.digits import number, symbol
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import card, inner
@@ -33,16 +34,20 @@ class Model:
         button = {"stylesheets": self.style, "margin": 0}
         self.fit = pn.widgets.Button(name="Fit", button_type="primary", width=52, **button)
         self.fit.on_click(lambda _: context.act(context.session.fit))
-        self.add_name = pn.widgets.Select(options=[], width=150, **button)
+        self.errors = pn.widgets.Button(name="± errors", width=68, **button)
+        self.errors.on_click(lambda _: context.act(context.session.standard_errors))
+        self.add_name = pn.widgets.Select(options=[], width=120, **button)
         self.add = pn.widgets.Button(name="Add", width=50, **button)
         self.add.on_click(lambda _: self._add())
         self.list = pn.Column(
-            margin=0, sizing_mode="stretch_both", styles={"overflow-y": "auto", "min-height": "0"}
+            margin=0,
+            sizing_mode="stretch_both",
+            styles={"overflow-y": "auto", "overflow-x": "hidden", "min-height": "0"},
         )
         self.view = pn.Column(
             pn.Row(
                 pn.pane.HTML("<h2>Model</h2>", stylesheets=self.style, margin=(3, 6, 0, 0)),
-                self.fit, pn.layout.HSpacer(), self.add_name, self.add,
+                self.fit, self.errors, pn.layout.HSpacer(), self.add_name, self.add,
                 margin=0, sizing_mode="stretch_width",
             ),
             self.list,
@@ -156,8 +161,8 @@ class ParameterRow:
         knob = slider.knob
         label = slider.label or knob.name
         unit = (
-            f" <span class=quiet>{html.escape(knob.unit)}</span>"
-            if knob.unit not in ("", "1")
+            f" <span class=quiet>{html.escape(symbol(knob.unit))}</span>"
+            if symbol(knob.unit)
             else ""
         )
         tip = f"{knob.lower:.4g} to {knob.upper:.4g} {knob.unit}".strip()
@@ -166,7 +171,7 @@ class ParameterRow:
             start=0, end=1, step=1 / TICKS, value=0.5, show_value=False, name="",
             stylesheets=style, margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
-        self.number = pn.widgets.TextInput(value="", width=78, stylesheets=style, margin=0)
+        self.number = pn.widgets.TextInput(value="", width=66, stylesheets=style, margin=0)
         self.pin = pn.widgets.Toggle(
             name="📌" if slider.pinned else "○", value=slider.pinned, width=26, margin=0,
             stylesheets=style,
@@ -175,9 +180,11 @@ class ParameterRow:
         self.number.param.watch(self._typed, "value")
         owner = knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
         self.pin.param.watch(lambda e: pin(owner, e.new), "value")
+        self.error = pn.pane.HTML("", stylesheets=style, margin=(4, 2, 0, 3), width=54)
         self.view = pn.Row(
-            pn.pane.HTML(name, stylesheets=style, margin=(3, 0, 0, 18), width=118),
-            self.bar, self.number, self.pin, margin=0, sizing_mode="stretch_width", height=26,
+            pn.pane.HTML(name, stylesheets=style, margin=(3, 0, 0, 18), width=112),
+            self.bar, self.number, self.error, self.pin,
+            margin=0, sizing_mode="stretch_width", height=26,
         )  # fmt: skip
         self.set(slider)
 
@@ -189,6 +196,9 @@ class ParameterRow:
         """
         stands = slider.value == self._value
         self.slider, self._value = slider, slider.value
+        self.error.object = (
+            "" if slider.se is None else f"<span class=quiet>± {number(slider.se, 2)}</span>"
+        )
         if stands:
             return
         self._low, self._high = _range(slider)
@@ -210,6 +220,7 @@ class ParameterRow:
         self._quiet = True
         try:
             self.number.value = f"{value:.4g}"
+            self.error.object = ""  # it was that of the fitted value
         finally:
             self._quiet = False
         self._value = value

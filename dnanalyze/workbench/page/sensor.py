@@ -23,16 +23,21 @@ from bokeh.palettes import cividis, gray
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.report.words import celsius, number
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.pixel import Pixel
+from dnanalyze.workbench.page.points import labelled
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 SCREEN = 256  # rows and columns of a displayed image at most
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
-IMAGE = 196, 256  # width and height of an image's figure, screen pixels
+MARGINS = 38, 70  # of an image's figure around the image: axes, title and colour bar
+WIDTH, HEIGHT = 158, 176  # of an image side by side at most, screen pixels
+ALONE = 350  # width and height of an image alone at most
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
 
 
@@ -89,10 +94,12 @@ class Sensor:
             for name in ("measured", "simulated", "difference")
         }
         self.figures = {name: self._image(name) for name in self.sources}
-        self.pixel = _Pixel(context)
+        self.pixel = Pixel(context, WIDTH + MARGINS[0], HEIGHT + MARGINS[1])
+        self._first_pixel = True
         images = [pn.pane.Bokeh(f, margin=0) for f in self.figures.values()]
+        self.over_frames = pn.pane.Bokeh(self.pixel.over_frames, margin=0)
         self.upper = pn.Row(*images[:2], margin=0)
-        self.lower = pn.Row(images[2], self.pixel.view, margin=0, sizing_mode="stretch_width")
+        self.lower = pn.Row(images[2], self.over_frames, margin=0)
         self.points = self._points()
         self.view = pn.Column(
             pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
@@ -101,6 +108,10 @@ class Sensor:
             pn.Row(self.mode, self.contrast, self.swipe, margin=(0, 0, 4, 0)),
             self.upper,
             self.lower,
+            self.pixel.title_bar,
+            pn.pane.Bokeh(
+                self.pixel.over_points, margin=0, sizing_mode="stretch_both", min_height=110
+            ),
             styles=card(p), sizing_mode="stretch_both", margin=0,
         )  # fmt: skip
         for name in ("start", "end"):
@@ -113,7 +124,7 @@ class Sensor:
         p = self.context.palette
         mapper = self.difference if name == "difference" else self.mapper
         made = plain_figure(
-            p, width=IMAGE[0], height=IMAGE[1], x_range=self.range_x,
+            p, width=WIDTH + MARGINS[0], height=HEIGHT + MARGINS[1], x_range=self.range_x,
             y_range=self.range_y, tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom",
             title=f"{name} [DN]",
         )  # fmt: skip
@@ -146,7 +157,7 @@ class Sensor:
                 "x": [temperatures.index(s.point.temperature_c) for s in settings],
                 "y": [len(rest) - 1 - rest.index(_rest(s.point)) for s in settings],
                 "n": [f"{len(s.frames)}" for s in settings],
-                "where": [s.point.label().replace(" C", " °C") for s in settings],
+                "where": [labelled(s.point) for s in settings],
             }
         )
         rows = min(len(rest), 8)
@@ -161,7 +172,7 @@ class Sensor:
         made.grid.visible = False
         made.xaxis.ticker = FixedTicker(ticks=list(range(len(temperatures))))
         made.xaxis.major_label_overrides = {
-            i: "unknown T" if t is None else f"{t:g} °C" for i, t in enumerate(temperatures)
+            i: "unknown T" if t is None else celsius(t) for i, t in enumerate(temperatures)
         }
         made.yaxis.ticker = FixedTicker(ticks=list(range(len(rest))))
         made.yaxis.major_label_overrides = {len(rest) - 1 - i: r for i, r in enumerate(rest)}
@@ -174,6 +185,7 @@ class Sensor:
     def _chosen(self, attr: str, old: Any, new: list[int]) -> None:
         if new:
             self.view_of = View(new[0])
+            self.pixel.chosen(new[0])
             self._changed()
 
     def update(self, what: str) -> None:
@@ -196,8 +208,10 @@ class Sensor:
         self.figures["simulated"].visible = self.mode.value == "side by side"
         self.figures["difference"].visible = self.mode.value == "side by side"
         alone = self.mode.value != "side by side"
-        self.figures["measured"].width = 2 * IMAGE[0] if alone else IMAGE[0]
-        self.figures["measured"].height = 400 if alone else IMAGE[1]
+        self.over_frames.visible = not alone
+        for figure in self.figures.values():
+            width, height = self._size(alone)
+            figure.width, figure.height = width + MARGINS[0], height + MARGINS[1]
         shown = self.context.shown
         model = shown.model if shown is not None else None
         scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
@@ -207,6 +221,13 @@ class Sensor:
             lambda: self._images(view, window, model), lambda x: self._show(x, window, scale),
             lambda error: self.context.session.tell(str(error)),
         )  # fmt: skip
+
+    def _size(self, alone: bool) -> tuple[int, int]:
+        """Width and height of an image on the screen, in the sensor's proportions."""
+        rows, columns = self.shape
+        wide, high = (ALONE, ALONE) if alone else (WIDTH, HEIGHT)
+        scale = min(wide / columns, high / rows)
+        return max(24, round(columns * scale)), max(24, round(rows * scale))
 
     def _window(self, scale: int) -> Window:
         rows, columns = (n // scale for n in self.shape)
@@ -255,6 +276,11 @@ class Sensor:
             source.data = {"image": [self._shown[name]], **place}
         if self.mode.value == "swipe":
             self._swiped()
+        if self._first_pixel:
+            self._first_pixel = False
+            row, column = np.unravel_index(np.nanargmax(measured), measured.shape)
+            k = (window.bottom - window.top) / measured.shape[0]
+            self._pixel(window.top + int(row * k), window.left + int(column * k))
 
     def _swiped(self) -> None:
         """Left of the handle the measured image, right of it the simulated one."""
@@ -285,84 +311,18 @@ class Sensor:
             self.figures["measured"].title.text = "measured [DN]"
 
     def _tapped(self, event: Any) -> None:
-        row, column = int(event.y), int(event.x)
+        self._pixel(int(event.y), int(event.x))
+
+    def _pixel(self, row: int, column: int) -> None:
         if 0 <= row < self.shape[0] and 0 <= column < self.shape[1]:
-            self.pixel.show(row, column)
-
-
-class _Pixel:
-    """Values of one pixel over frames and operating points, measured and simulated."""
-
-    def __init__(self, context: Context) -> None:
-        self.context = context
-        p = context.palette
-        self._latest = Latest(context.back)
-        self.sources = {
-            name: ColumnDataSource({"x": [], "y": [], "where": []})
-            for name in ("measured", "simulated")
-        }
-        made = plain_figure(
-            p, height=IMAGE[1] - 40, sizing_mode="stretch_width", y_axis_label="pixel value [DN]",
-            tools="wheel_zoom,pan,reset",
-        )  # fmt: skip
-        looks = {"measured": (p.ink, "circle"), "simulated": (p.present, "triangle")}
-        drawn = [
-            made.scatter("x", "y", source=self.sources[n], color=c, marker=m, size=5, alpha=0.8)
-            for n, (c, m) in looks.items()
-        ]
-        made.add_tools(hover(p, drawn, ("value", "@y{0.0} DN"), ("operating point", "@where")))
-        settings = context.session.captures.settings
-        made.xaxis.ticker = FixedTicker(ticks=list(range(len(settings))))
-        labels = [
-            f"{s.point.temperature_c:g} °C" if s.point.temperature_c is not None else str(i)
-            for i, s in enumerate(settings)
-        ]
-        every = max(1, -(-len(labels) // 4))
-        made.xaxis.ticker = FixedTicker(ticks=list(range(0, len(settings), every)))
-        made.xaxis.major_label_overrides = dict(enumerate(labels))
-        self.title = pn.pane.HTML(
-            "<span class=quiet>Click a pixel: its values at every operating point.</span>",
-            stylesheets=[inner(p)], margin=0,
-        )  # fmt: skip
-        self.view = pn.Column(
-            self.title, pn.pane.Bokeh(made, sizing_mode="stretch_width", margin=0),
-            sizing_mode="stretch_width", margin=0,
-        )  # fmt: skip
-
-    def show(self, row: int, column: int) -> None:
-        """Draw the values of a pixel."""
-        session, shown = self.context.session, self.context.shown
-        captures = session.captures
-
-        def work() -> Any:
-            measured = frames.pixel(captures, row, column)
-            if shown is None:
-                return measured, []
-            layout = [(s.point, min(len(s.frames), frames.MOST_FRAMES)) for s in captures.settings]
-            made = simulate(
-                shown.model, captures.sensor.shape, layout, "simulation", captures.sensor
-            )
-            return measured, frames.pixel(made, row, column)
-
-        def draw(found: Any) -> None:
-            self.title.object = f"<b>Pixel</b> column {column}, row {row}"
-            for name, values in zip(self.sources, found, strict=True):
-                data: dict[str, list[Any]] = {"x": [], "y": [], "where": []}
-                aside = 0.12 if name == "simulated" else -0.12
-                for i, (v, s) in enumerate(zip(values, captures.settings, strict=False)):
-                    data["x"] += list(i + aside + np.linspace(-0.1, 0.1, len(v)))
-                    data["y"] += list(v)
-                    data["where"] += [s.point.label().replace(" C", " °C")] * len(v)
-                self.sources[name].data = data
-
-        self._latest.ask(work, draw, lambda error: session.tell(str(error)))
+            self.pixel.show(row, column, self.view_of.setting)
 
 
 def _rest(point: Any) -> str:
     """Everything of an operating point but its temperature."""
     parts = [point.channel or ""]
-    parts += [f"{point.exposure_s:.3g} s"] if point.exposure_s is not None else []
-    parts += [f"gain {point.gain:g}"] if point.gain is not None else []
+    parts += [f"{number(point.exposure_s)} s"] if point.exposure_s is not None else []
+    parts += [f"gain {number(point.gain)}"] if point.gain is not None else []
     return ", ".join(x for x in parts if x) or "frames"
 
 

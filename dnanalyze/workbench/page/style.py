@@ -46,8 +46,21 @@ def sheet(p: Palette) -> str:
     return f"""
 :root {{ --bg:{p.background}; --card:{p.card}; --ink:{p.ink}; --quiet:{p.quiet};
   --line:{p.line}; --present:{p.present}; --candidate:{p.candidate}; color-scheme:{p.name}; }}
-html, body {{ background:var(--bg); color:var(--ink); margin:0; height:100%; overflow:hidden;
+html, body {{ background:var(--bg); color:var(--ink); margin:0; height:100%; overflow-x:hidden;
   font:13px/1.35 system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; }}
+"""
+
+
+def layout() -> str:
+    """Style sheet of the page's panes: one screen where there is room, else two columns."""
+    return """
+:host { display:grid !important; gap:6px; padding:4px 6px 6px; height:100vh; min-height:700px;
+  box-sizing:border-box; grid-template-columns:412px minmax(0, 1fr) 376px;
+  grid-template-rows:40px minmax(0, 1.32fr) minmax(0, 1fr);
+  grid-template-areas:'bar bar bar' 'sensor fails model' 'sensor history missing'; }
+@media (max-width:1279px) { :host { height:auto; min-height:0;
+  grid-template-columns:412px minmax(0, 1fr); grid-template-rows:40px 806px 420px 300px;
+  grid-template-areas:'bar bar' 'sensor fails' 'model missing' 'history history'; } }
 """
 
 

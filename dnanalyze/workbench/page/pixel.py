@@ -1,0 +1,134 @@
+"""The values of one pixel over frames and over operating points, measured and simulated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import panel as pn
+from bokeh.models import ColumnDataSource, FixedTicker
+
+from dnanalyze.model.simulate import simulate
+from dnanalyze.report.words import celsius
+from dnanalyze.workbench import frames
+from dnanalyze.workbench.page.background import Latest
+from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.points import labelled
+from dnanalyze.workbench.page.style import hover, inner, plain_figure
+
+ASIDE = 0.12  # of a place on the abscissa, between measured and simulated values
+
+
+class Pixel:
+    """Two figures: frames of the chosen operating point, and all operating points.
+
+    Parameters
+    ----------
+    context : Context
+    width, height : int
+        Of the figure of frames, screen pixels.
+    """
+
+    def __init__(self, context: Context, width: int, height: int) -> None:
+        self.context = context
+        p = context.palette
+        self._latest = Latest(context.back)
+        self._values: dict[str, list[np.ndarray]] = {}
+        self._setting = 0
+        self._at: tuple[int, int] | None = None
+        self._frames, self._points = _sources(), _sources()
+        self.over_frames = self._figure(
+            self._frames, width=width, height=height, x_axis_label="frame"
+        )
+        self.over_points = self._figure(
+            self._points, sizing_mode="stretch_both", min_height=110,
+            x_axis_label="operating point",
+        )  # fmt: skip
+        settings = context.session.captures.settings
+        every = max(1, -(-len(settings) // 6))
+        self.over_points.xaxis.ticker = FixedTicker(ticks=list(range(0, len(settings), every)))
+        self.over_points.xaxis.major_label_overrides = {
+            i: str(i) if s.point.temperature_c is None else celsius(s.point.temperature_c)
+            for i, s in enumerate(settings)
+        }
+        self.title = pn.pane.HTML(
+            "<span class=quiet>A click on a pixel shows its values.</span>",
+            stylesheets=[inner(p)], margin=(2, 0, 0, 0),
+        )  # fmt: skip
+        self.title_bar = pn.Row(self.title, margin=0)
+        context.listeners.append(self.update)
+
+    def update(self, what: str) -> None:
+        """Draw what has changed."""
+        if what == "evaluation" and self._at is not None:
+            self.show(*self._at, self._setting)
+
+    def _figure(self, sources: dict[str, ColumnDataSource], **options: Any) -> Any:
+        p = self.context.palette
+        made = plain_figure(
+            p, y_axis_label="pixel value [DN]", tools="wheel_zoom,pan,reset", **options
+        )
+        looks = {"measured": (p.ink, "circle"), "simulated": (p.present, "triangle")}
+        drawn = [
+            made.scatter("x", "y", source=sources[n], color=c, marker=m, size=5, alpha=0.8)
+            for n, (c, m) in looks.items()
+        ]
+        made.add_tools(hover(p, drawn, ("value", "@y{0.0} DN"), ("operating point", "@where")))
+        return made
+
+    def show(self, row: int, column: int, setting: int) -> None:
+        """Take the values of a pixel and draw them."""
+        session, shown = self.context.session, self.context.shown
+        captures = session.captures
+        self._at, self._setting = (row, column), setting
+
+        def work() -> Any:
+            found = {"measured": frames.pixel(captures, row, column)}
+            if shown is not None:
+                most = frames.MOST_FRAMES
+                layout = [(s.point, min(len(s.frames), most)) for s in captures.settings]
+                sensor = captures.sensor
+                made = simulate(shown.model, sensor.shape, layout, "simulation", sensor)
+                found["simulated"] = frames.pixel(made, row, column)
+            return found
+
+        def draw(found: Any) -> None:
+            p = self.context.palette
+            self.title.object = (
+                f"<b>Pixel</b> column {column}, row {row} &nbsp;<span class=quiet>● measured "
+                f"<span style='color:{p.present}'>▲ simulated</span></span>"
+            )
+            self._values = found
+            self._draw()
+
+        self._latest.ask(work, draw, lambda error: session.tell(str(error)))
+
+    def chosen(self, setting: int) -> None:
+        """Draw the frames of another operating point."""
+        self._setting = setting
+        self._draw()
+
+    def _draw(self) -> None:
+        settings = self.context.session.captures.settings
+        for name in self._frames:
+            values = self._values.get(name, [])
+            aside = ASIDE if name == "simulated" else -ASIDE
+            data: dict[str, list[Any]] = {"x": [], "y": [], "where": []}
+            for i, (v, s) in enumerate(zip(values, settings, strict=False)):
+                data["x"] += list(i + aside + np.linspace(-0.1, 0.1, len(v)))
+                data["y"] += list(v)
+                data["where"] += [labelled(s.point)] * len(v)
+            self._points[name].data = data
+            here = values[self._setting] if self._setting < len(values) else np.zeros(0)
+            self._frames[name].data = {
+                "x": list(range(len(here))),
+                "y": list(here),
+                "where": [labelled(settings[self._setting].point)] * len(here),
+            }
+
+
+def _sources() -> dict[str, ColumnDataSource]:
+    return {
+        name: ColumnDataSource({"x": [], "y": [], "where": []})
+        for name in ("measured", "simulated")
+    }
