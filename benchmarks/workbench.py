@@ -28,16 +28,7 @@ FLAGS = [
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 REST_S = 0.35  # the page waits so long after the last move
-MOVES = """async ([count, pause]) => {
-  const found = [];
-  const search = (root) => {
-    for (const e of root.querySelectorAll("*")) {
-      if (e.classList.contains("noUi-handle")) found.push(e);
-      if (e.shadowRoot) search(e.shadowRoot);
-    }
-  };
-  search(document);
-  const handle = found[3];
+MOVES = """async (handle, [count, pause]) => {
   const doc = Bokeh.documents.find((d) => d.get_model_by_name("present model"));
   const took = [];
   for (let i = 0; i < count; i++) {
@@ -114,8 +105,9 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
             page.get_by_text("Where it fails").wait_for()
             print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3)")
             settled(page)
-            page.evaluate(MOVES, [3, 400])
-            took = page.evaluate(MOVES, [moves, 60])
+            handle = page.locator(".parameter").nth(1).locator("[role=slider]")
+            handle.evaluate(MOVES, [3, 400])
+            took = handle.evaluate(MOVES, [moves, 60])
             p50, p95 = np.percentile(took, [50, 95])
             print(
                 f"{moves} slider moves, key to drawn curve: p50 {p50:.0f} ms, p95 {p95:.0f} ms "
@@ -124,7 +116,7 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
             settled(page)
             rests = []
             for _ in range(10):
-                page.evaluate(MOVES, [1, 0])
+                handle.evaluate(MOVES, [1, 0])
                 begun = time.perf_counter()
                 settled(page)
                 rests.append(time.perf_counter() - begun)
@@ -135,7 +127,7 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
             if pictures is not None:
                 page.screenshot(path=str(pictures / "workbench.png"))
             before = memory_mib(process.pid)
-            page.evaluate(MOVES, [long, 10])
+            handle.evaluate(MOVES, [long, 10])
             settled(page)
             after = memory_mib(process.pid)
             print(

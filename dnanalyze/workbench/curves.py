@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import point_label
 
@@ -109,22 +109,35 @@ def curve(statistics: Statistics, address: Address, measured: Statistics) -> Cur
     return None
 
 
-def over_points(statistics: Statistics, address: Address) -> tuple[list[str], Curve]:
-    """A statistic at every operating point of its plane: labels, and values in that order."""
+def over_points(
+    statistics: Statistics, address: Address, measured: Statistics
+) -> tuple[list[str], Curve]:
+    """A statistic at every operating point of its plane.
+
+    Returns
+    -------
+    labels : list of str
+        Operating points at which it is measured.
+    curve : Curve
+        Values with ``x`` the place of their operating point among the labels.
+    """
     scale = infos()[address.name].scale
-    labels, y, low, high = [], [], [], []
-    for setting in statistics.settings:
-        value = setting.values.get(address.name)
-        if setting.plane != address.plane or value is None:
-            continue
-        labels.append(point_label(setting.point))
-        y.append(value.value)
-        at = scale.coordinate(value.value)
-        error = 2 * value.se if np.isfinite(value.se) else 0.0
-        low.append(scale.plain(at - error))
-        high.append(scale.plain(at + error))
-    x = np.arange(len(y), dtype=float)
-    return labels, Curve(x, np.array(y), np.array(low), np.array(high))
+
+    def held(found: Statistics) -> dict[OperatingPoint, Value]:
+        return {
+            s.point: s.values[address.name]
+            for s in found.settings
+            if s.plane == address.plane and address.name in s.values
+        }
+
+    points = list(held(measured))
+    rows = [(points.index(p), v) for p, v in held(statistics).items() if p in points]
+    values = np.array([v.value for _, v in rows])
+    at = np.array([scale.coordinate(v.value) for _, v in rows])
+    error = np.array([2 * v.se if np.isfinite(v.se) else 0.0 for _, v in rows])
+    low, high = ([scale.plain(x) for x in end] for end in (at - error, at + error))
+    x = np.array([i for i, _ in rows], dtype=float)
+    return [point_label(p) for p in points], Curve(x, values, np.array(low), np.array(high))
 
 
 def _part(name: str) -> str:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,11 +40,21 @@ def test_a_histogram_is_a_density(white):
 
 
 def test_a_statistic_over_operating_points_has_its_error(white):
-    labels, found = curves.over_points(white, Address("mean", POINT))
+    labels, found = curves.over_points(white, Address("mean", POINT), white)
     value = white.settings[0].values["mean"]
     assert labels == ["25 °C, 0.1 s"]
     assert found.y[0] == value.value
     assert found.high[0] - found.low[0] == pytest.approx(4 * value.se)
+
+
+def test_values_keep_the_place_of_their_operating_point(white):
+    here = white.settings[0]
+    warm = replace(here, point=OperatingPoint(45.0, 0.1))
+    both = replace(white, settings=[here, warm])
+    alone = replace(white, settings=[warm])
+    labels, found = curves.over_points(alone, Address("mean", POINT), both)
+    assert labels == ["25 °C, 0.1 s", "45 °C, 0.1 s"]
+    np.testing.assert_array_equal(found.x, [1.0])
 
 
 def test_what_a_family_cannot_draw_is_none(white):

@@ -21,7 +21,7 @@ if CHROMIUM is None:
     pytest.skip("no Chromium on this machine", allow_module_level=True)
 
 RUN = "from dnanalyze_cli.main import run; run()"
-PATIENCE_S = 120.0
+PATIENCE_S = 90.0
 FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
@@ -122,19 +122,28 @@ def test_the_frames_show_before_the_statistics_are_taken(bench):
     assert bench.outside == []
 
 
-def test_a_click_on_a_family_opens_its_figure(bench):
-    title = bench.page.locator("b").filter(has_text=re.compile("."))
-    before = title.all_inner_texts()
-    box = bench.page.locator(".bk-Figure").nth(5).bounding_box()
-    bench.page.mouse.click(box["x"] + 0.48 * box["width"], box["y"] + 0.5 * box["height"])
-    bench.until(lambda: title.all_inner_texts() != before, "another title")
+def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
+    title = bench.page.locator(".statistic div").first
+    for pane, across, down in ((".families", 0.5, 0.5), (".matrix", 0.9, 0.06)):
+        before = title.inner_text()
+        box = bench.page.locator(pane).first.bounding_box()
+        bench.page.mouse.click(box["x"] + across * box["width"], box["y"] + down * box["height"])
+        bench.until(lambda was=before: title.inner_text() != was, f"another title after {pane}")
+
+
+def test_a_click_on_a_pixel_shows_its_values(bench):
+    title = bench.page.locator(".pixel div").first
+    before = title.inner_text()
+    box = bench.page.locator(".measured").first.bounding_box()
+    bench.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"])
+    bench.until(lambda: title.inner_text() != before, "the pixel")
+    assert re.search(r"column \d+, row \d+.*measured.*simulated", title.inner_text())
 
 
 def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
     before = bench.settled()
-    handle = bench.page.locator(".noUi-handle[role=slider]").nth(4)
-    handle.focus()
-    for _ in range(12):
+    bench.page.locator(".parameter").nth(1).locator("[role=slider]").focus()
+    for _ in range(30):
         bench.page.keyboard.press("ArrowRight")
         if bench.error.startswith("≈"):
             break

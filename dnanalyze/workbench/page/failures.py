@@ -68,6 +68,7 @@ class Failures:
             x_range=(LEAST, MOST),
             y_range=Range1d(-0.6, 9.6),
             x_axis_label="model error",
+            css_classes=["families"],
             tools="tap",
         )
         bars = made.hbar(
@@ -89,7 +90,7 @@ class Failures:
         p = self.context.palette
         made = plain_figure(
             p, height=236, sizing_mode="stretch_width", x_range=Range1d(-0.5, 4.5),
-            y_range=Range1d(-0.5, 3.5), tools="tap",
+            y_range=Range1d(-0.5, 3.5), tools="tap", css_classes=["matrix"],
         )  # fmt: skip
         cells = made.rect(
             x="x", y="y", width=0.96, height=0.92, fill_color="colour", line_color=p.card,

@@ -30,7 +30,11 @@ class CurveFigure:
         p = context.palette
         style = [inner(p)]
         self.title = pn.pane.HTML(
-            "", stylesheets=style, margin=(4, 0, 0, 0), sizing_mode="stretch_width"
+            "",
+            css_classes=["statistic"],
+            stylesheets=style,
+            margin=(4, 0, 0, 0),
+            sizing_mode="stretch_width",
         )
         self.what = pn.widgets.RadioButtonGroup(
             options=["curve", "all points"], value="curve", stylesheets=style,
@@ -96,9 +100,8 @@ class CurveFigure:
                 return axes, [], {k: v for k, v in found.items() if v is not None}
         info = infos()[address.name]
         unit = f"value [{symbol(info.unit)}]" if symbol(info.unit) else "value"
-        labels, _ = curves.over_points(layers["measured"], address)
-        made = {k: curves.over_points(v, address)[1] for k, v in layers.items()}
-        made = {k: c for k, c in made.items() if len(c.y) == len(labels)}
+        both = {k: curves.over_points(v, address, layers["measured"]) for k, v in layers.items()}
+        labels, made = both["measured"][0], {k: c for k, (_, c) in both.items()}
         ends = np.concatenate([c.y for c in made.values()]) if made else np.ones(1)
         log = bool(np.all(ends > 0) and ends.max() > 20 * ends.min())
         return curves.Axes("operating point", unit, False, log), labels, made
@@ -178,7 +181,8 @@ class CurveFigure:
         axes, labels, found = self._curves()
         tables = []
         for name, c in found.items():
-            table = pd.DataFrame({"layer": name, axes.x: labels or c.x, axes.y: c.y})
+            where = [labels[int(i)] for i in c.x] if labels else c.x
+            table = pd.DataFrame({"layer": name, axes.x: where, axes.y: c.y})
             tables.append(table.assign(low=c.low, high=c.high))
         return io.BytesIO(pd.concat(tables).to_csv(index=False).encode())
 

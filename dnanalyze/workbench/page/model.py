@@ -184,7 +184,7 @@ class ParameterRow:
         self.view = pn.Row(
             pn.pane.HTML(name, stylesheets=style, margin=(3, 0, 0, 18), width=112),
             self.bar, self.number, self.error, self.pin,
-            margin=0, sizing_mode="stretch_width", height=26,
+            margin=0, sizing_mode="stretch_width", height=26, css_classes=["parameter"],
         )  # fmt: skip
         self.set(slider)
 

@@ -53,7 +53,7 @@ class Pixel:
         }
         self.title = pn.pane.HTML(
             "<span class=quiet>A click on a pixel shows its values.</span>",
-            stylesheets=[inner(p)], margin=(2, 0, 0, 0),
+            stylesheets=[inner(p)], margin=(2, 0, 0, 0), css_classes=["pixel"],
         )  # fmt: skip
         self.title_bar = pn.Row(self.title, margin=0)
         context.listeners.append(self.update)

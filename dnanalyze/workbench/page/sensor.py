@@ -126,7 +126,7 @@ class Sensor:
         made = plain_figure(
             p, width=WIDTH + MARGINS[0], height=HEIGHT + MARGINS[1], x_range=self.range_x,
             y_range=self.range_y, tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom",
-            title=f"{name} [DN]",
+            title=f"{name} [DN]", css_classes=[name],
         )  # fmt: skip
         made.title.text_font_size = "11px"
         made.title.text_color = p.ink
