@@ -29,10 +29,10 @@ FLAGS = [
 ]  # fmt: skip
 REST_S = 0.35  # the page waits so long after the last move
 MOVES = """async (handle, [count, pause]) => {
-  const doc = Bokeh.documents.find((d) => d.get_model_by_name("present model"));
+  const doc = Bokeh.documents.find((d) => d.get_model_by_name("curve of present model"));
   const took = [];
   for (let i = 0; i < count; i++) {
-    const source = doc.get_model_by_name("present model").data_source;
+    const source = doc.get_model_by_name("curve of present model");
     const begun = performance.now();
     const drawn = new Promise((resolve) => {
       const slot = () => {
@@ -69,6 +69,8 @@ def memory_mib(pid: int) -> float:
 
 def settled(page: Any, limit_s: float = 300.0) -> None:
     """Wait until the full error shows and no task is under way."""
+    fitted = page.locator("option").filter(has_text="model, fitted")
+    fitted.first.wait_for(state="attached", timeout=1000 * limit_s)
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         shown = page.locator(".error")

@@ -13,6 +13,7 @@ from dnanalyze.report.words import point_label
 
 BINS = 120  # of a histogram
 PARTS = {"pattern": "fixed pattern (DSNU)", "temporal": "temporal noise", "frame": "single frame"}
+Change = tuple[Statistics, Statistics]  # of a window, before and after
 FEWEST_MODES = 12  # in a drawn point of a spectrum: power scatters as 1 / sqrt(modes)
 
 
@@ -71,7 +72,7 @@ def axes(address: Address) -> Axes | None:
     if address.family == "distribution":
         return Axes("dark value [DN]", "share of pixels per DN", False, True)
     if address.family == "tails":
-        return Axes("deviation [σ]", "share of pixels above", False, True)
+        return Axes("deviation [robust σ]", "share of pixels above", True, True)
     if address.family == "lines":
         which = _direction(address.name)
         return Axes(
@@ -82,7 +83,9 @@ def axes(address: Address) -> Axes | None:
     return None
 
 
-def curve(statistics: Statistics, address: Address, measured: Statistics) -> Curve | None:
+def curve(
+    statistics: Statistics, address: Address, measured: Statistics, change: Change | None = None
+) -> Curve | None:
     """The curve of a family at an operating point.
 
     Parameters
@@ -92,7 +95,21 @@ def curve(statistics: Statistics, address: Address, measured: Statistics) -> Cur
     address : Address
     measured : Statistics
         Fixes the bins of a histogram.
+    change : pair of Statistics, optional
+        Of a small window before and after a change of that model, with the same random numbers.
+        A power spectrum changes by their ratio, for the power of lines depends on the size of the
+        window; a histogram and an exceedance do not, and are those after the change.
     """
+    whole = _curve(statistics, address, measured)
+    if change is None or address.name == "drift":
+        return whole
+    before, after = (_curve(s, address, measured) for s in change)
+    if address.family not in ("spectrum", "lines"):
+        return after
+    return None if whole is None else _scaled(whole, before, after)
+
+
+def _curve(statistics: Statistics, address: Address, measured: Statistics) -> Curve | None:
     here, reference = find(statistics, address), find(measured, address)
     if here is None or reference is None:
         return None
@@ -109,8 +126,16 @@ def curve(statistics: Statistics, address: Address, measured: Statistics) -> Cur
     return None
 
 
+def _scaled(whole: Curve, before: Curve | None, after: Curve | None) -> Curve:
+    """A spectrum times the ratio of two others, at the nearest of their frequencies."""
+    if before is None or after is None or len(before.x) != len(after.x):
+        return whole
+    ratio = np.exp(np.interp(whole.x, before.x, np.log(after.y / before.y)))
+    return Curve(whole.x, whole.y * ratio, whole.low * ratio, whole.high * ratio)
+
+
 def over_points(
-    statistics: Statistics, address: Address, measured: Statistics
+    statistics: Statistics, address: Address, measured: Statistics, change: Change | None = None
 ) -> tuple[list[str], Curve]:
     """A statistic at every operating point of its plane.
 
@@ -131,13 +156,17 @@ def over_points(
         }
 
     points = list(held(measured))
-    rows = [(points.index(p), v) for p, v in held(statistics).items() if p in points]
-    values = np.array([v.value for _, v in rows])
-    at = np.array([scale.coordinate(v.value) for _, v in rows])
-    error = np.array([2 * v.se if np.isfinite(v.se) else 0.0 for _, v in rows])
-    low, high = ([scale.plain(x) for x in end] for end in (at - error, at + error))
-    x = np.array([i for i, _ in rows], dtype=float)
-    return [point_label(p) for p in points], Curve(x, values, np.array(low), np.array(high))
+    here = {p: v for p, v in held(statistics).items() if p in points}
+    at = np.array([scale.coordinate(v.value) for v in here.values()])
+    if change is not None:
+        before, after = (held(s) for s in change)
+        for i, p in enumerate(here):
+            if p in before and p in after:
+                at[i] += scale.coordinate(after[p].value) - scale.coordinate(before[p].value)
+    error = np.array([2 * v.se if np.isfinite(v.se) else 0.0 for v in here.values()])
+    y, low, high = (np.array([scale.plain(x) for x in end]) for end in (at, at - error, at + error))
+    x = np.array([points.index(p) for p in here], dtype=float)
+    return [point_label(p) for p in points], Curve(x, y, low, high)
 
 
 def _part(name: str) -> str:
@@ -210,6 +239,7 @@ def _exceedance(here: SettingStatistics) -> Curve | None:
     k, n = here.curves.get("exceedance_k"), here.curves.get("exceedance_n")
     if k is None or n is None or not len(k):
         return None
+    k, n = k[k > 0], n[k > 0]
     pixels = here.shape[0] * here.shape[1]
     y = np.where(n > 0, n / pixels, np.nan)
     error = 2 * np.sqrt(n) / pixels

@@ -45,10 +45,11 @@ class Evaluation:
     families : mapping
         Error of each family.
     simulated : Statistics
-        Of the held-out half, or of a preview's window, with their curves.
+        Of the held-out half, with their curves; for a preview those of the known model.
     rows : list of dict
         One row a statistic and operating point, as `compare` gives; empty for a preview.
-    preview : bool
+    change : pair of Statistics, optional
+        Of a preview's window before and after the change.
     """
 
     model: NoiseModel
@@ -57,7 +58,12 @@ class Evaluation:
     families: Mapping[str, float]
     simulated: Statistics
     rows: list[dict[str, Any]] = field(default_factory=list)
-    preview: bool = False
+    change: tuple[Statistics, Statistics] | None = None
+
+    @property
+    def preview(self) -> bool:
+        """Whether it is an estimate from a window."""
+        return self.change is not None
 
 
 def evaluate(bench: Bench, model: NoiseModel) -> Evaluation:
@@ -90,7 +96,8 @@ class Preview:
         self.window = _centre(bench.plan.test, side)
         self.settings = [(point, min(n, frames)) for point, n in bench.plan.settings]
         self._memo = Memo(MEMORY, charge=Memo(MEMORY))
-        self._before = self._coordinates(self._statistics(known.model))
+        self._window = self._statistics(known.model)
+        self._before = self._coordinates(self._window)
 
     def evaluate(self, model: NoiseModel) -> Evaluation:
         """A preview of a model's error and of its curves."""
@@ -103,8 +110,8 @@ class Preview:
             z,
             pooled(z, target.families),
             family_errors(z, target.families),
-            made,
-            preview=True,
+            self.known.simulated,
+            change=(self._window, made),
         )
 
     def rebased(self, known: Evaluation) -> Preview:
@@ -112,7 +119,8 @@ class Preview:
         other = object.__new__(Preview)
         other.__dict__.update(self.__dict__)
         other.known = known
-        other._before = other._coordinates(other._statistics(known.model))
+        other._window = other._statistics(known.model)
+        other._before = other._coordinates(other._window)
         return other
 
     def _statistics(self, model: NoiseModel) -> Statistics:

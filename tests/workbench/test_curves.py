@@ -12,15 +12,19 @@ POINT = OperatingPoint(25.0, 0.1)
 NOISE = 6.0
 
 
-@pytest.fixture(scope="module")
-def white():
-    """White noise of 6 DN, 8 frames of 128 x 128."""
-    stack = np.random.default_rng(5).normal(200, NOISE, (8, 128, 128)).round().astype(np.uint16)
+def _statistics(stack):
     made = tuple(
         Frame(f"{i}", POINT, lambda w, x=x: x if w is None else x[w.slices])
         for i, x in enumerate(stack)
     )
-    return analyze(CaptureSet("white", Sensor((128, 128)), (Setting(POINT, made),)))
+    return analyze(CaptureSet("white", Sensor(stack[0].shape), (Setting(POINT, made),)))
+
+
+@pytest.fixture(scope="module")
+def white():
+    """White noise of 6 DN, 8 frames of 128 x 128."""
+    stack = np.random.default_rng(5).normal(200, NOISE, (8, 128, 128))
+    return _statistics(stack.round().astype(np.uint16))
 
 
 def test_the_power_of_white_noise_is_its_variance_within_the_band(white):
@@ -55,6 +59,36 @@ def test_values_keep_the_place_of_their_operating_point(white):
     labels, found = curves.over_points(alone, Address("mean", POINT), both)
     assert labels == ["25 °C, 0.1 s", "45 °C, 0.1 s"]
     np.testing.assert_array_equal(found.x, [1.0])
+
+
+@pytest.fixture(scope="module")
+def windows():
+    """White noise of 6 and of 12 DN with the same random numbers, 3 frames of 64 x 64."""
+    stack = np.random.default_rng(6).normal(0, NOISE, (3, 64, 64))
+    return _statistics(stack + 200), _statistics(2 * stack + 200)
+
+
+def test_a_change_in_a_window_moves_the_whole_spectrum_by_its_ratio(white, windows):
+    address = Address("temporal_psd_0.08_0.16", POINT)
+    whole = curves.curve(white, address, white)
+    moved = curves.curve(white, address, white, windows)
+    np.testing.assert_allclose(moved.y / whole.y, 4.0, rtol=1e-3)
+
+
+def test_a_change_in_a_window_moves_a_value_on_its_scale(white, windows):
+    address = Address("temporal_noise", POINT)
+    _, whole = curves.over_points(white, address, white)
+    _, moved = curves.over_points(white, address, white, windows)
+    assert moved.y[0] / whole.y[0] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_a_histogram_is_that_after_the_change(white, windows):
+    address = Address("pattern_q0.99", POINT)
+    found = curves.curve(white, address, white, windows)
+    share = np.nan_to_num(found.y) / np.nansum(found.y)
+    mean = np.sum(share * found.x)
+    spread = np.sqrt(np.sum(share * (found.x - mean) ** 2))
+    assert spread == pytest.approx(2 * NOISE, rel=0.06)  # but for what lies beyond the bins
 
 
 def test_what_a_family_cannot_draw_is_none(white):

@@ -48,7 +48,7 @@ def address(folder) -> Iterator[str]:
     assert process.stdout is not None
     yield process.stdout.readline().split()[0]
     process.terminate()
-    process.wait(20)
+    process.wait(PATIENCE_S)
     process.stdout.close()
 
 
@@ -61,6 +61,9 @@ class Workbench:
         self.outside: list[str] = []
         self.page.on("request", self._requested)
         self.page.goto(address)
+        fitted = self.page.locator("option").filter(has_text="model, fitted")
+        fitted.first.wait_for(state="attached")
+        self.settled()
 
     def _requested(self, request: Any) -> None:
         if not re.match(r"(http|ws)://127\.0\.0\.1[:/]|data:|blob:", request.url):
@@ -96,7 +99,7 @@ class Workbench:
         """Points of a curve of the open figure."""
         script = f"""() => {{
             for (const d of Bokeh.documents) {{
-                const data = d.get_model_by_name("{layer}")?.data_source.data;
+                const data = d.get_model_by_name("curve of {layer}")?.data;
                 if (data) return (data.x ?? data.get?.("x"))?.length ?? 0;
             }}
             return 0;
@@ -110,9 +113,7 @@ class Workbench:
 
 @pytest.fixture(scope="module")
 def bench(browser, address) -> Workbench:
-    opened = Workbench(browser, address)
-    opened.settled()
-    return opened
+    return Workbench(browser, address)
 
 
 def test_the_frames_show_before_the_statistics_are_taken(bench):
@@ -188,7 +189,6 @@ def test_a_reload_keeps_the_session_and_another_tab_is_another_session(bench, br
     bench.page.reload()
     assert bench.settled() == error
     other = Workbench(browser, address)
-    other.settled()
     here = "window.location.href"
     assert other.page.evaluate(here) != bench.page.evaluate(here)
     assert bench.settled() == error

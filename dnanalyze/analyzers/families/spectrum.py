@@ -102,9 +102,9 @@ def finish(acc: Accumulated) -> FamilyResult:
             _structure(part, result)
             _profiles(part, result)
             _peaks(part, _images(part, acc), result)
+        _curves(part, result)
         if part.errors:
             _shape(part, result)
-            _curves(part, result)
     if acc.plan.errors and whole:
         quiet = reduce_power(power_of(_quiet(acc)), modes_of(acc.plan.shape))
         _high_to_mid("frame_hf_mf_quiet", quiet, 1.0, result)
@@ -415,5 +415,5 @@ def _curves(part: _Part, result: FamilyResult) -> None:
     curves[f"{name}_row_spectrum"] = part.reduced.rows
     curves["column_spectrum_f"] = modes.u
     curves["row_spectrum_f"] = modes.v
-    if name != "frame":
+    if part.errors and name != "frame":
         curves[f"{name}_psd2d"] = picture(part.power)

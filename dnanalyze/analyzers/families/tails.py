@@ -102,11 +102,11 @@ def finish(acc: Accumulated) -> FamilyResult:
     _counts(acc, centre, sigma, out)
     hot = acc.pattern > np.float32(centre + 8 * sigma)
     out.values["hot_pairs"] = _in_clumps(clump_sizes(hot))
+    _exceedance(acc, centre, sigma, out)
     if acc.plan.errors:
         _densities(acc, out)
         out.curves["hot_pixels"] = _hot_pixels(acc)
         out.curves["hot_levels"] = acc.pattern.ravel()[out.curves["hot_pixels"]]
-        _exceedance(acc, centre, sigma, out)
         _tail_index(acc, out)
     if acc.frames == 1:
         for name in ("transient_high", "transient_low", "transient_adjacent", "hot_repeat"):

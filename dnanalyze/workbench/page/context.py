@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
 
-from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.errors import InputError
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
@@ -33,7 +32,7 @@ class Context:
     document: Any
     family: str = ""
     address: Address | None = None
-    candidate: tuple[str, Statistics] | None = None
+    candidate: tuple[str, Evaluation] | None = None
     shown: Evaluation | None = None
     compared: Node | None = None
     listeners: list[Callable[[str], None]] = field(default_factory=list)

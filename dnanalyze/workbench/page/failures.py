@@ -83,6 +83,7 @@ class Failures:
                   ("@marked", "@mark{0.00}"))
         )  # fmt: skip
         made.select_one(TapTool).renderers = [bars]
+        made.yaxis.ticker = FixedTicker(ticks=[])
         self._bars.selected.on_change("indices", self._family_chosen)
         return made
 
@@ -107,6 +108,7 @@ class Failures:
                   ("difference", "@z σ"))
         )  # fmt: skip
         made.select_one(TapTool).renderers = [cells]
+        made.xaxis.ticker, made.yaxis.ticker = FixedTicker(ticks=[]), FixedTicker(ticks=[])
         self._cells.selected.on_change("indices", self._cell_chosen)
         return made
 
@@ -153,7 +155,7 @@ class Failures:
             f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}</span></h2>"
         )
         self.bars.y_range.start, self.bars.y_range.end = -0.6, len(names) - 0.4
-        self.bars.yaxis.ticker = FixedTicker(ticks=list(range(len(names))))
+        self.bars.yaxis.ticker.ticks = list(range(len(names)))
         self.bars.yaxis.major_label_overrides = {
             i: family_title(n).split(" and ")[0].split(",")[0] for i, n in enumerate(names)
         }
@@ -208,11 +210,11 @@ class Failures:
         made, known = self.matrix, infos()
         made.x_range.start, made.x_range.end = -0.5, len(points) - 0.5
         made.y_range.start, made.y_range.end = -0.5, len(names) - 0.5
-        made.xaxis.ticker = FixedTicker(ticks=list(range(len(points))))
+        made.xaxis.ticker.ticks = list(range(len(points)))
         labels = without_shared([labelled(*p) for p in points])
         made.xaxis.major_label_overrides = dict(enumerate(labels))
         made.xaxis.major_label_orientation = 0.0 if len(points) <= 6 else 0.7
-        made.yaxis.ticker = FixedTicker(ticks=list(range(len(names))))
+        made.yaxis.ticker.ticks = list(range(len(names)))
         made.yaxis.major_label_overrides = {
             len(names) - 1 - i: _cut(known[n].title) for i, n in enumerate(names)
         }

@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import panel as pn
-from bokeh.models import ColumnDataSource, FixedTicker, Whisker
+from bokeh.models import ColumnDataSource
 from matplotlib.figure import Figure
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.digits import symbol
 from dnanalyze.workbench import curves
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.plot import EMPTY, KINDS, LAYERS, CurvePlot, Kind
 from dnanalyze.workbench.page.points import labelled, without_shared
-from dnanalyze.workbench.page.style import hover, inner, plain_figure
+from dnanalyze.workbench.page.style import inner
 
 
 class CurveFigure:
     """The pane."""
-
-    LAYERS = ("measured", "Wang 2025 model", "present model", "candidate")
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -54,18 +54,25 @@ class CurveFigure:
         )  # fmt: skip
         self.what.param.watch(lambda _: self._draw(), "value")
         self._sources = {
-            name: ColumnDataSource({"x": [], "y": [], "low": [], "high": []})
-            for name in self.LAYERS
+            name: ColumnDataSource(dict(EMPTY), name=f"curve of {name}") for name in LAYERS
         }
-        self._kind: tuple[Any, ...] = ()
-        self.pane = pn.pane.Bokeh(sizing_mode="stretch_both", margin=0, min_height=150)
+        self._plots = {kind: CurvePlot(p, kind, self._sources) for kind in KINDS}
+        self._panes = {
+            kind: pn.pane.Bokeh(
+                plot.figure, sizing_mode="stretch_both", margin=0, visible=kind == KINDS[0]
+            )
+            for kind, plot in self._plots.items()
+        }
+        self.plots = pn.Column(
+            *self._panes.values(), sizing_mode="stretch_both", margin=0, min_height=150
+        )
         self.view = pn.Column(
             pn.Row(self.title, margin=0, sizing_mode="stretch_width"),
             pn.Row(
                 self.what, pn.layout.HSpacer(), self.csv, self.png, self.svg,
                 margin=0, sizing_mode="stretch_width",
             ),
-            self.pane,
+            self.plots,
             sizing_mode="stretch_both",
             margin=0,
         )  # fmt: skip
@@ -76,31 +83,32 @@ class CurveFigure:
         if what in ("address", "evaluation", "preview", "candidate"):
             self._draw()
 
-    def _statistics(self) -> dict[str, Any]:
+    def _layers(self) -> dict[str, tuple[Statistics, curves.Change | None]]:
+        """Statistics of each layer, with the change that a preview makes to them."""
         context, session = self.context, self.context.session
         assert session.bench is not None
-        shown = context.shown
-        return {
-            "measured": session.bench.measured[1],
-            "Wang 2025 model": session.baseline.simulated if session.baseline else None,
-            "present model": shown.simulated if shown else None,
+        models = {
+            "Wang 2025 model": session.baseline,
+            "present model": context.shown,
             "candidate": context.candidate[1] if context.candidate else None,
         }
+        found = {k: (e.simulated, e.change) for k, e in models.items() if e is not None}
+        return {"measured": (session.bench.measured[1], None), **found}
 
     def _curves(self) -> tuple[curves.Axes, list[str], dict[str, curves.Curve]]:
         """Axes, labels of the abscissa (none for a continuous one), curves by layer."""
         address = self.context.address
         assert address is not None
-        layers = {k: v for k, v in self._statistics().items() if v is not None}
+        layers = self._layers()
+        measured = layers["measured"][0]
         axes = curves.axes(address)
         if axes is not None and self.what.value == "curve":
-            measured = layers["measured"]
-            found = {k: curves.curve(v, address, measured) for k, v in layers.items()}
+            found = {k: curves.curve(s, address, measured, c) for k, (s, c) in layers.items()}
             if found["measured"] is not None:
                 return axes, [], {k: v for k, v in found.items() if v is not None}
         info = infos()[address.name]
         unit = f"value [{symbol(info.unit)}]" if symbol(info.unit) else "value"
-        both = {k: curves.over_points(v, address, layers["measured"]) for k, v in layers.items()}
+        both = {k: curves.over_points(s, address, measured, c) for k, (s, c) in layers.items()}
         labels, made = both["measured"][0], {k: c for k, (_, c) in both.items()}
         ends = np.concatenate([c.y for c in made.values()]) if made else np.ones(1)
         log = bool(np.all(ends > 0) and ends.max() > 20 * ends.min())
@@ -117,65 +125,22 @@ class CurveFigure:
             f"<b>{infos()[address.name].title}</b> "
             f"<span class=quiet>{html.escape(where)}</span></div>"
         )
-        kind = axes, tuple(labels)
-        if kind != self._kind:
-            self._kind = kind
-            self.pane.object = self._make(axes, labels)
+        self._plot(axes, labels).label(axes, labels, address)
         for name, source in self._sources.items():
             c = found.get(name)
             source.data = (
-                {"x": [], "y": [], "low": [], "high": []}
-                if c is None
-                else {"x": c.x, "y": c.y, "low": c.low, "high": c.high}
+                dict(EMPTY) if c is None else {"x": c.x, "y": c.y, "low": c.low, "high": c.high}
             )
 
-    def _make(self, axes: curves.Axes, labels: list[str]) -> Any:
-        p = self.context.palette
-        made = plain_figure(
-            p, sizing_mode="stretch_both", x_axis_label=axes.x, y_axis_label=axes.y,
-            x_axis_type="log" if axes.log_x else "linear",
-            y_axis_type="log" if axes.log_y else "linear", tools="pan,wheel_zoom,box_zoom,reset",
-        )  # fmt: skip
-        looks = {
-            "measured": (p.ink, "solid", 1.6),
-            "Wang 2025 model": (p.wang, "8 3", 1.8),
-            "present model": (p.present, "solid", 2.2),
-            "candidate": (p.candidate, "2 2", 2.4),
-        }
-        drawn = []
-        if labels:
-            made.xaxis.ticker = FixedTicker(ticks=list(range(len(labels))))
-            made.xaxis.major_label_overrides = dict(enumerate(without_shared(labels)))
-            made.add_layout(
-                Whisker(source=self._sources["measured"], base="x", upper="high", lower="low",
-                        line_color=p.ink)
-            )  # fmt: skip
-        else:
-            made.varea(x="x", y1="low", y2="high", source=self._sources["measured"],
-                       fill_color=p.ink, fill_alpha=0.16)  # fmt: skip
-        for name, (colour, dash, width) in looks.items():
-            drawn.append(
-                made.line("x", "y", source=self._sources[name], color=colour, line_dash=dash,
-                          line_width=width, legend_label=name, name=name)
-            )  # fmt: skip
-            if labels:
-                made.scatter("x", "y", source=self._sources[name], color=colour, size=6)
-        made.add_tools(
-            hover(p, drawn, ("", "$name"), (axes.x.split(" [")[0], "@x{0.0000}"),
-                  (axes.y.split(" [")[0], "@y{0.000e}" if axes.log_y else "@y{0.000}"),
-                  mode="mouse")
-        )  # fmt: skip
-        legend = made.legend[0]
-        legend.label_text_font_size = "10px"
-        legend.label_text_color = p.ink
-        legend.background_fill_color = p.card
-        legend.background_fill_alpha = 0.75
-        legend.border_line_color = None
-        legend.padding = legend.margin = 3
-        legend.spacing = 10
-        legend.orientation = "horizontal"
-        made.add_layout(legend, "above")
-        return made
+    def _plot(self, axes: curves.Axes, labels: list[str]) -> CurvePlot:
+        """The plot with such axes, alone to be seen.
+
+        A browser keeps the models of a figure that is replaced: none is.
+        """
+        shown = Kind(axes.log_x, axes.log_y, bool(labels))
+        for kind, pane in self._panes.items():
+            pane.visible = kind == shown
+        return self._plots[shown]
 
     def _csv(self) -> Any:
         axes, labels, found = self._curves()

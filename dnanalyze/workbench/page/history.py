@@ -101,6 +101,7 @@ class HistoryPane:
         made.xgrid.visible = False
         made.add_tools(hover(p, [bars], ("step", "@name"), ("model error", "@error")))
         made.select_one(TapTool).renderers = [bars]
+        made.xaxis.ticker = FixedTicker(ticks=[])
         self.source.selected.on_change("indices", self._tapped)
         return made
 
@@ -125,7 +126,7 @@ class HistoryPane:
         }
         self.figure.x_range.end = max(4, len(path)) - 0.5
         self.figure.y_range.end = 1.25 * max([*errors, 1.2])
-        self.figure.xaxis.ticker = FixedTicker(ticks=list(range(len(path))))
+        self.figure.xaxis.ticker.ticks = list(range(len(path)))
         self.figure.xaxis.major_label_overrides = {i: _short(n) for i, n in enumerate(path)}
         self._quiet = True
         try:

@@ -194,7 +194,7 @@ class Missing:
 
         def show(found: Any) -> None:
             if self.list.hovered == event.new:
-                context.candidate = event.new, found.simulated
+                context.candidate = event.new, found
                 context.tell("candidate")
 
         self._latest.ask(work, show, lambda error: session.tell(str(error)))
