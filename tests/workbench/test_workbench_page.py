@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shutil
@@ -144,12 +145,13 @@ def test_a_click_on_a_pixel_shows_its_values(bench):
 def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
     before = bench.settled()
     bench.page.locator(".parameter").nth(1).locator("[role=slider]").focus()
-    for _ in range(30):
-        bench.page.keyboard.press("ArrowRight")
-        if bench.error.startswith("≈"):
-            break
-        bench.page.wait_for_timeout(100)
-    bench.until(lambda: bench.error.startswith("≈"), "a preview")
+    keys = itertools.cycle(["ArrowRight"] * 30 + ["ArrowLeft"] * 20)
+
+    def previewed() -> bool:
+        bench.page.keyboard.press(next(keys))
+        return bench.error.startswith("≈")
+
+    bench.until(previewed, "a preview")
     bench.until(lambda: re.fullmatch(r"[\d.]+", bench.error), "the full error")
     assert bench.settled() != before
     bench.click("Undo")
