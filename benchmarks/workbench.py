@@ -109,6 +109,7 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
             settled(page)
             handle = page.locator(".parameter").nth(1).locator("[role=slider]")
             handle.evaluate(MOVES, [3, 400])
+            settled(page)
             took = handle.evaluate(MOVES, [moves, 60])
             p50, p95 = np.percentile(took, [50, 95])
             print(
@@ -120,6 +121,7 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
             for _ in range(10):
                 handle.evaluate(MOVES, [1, 0])
                 begun = time.perf_counter()
+                page.locator(".error").filter(has_text="≈").wait_for(timeout=5000)
                 settled(page)
                 rests.append(time.perf_counter() - begun)
             print(

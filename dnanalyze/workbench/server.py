@@ -7,10 +7,11 @@ import socket
 import webbrowser
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from threading import Lock, Thread
+from threading import Lock
 from typing import Any
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.session import WorkbenchSession
 from dnanalyze.workbench.source import CaptureSource
@@ -24,7 +25,8 @@ class Sessions:
     """Sessions by name; the one unused for longest gives way to a new one beyond the limit."""
 
     source: CaptureSource
-    model: NoiseModel | None = None
+    model: NoiseModel | None
+    captures: CaptureSet
     _held: OrderedDict[str, WorkbenchSession] = field(default_factory=OrderedDict)
     _lock: Lock = field(default_factory=Lock)
 
@@ -34,27 +36,17 @@ class Sessions:
             if name in self._held:
                 self._held.move_to_end(name)
                 return name, self._held[name]
-            session = WorkbenchSession(self.source, self.model)
+            session = WorkbenchSession(self.source, self.model, self.captures)
             name = secrets.token_urlsafe(9)
             self._held[name] = session
             if len(self._held) > MOST_SESSIONS:
                 self._held.popitem(last=False)[1].close()
-        Thread(target=_prepare, args=(session,), daemon=True).start()
         return name, session
 
     def close(self) -> None:
         """End every session's worker."""
         for session in self._held.values():
             session.close()
-
-
-def _prepare(session: WorkbenchSession) -> None:
-    try:
-        session.prepare()
-    except InputError as error:
-        session.tell(str(error))
-    except Exception as error:  # told on the page
-        session.tell(f"internal error: {type(error).__name__}: {error}")
 
 
 def serve(
@@ -97,8 +89,8 @@ def serve(
         ) from None
     from dnanalyze.workbench.page.app import page, style_sheet
 
-    source.captures()  # what cannot be read is told before a page is opened
-    sessions = Sessions(source, model)
+    captures = source.captures()  # what cannot be read is told before a page is opened
+    sessions = Sessions(source, model, captures)
     token = "" if host in LOOPBACK else secrets.token_urlsafe(24)
     port = _free(host, port)
     pn.extension(notifications=False)
@@ -111,7 +103,7 @@ def serve(
         name, session = sessions.get(arguments.get("session", ""))
         pn.config.raw_css = [style_sheet(theme)]
         asked = f"?session={name}&theme={theme}" + (f"&token={token}" if token else "")
-        return page(session, asked, theme)
+        return page(session, asked, theme, session.begin)
 
     shown = "127.0.0.1" if host in LOOPBACK else host
     address = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")

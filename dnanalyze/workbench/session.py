@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from threading import RLock
+from threading import RLock, Thread
 from typing import Any
 
 from dnanalyze.errors import InputError
@@ -63,6 +63,8 @@ class WorkbenchSession:
     source : CaptureSource
     model : NoiseModel, optional
         Starting model; by default the Wang 2025 model is fitted first.
+    loaded : CaptureSet, optional
+        The captures of the source; read from it by default.
 
     Notes
     -----
@@ -83,6 +85,7 @@ class WorkbenchSession:
 
     source: CaptureSource
     model: NoiseModel | None = None
+    loaded: CaptureSet | None = None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
     bench: Bench | None = field(init=False, default=None)
@@ -95,12 +98,14 @@ class WorkbenchSession:
     pinned: frozenset[str] = field(init=False, default=frozenset())
 
     def __post_init__(self) -> None:
-        self.captures = self.source.captures()
+        self.captures = self.loaded or self.source.captures()
         self.known = self.source.known()
         self.worker = Worker(self.source)
         self._lock = RLock()
         self._evaluating = RLock()
+        self._previewing = RLock()
         self._preview: Preview | None = None
+        self._begun = False
         self.listeners: list[Event] = []
         self._removed: dict[str, Effect] = {}
         self._kept: list[Evaluation] = []
@@ -112,6 +117,21 @@ class WorkbenchSession:
             listener(what)
 
     # Statistics and the starting model
+
+    def begin(self) -> None:
+        """`prepare` in a thread, once; what is wrong becomes a message."""
+        with self._lock:
+            begun, self._begun = self._begun, True
+        if not begun:
+            Thread(target=self._prepare_or_tell, daemon=True).start()
+
+    def _prepare_or_tell(self) -> None:
+        try:
+            self.prepare()
+        except InputError as error:
+            self.tell(str(error))
+        except Exception as error:  # an effect of the user's may raise anything
+            self.tell(f"internal error: {type(error).__name__}: {error}")
 
     def prepare(self) -> None:
         """Take the statistics and set the starting model; takes seconds."""
@@ -235,7 +255,8 @@ class WorkbenchSession:
         return self._prepared().evaluate(model)
 
     def _prepared(self) -> Preview:
-        with self._evaluating:
+        """Previews by the change from the last model with a full error; none waits for another."""
+        with self._previewing:
             with self._lock:
                 held, known, made = self.bench, self.evaluation, self._preview
             if held is None or known is None:

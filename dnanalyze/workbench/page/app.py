@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,9 @@ from dnanalyze.workbench.page.style import inner, layout, palette, sheet
 from dnanalyze.workbench.session import WorkbenchSession
 
 
-def page(session: WorkbenchSession, query: str, theme: str) -> Any:
+def page(
+    session: WorkbenchSession, query: str, theme: str, begun: Callable[[], None] = lambda: None
+) -> Any:
     """The page of a session.
 
     Parameters
@@ -30,6 +33,8 @@ def page(session: WorkbenchSession, query: str, theme: str) -> Any:
     query : str
         Query of the page's address, which names the session and the theme.
     theme : {"light", "dark"}
+    begun : callable
+        Called when the browser has the page.
 
     Returns
     -------
@@ -49,7 +54,12 @@ def page(session: WorkbenchSession, query: str, theme: str) -> Any:
     def listener(what: str) -> None:
         context.back(lambda: tell(what))
 
-    session.listeners.append(listener)
+    def begin() -> None:
+        session.listeners.append(listener)
+        _all(context)
+        begun()
+
+    pn.state.onload(begin)  # a change of panes is lost before the browser has the document
     pn.state.on_session_destroyed(lambda _: _forget(session, listener))
     areas = {
         bar.view: "bar", sensor.view: "sensor", failures.view: "fails", model.view: "model",
@@ -58,7 +68,6 @@ def page(session: WorkbenchSession, query: str, theme: str) -> Any:
     for pane, area in areas.items():
         pane.styles = {**pane.styles, "grid-area": area, "min-width": "0", "min-height": "0"}
     whole = pn.Column(*areas, sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
-    context.back(lambda: _all(context))
     return whole
 
 

@@ -17,7 +17,7 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.digits import symbol
 from dnanalyze.workbench import curves
 from dnanalyze.workbench.page.context import Context
-from dnanalyze.workbench.page.plot import EMPTY, KINDS, LAYERS, CurvePlot, Kind
+from dnanalyze.workbench.page.plot import EMPTY, LAYERS, CurvePlot, Kind
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import inner
 
@@ -56,16 +56,8 @@ class CurveFigure:
         self._sources = {
             name: ColumnDataSource(dict(EMPTY), name=f"curve of {name}") for name in LAYERS
         }
-        self._plots = {kind: CurvePlot(p, kind, self._sources) for kind in KINDS}
-        self._panes = {
-            kind: pn.pane.Bokeh(
-                plot.figure, sizing_mode="stretch_both", margin=0, visible=kind == KINDS[0]
-            )
-            for kind, plot in self._plots.items()
-        }
-        self.plots = pn.Column(
-            *self._panes.values(), sizing_mode="stretch_both", margin=0, min_height=150
-        )
+        self._plots: dict[Kind, tuple[CurvePlot, Any]] = {}
+        self.plots = pn.Column(sizing_mode="stretch_both", margin=0, min_height=150)
         self.view = pn.Column(
             pn.Row(self.title, margin=0, sizing_mode="stretch_width"),
             pn.Row(
@@ -133,14 +125,19 @@ class CurveFigure:
             )
 
     def _plot(self, axes: curves.Axes, labels: list[str]) -> CurvePlot:
-        """The plot with such axes, alone to be seen.
+        """The plot with such axes, alone to be seen; made when first needed.
 
-        A browser keeps the models of a figure that is replaced: none is.
+        A browser keeps the models of a figure that is replaced: figures are reused.
         """
-        shown = Kind(axes.log_x, axes.log_y, bool(labels))
-        for kind, pane in self._panes.items():
-            pane.visible = kind == shown
-        return self._plots[shown]
+        kind = Kind(axes.log_x, axes.log_y, bool(labels))
+        if kind not in self._plots:
+            plot = CurvePlot(self.context.palette, kind, self._sources)
+            pane = pn.pane.Bokeh(plot.figure, sizing_mode="stretch_both", margin=0)
+            self._plots[kind] = plot, pane
+            self.plots.append(pane)
+        for other, (_, pane) in self._plots.items():
+            pane.visible = other == kind
+        return self._plots[kind][0]
 
     def _csv(self) -> Any:
         axes, labels, found = self._curves()

@@ -24,15 +24,6 @@ class Kind:
     named: bool
 
 
-KINDS = (  # every combination that a statistic has
-    Kind(False, False, True),
-    Kind(False, True, True),
-    Kind(False, False, False),
-    Kind(False, True, False),
-    Kind(True, True, False),
-)
-
-
 class CurvePlot:
     """A Bokeh figure of the layers.
 

@@ -89,6 +89,7 @@ class Sensor:
         self.mapper = LinearColorMapper(MAPS["grey"], low=0, high=1, nan_color=p.card)
         self.difference = LinearColorMapper(_diverging(p.name), low=-1, high=1, nan_color=p.card)
         self._shown: dict[str, np.ndarray] = {}
+        self._drawn: Any = None
         self.sources = {
             name: ColumnDataSource({"image": [], "x": [], "y": [], "dw": [], "dh": []})
             for name in ("measured", "simulated", "difference")
@@ -214,11 +215,13 @@ class Sensor:
             figure.width, figure.height = width + MARGINS[0], height + MARGINS[1]
         shown = self.context.shown
         model = shown.model if shown is not None else None
+        preview = shown is not None and shown.preview
         scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
         window = self._window(scale)
         self._blink()
         self._latest.ask(
-            lambda: self._images(view, window, model), lambda x: self._show(x, window, scale),
+            lambda: self._images(view, window, model, preview),
+            lambda x: self._show(x, view, window, scale),
             lambda error: self.context.session.tell(str(error)),
         )  # fmt: skip
 
@@ -237,16 +240,22 @@ class Sensor:
         right, bottom = min(columns, int(np.ceil(right))), min(rows, int(np.ceil(bottom)))
         return Window(top, max(top + 1, bottom), left, max(left + 1, right))
 
-    def _images(self, view: View, window: Window, model: NoiseModel | None) -> Any:
+    def _images(self, view: View, window: Window, model: NoiseModel | None, preview: bool) -> Any:
+        """Measured, simulated and difference images, and the ends of their contrasts.
+
+        A preview keeps the measured image and the contrasts that are shown.
+        """
         measured = self._whole(view, None)
         simulated = np.full_like(measured, np.nan) if model is None else self._whole(view, model)
-        cut = window.slices
-        rows = [frames.for_screen(x, window, SCREEN) for x in (measured, simulated)]
-        difference = frames.for_screen(measured - simulated, window, SCREEN)
-        low, high = self.contrast.value
+        apart = measured - simulated
+        if preview and self._drawn == (view, window, self.mode.value):
+            made = [frames.for_screen(x, window, SCREEN) for x in (simulated, apart)]
+            return (self._shown["measured"], *made), None
+        images = tuple(frames.for_screen(x, window, SCREEN) for x in (measured, simulated, apart))
+        cut, (low, high) = window.slices, self.contrast.value
         ends = frames.contrast([measured[cut], simulated[cut]], low, high)
-        spread = max(abs(e) for e in frames.contrast([difference], low, high))
-        return *rows, difference, ends, spread
+        spread = max(abs(e) for e in frames.contrast([images[2]], low, high))
+        return images, (ends, spread)
 
     def _whole(self, view: View, model: NoiseModel | None) -> np.ndarray:
         """A whole image, of the captures or of a model's; the last few are kept."""
@@ -261,11 +270,14 @@ class Sensor:
                 self._held.popitem(last=False)
         return self._held[key]
 
-    def _show(self, found: Any, window: Window, scale: int) -> None:
-        measured, simulated, difference, (low, high), spread = found
-        self.mapper.palette = MAPS[self.colours.value]
-        self.mapper.low, self.mapper.high = low, high
-        self.difference.low, self.difference.high = -spread, spread
+    def _show(self, found: Any, view: View, window: Window, scale: int) -> None:
+        """Draw the images; those of a preview at the contrast that there is."""
+        (measured, simulated, difference), ends = found
+        if ends is not None:
+            (low, high), spread = ends
+            self.mapper.palette = MAPS[self.colours.value]
+            self.mapper.low, self.mapper.high = low, high
+            self.difference.low, self.difference.high = -spread, spread
         self._shown = {"measured": measured, "simulated": simulated, "difference": difference}
         place = {
             "x": [window.left * scale], "y": [window.top * scale],
@@ -273,7 +285,9 @@ class Sensor:
             "dh": [(window.bottom - window.top) * scale],
         }  # fmt: skip
         for name, source in self.sources.items():
-            source.data = {"image": [self._shown[name]], **place}
+            if name != "measured" or self._drawn != (view, window, self.mode.value):
+                source.data = {"image": [self._shown[name]], **place}
+        self._drawn = view, window, self.mode.value
         if self.mode.value == "swipe":
             self._swiped()
         if self._first_pixel:
