@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from dnanalyze.analyzers.catalogue import catalogue
+from dnanalyze.digits import minus, symbol
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Emva, Group, Kind, PointQuantities, Quantity
 from dnanalyze.report.words import family_title, listing, number, point_label, varied, with_error
@@ -34,7 +35,7 @@ def brief(quantity: Quantity) -> str:
     decimals = -math.floor(math.log10(se))
     if not 0 <= decimals <= 6:
         return cell(quantity)
-    return f"{value:.{decimals}f} ± {se:.{decimals}f}"
+    return f"{minus(f'{value:.{decimals}f}')} ± {se:.{decimals}f}"
 
 
 def unit(kind: Kind) -> str:
