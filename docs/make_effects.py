@@ -62,7 +62,7 @@ CODES = {"digital_gain", "missing_codes", "quantization"}
 NEAR = {"convolved_lognormal", "cfa_mismatch", "crosstalk", "denoise", "dpc", "hot_clusters"}
 OVER_TIME = {
     "offset_drift": "frame mean [DN]",
-    "rts": "the most blinking pixel [DN]",
+    "rts": "strongest RTS pixel [DN]",
     "persistence": "correlation of a pixel over time",
     "temporal_denoise": "correlation of a pixel over time",
 }

@@ -84,9 +84,7 @@ def junit(result: Any) -> str:
         if check.passed:
             lines.append(f"{case}/>")
             continue
-        text = (
-            f"{value(check)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
-        )
+        text = f"{value(check)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
         if math.isnan(check.value):
             text = f"{excess(check)}; limit {limit(check)}; see {look(check)}"
         if check.enforced:

@@ -12,7 +12,6 @@ from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Emva, Group, Kind, PointQuantities, Quantity
 from dnanalyze.report.words import family_title, listing, number, point_label, varied, with_error
 
-UNITS = {"e-": "e⁻", "e-/s": "e⁻/s", "DN/e-": "DN/e⁻", "C": "°C", "1": ""}
 NONE = "–"
 LAWS = ("activation_energy_ev", "doubling_step_c")  # of the median; here they are of the mean
 Row = tuple[str, ...]
@@ -40,7 +39,7 @@ def brief(quantity: Quantity) -> str:
 
 def unit(kind: Kind) -> str:
     """With symbols: °C, e⁻."""
-    return UNITS.get(kind.unit, kind.unit)
+    return symbol(kind.unit)
 
 
 def title(kind: Kind) -> str:

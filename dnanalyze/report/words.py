@@ -72,8 +72,8 @@ def percent(share: Any) -> str:
 
 
 def probability(p: Any) -> str:
-    """A p-value; below what numbers can hold it is said to be so."""
-    return "< 10⁻³⁰⁰" if p == 0 else number(p, 2)
+    """A p-value; below 10⁻³⁰⁰, near what numbers can hold, only that it is."""
+    return "< 10⁻³⁰⁰" if is_number(p) and p < 1e-300 else number(p, 2)
 
 
 def point_label(row: Any, only: Iterable[str] | None = None) -> str:

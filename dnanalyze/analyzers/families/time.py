@@ -1,4 +1,4 @@
-"""What happens from frame to frame: drift, memory, blinking, noise that differs by pixel."""
+"""Changes from frame to frame: drift, correlation in time, RTS pixels, noise by pixel."""
 
 from __future__ import annotations
 

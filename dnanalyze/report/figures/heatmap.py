@@ -202,7 +202,7 @@ def families(
     count = sum(map(is_number, errors.values())) + len(baselines)
     return panels(
         [Cell(lambda ax: draw_families(ax, errors, baselines, error), 4.4, 0.9 + 0.22 * count)],
-        "Model error of each family of statistics, and over all families beside other models. "
-        "Dashed line: 1, what a second sensor of the same make gives.",
+        "Model error of each family of statistics (dark blue: 1.3 or more), and over all families "
+        "beside other models. Dashed line: 1, what a second sensor of the same make gives.",
         "Error of each family of statistics as bars.",
     )

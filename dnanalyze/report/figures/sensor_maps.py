@@ -13,7 +13,7 @@ from dnanalyze.report.figures.style import Cell, Picture, panels
 from dnanalyze.report.words import point_label
 
 HOT = 5.0  # robust standard deviations above the median
-WIDE = 2.0  # inch, of a map
+WIDE = 1.95  # inch, of a map: five side by side fill the page
 TONES = 24  # colours of a map: noise of fewer tones makes a lighter page
 
 Limits = Callable[[np.ndarray, SettingStatistics], tuple[float, float]]
