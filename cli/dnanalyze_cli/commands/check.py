@@ -58,7 +58,7 @@ def check(
         typer.Option(
             "--measured",
             metavar="FOLDER",
-            help="Measured frames, if CAPTURES are simulated and a target refers to measured values.",
+            help="Measured frames that targets refer to, if CAPTURES are simulated frames.",
         ),
     ] = None,
     junit: Annotated[
