@@ -125,9 +125,8 @@ def _amount(row: dict[str, Any]) -> str:
     measured, simulated = row["measured"], row["simulated"]
     unit = unit_text(row["unit"])
     text = f"measured {number(measured)}, model {number(simulated)}{unit}"
-    if row["scale"] == "log" and measured > 0 and simulated > 0:
-        power = 10 if "^2" in row["unit"] else 20
-        text += minus(f", {power * np.log10(measured / simulated):+.1f} dB")
+    if row["unit"] == "DN^2" and measured > 0 and simulated > 0:  # a power
+        text += minus(f", {10 * np.log10(measured / simulated):+.1f} dB")
     return text
 
 
