@@ -107,7 +107,7 @@ def discrepancies(rows: Rows, most: int = 36) -> Picture | None:
 def _lines(names: Rows) -> list[str]:
     """The titles of the statistics, in lines of some `NAME` characters."""
     kept = (info(r["name"]).title.replace(" c/px", "\N{NO-BREAK SPACE}c/px") for r in names)
-    return ["\n".join(wrap(text, NAME)) for text in kept]
+    return ["\n".join(wrap(text, NAME)).replace("\N{NO-BREAK SPACE}", " ") for text in kept]
 
 
 def _grid(rows: Rows, most: int) -> tuple[list[Mapping[str, Any]], list[str], np.ndarray]:
