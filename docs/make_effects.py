@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as statistics
+from dnanalyze.digits import is_number, number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, ParameterInfo, Stage
 from dnanalyze.model.noise_model import NoiseModel
@@ -198,8 +199,9 @@ def page(effect: type[Effect], known: dict[str, type[Effect]]) -> str:
 def _parameters(effect: type[Effect]) -> Iterable[str]:
     default = effect().to_plain()
     for name, info in effect.parameters().items():
-        unit = "" if info.unit in ("", "1") else info.unit
-        cells = (f"`{name}`", unit, default[name], _range(info, default[name]), _cell(info.doc))
+        value = number(default[name]) if is_number(default[name]) else default[name]
+        unit = symbol(info.unit)
+        cells = (f"`{name}`", unit, value, _range(info, default[name]), _cell(info.doc))
         yield "| " + " | ".join(map(str, cells)) + " |"
 
 
@@ -207,7 +209,7 @@ def _range(info: ParameterInfo, default: object) -> str:
     if info.scale == "choice":
         any_ = "a list of numbers" if default == [] else "whole number"
         return ", ".join(map(str, info.choices)) or any_
-    return f"{info.lower:g} to {info.upper:g}"
+    return f"{number(info.lower)} to {number(info.upper)}"
 
 
 def _bullets(lines: Iterable[str]) -> str:
@@ -216,7 +218,7 @@ def _bullets(lines: Iterable[str]) -> str:
 
 def _sentence(text: str) -> str:
     text = text[:1].upper() + text[1:]
-    return text if text.endswith((".", ")")) else f"{text}."
+    return text if text.endswith(".") else f"{text}."
 
 
 def _cell(text: str) -> str:
