@@ -249,7 +249,7 @@ def models(effect: type[Effect]) -> tuple[NoiseModel, NoiseModel]:
 
 def caption(effect: type[Effect]) -> str:
     """What the figure shows."""
-    given = ", ".join(f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
+    given = ", ".join(f"{k} {number(v) if is_number(v) else v}"
                       for k, v in STRENGTHS.get(effect.name, {}).items())  # fmt: skip
     what = f"with {given}" if given else "at its defaults"
     last = OVER_TIME.get(effect.name, "radial spectrum")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from dnanalyze.detection.verdict import Answer
+from dnanalyze.digits import number
 
 NOT_SIGNIFICANT = "not significant after Holm's correction"
 KINDS = {
@@ -39,7 +40,7 @@ def reason(answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha
     if not math.isfinite(asked.limit):
         return "not sufficient alone: periodic noise, particle hits or clusters can cause it"
     if not asked.effect > asked.limit:
-        return f"effect within the limit of {asked.limit:.2g}, which unfiltered sensors reach"
+        return f"effect size up to {number(asked.limit, 2)} occurs in unfiltered sensors"
     if kind in (asked.kind, "none"):
         return "too few operating points agree"
     if asked.kind in also:

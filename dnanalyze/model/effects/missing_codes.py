@@ -32,7 +32,7 @@ class MissingCodes(Effect):
     )
     physics: ClassVar[str] = (
         "A converter's decision levels are not evenly spaced. A code whose step is wider by d "
-        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = -1 it never occurs. "
+        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = −1 it never occurs. "
         "Mismatched capacitors of a successive-approximation converter, or interpolation in a ramp "
         "converter, repeat with a period of a power of two; other errors are random. The pattern "
         "is tied to the codes: it is the same at every temperature, and slides through the noise "

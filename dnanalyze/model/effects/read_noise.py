@@ -56,7 +56,7 @@ class ReadNoise(Effect):
             "the temporal kurtosis of single pixels is 0 for Gaussian read noise"
         ),
         "rts": "an RTS pixel returns to the same two levels; its squared differences repeat",
-        "quantization": "rounding adds 1/12 DN^2 and leaves integer codes",
+        "quantization": "rounding adds 1/12 DN² and leaves integer codes",
     }
 
     sigma: float = parameter(1.0, "DN", 1e-3, 1e4, "standard deviation at the reference gain")
