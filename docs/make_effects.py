@@ -292,6 +292,8 @@ def draw(effect: type[Effect], path: Path) -> None:
             seen = (f > 0.008) & np.isfinite(power)
             panels[3].plot(f[seen], power[seen], color=colour)
         panels[2].set(xlabel="DN", title="Distribution")
+        if panels[2].get_yscale() == "log":
+            log_axis(panels[2].yaxis)
         panels[2].legend()
         if last:
             lag = "frames apart" if "correlation" in last else "frame"
