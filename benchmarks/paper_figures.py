@@ -77,6 +77,7 @@ def correction() -> Any:
         yscale="log", xlim=(50, 500), ylim=(5e-7, 0.1), xlabel="DN", ylabel="density [1/DN]",
         title="Distribution",
     )  # fmt: skip
+    log_axis(axes["D"].yaxis)
     axes["D"].legend()
     _spectral(axes["E"], "Spectrum of a frame, axes masked")
     _band(axes["E"], MID, "mid")
@@ -146,7 +147,7 @@ def model() -> Any:
         color=GAUSSIAN,
         linestyle="--",
         linewidth=1.0,
-        label="Gaussian of its mean and spread",
+        label="normal distribution of the same mean and standard deviation",
     )
     axes["C"].set(
         yscale="log",
@@ -156,6 +157,7 @@ def model() -> Any:
         ylabel="density [1/DN]",
         title="Distribution",
     )
+    log_axis(axes["C"].yaxis)
     axes["C"].legend()
 
     f, s = _radial(made)[0]

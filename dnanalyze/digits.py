@@ -14,13 +14,24 @@ def is_number(value: Any) -> bool:
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def number(value: Any, digits: int = 3) -> str:
-    """Short text of a number: ``digits`` significant, ``1,060``, ``1.5 × 10⁷``.
+def minus(text: str) -> str:
+    """A formatted number with the minus sign of print, as matplotlib writes it.
 
     Examples
     --------
-    >>> number(1056.2), number(0.001234), number(1.5e7)
-    ('1,060', '0.00123', '1.5 × 10⁷')
+    >>> minus(f"{-2.4:+.1f}")
+    '−2.4'
+    """
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """Short text of a number: ``digits`` significant, ``1,060``, ``−1.5 × 10⁷``.
+
+    Examples
+    --------
+    >>> number(1056.2), number(-0.001234), number(1.5e7)
+    ('1,060', '−0.00123', '1.5 × 10⁷')
     """
     if not is_number(value):
         return "–"
@@ -29,9 +40,23 @@ def number(value: Any, digits: int = 3) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     power = int(exponent)
     if power >= 6 or power < -4:
-        return f"{_trimmed(mantissa)} × 10{str(power).translate(_RAISED)}"
+        return f"{minus(_trimmed(mantissa))} × 10{str(power).translate(_RAISED)}"
     rounded = float(f"{mantissa}e{exponent}")
-    return _trimmed(f"{rounded:,.{max(0, digits - 1 - power)}f}")
+    return minus(_trimmed(f"{rounded:,.{max(0, digits - 1 - power)}f}"))
+
+
+def resolving(low: float, high: float) -> int:
+    """Significant digits that show an interval: three, more where its width has less than two.
+
+    Examples
+    --------
+    >>> resolving(1.9, 2.1), resolving(88.9661, 89.0403), resolving(-math.inf, 1.3)
+    (3, 5, 3)
+    """
+    largest, width = max(abs(low), abs(high)), abs(high - low)
+    if not 0 < width < largest < math.inf:
+        return 3
+    return max(3, math.floor(math.log10(largest)) - math.floor(math.log10(width)) + 2)
 
 
 def _trimmed(text: str) -> str:

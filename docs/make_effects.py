@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as statistics
+from dnanalyze.digits import is_number, number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, ParameterInfo, Stage
 from dnanalyze.model.noise_model import NoiseModel
@@ -62,7 +63,7 @@ CODES = {"digital_gain", "missing_codes", "quantization"}
 NEAR = {"convolved_lognormal", "cfa_mismatch", "crosstalk", "denoise", "dpc", "hot_clusters"}
 OVER_TIME = {
     "offset_drift": "frame mean [DN]",
-    "rts": "the most blinking pixel [DN]",
+    "rts": "strongest RTS pixel [DN]",
     "persistence": "correlation of a pixel over time",
     "temporal_denoise": "correlation of a pixel over time",
 }
@@ -198,8 +199,9 @@ def page(effect: type[Effect], known: dict[str, type[Effect]]) -> str:
 def _parameters(effect: type[Effect]) -> Iterable[str]:
     default = effect().to_plain()
     for name, info in effect.parameters().items():
-        unit = "" if info.unit in ("", "1") else info.unit
-        cells = (f"`{name}`", unit, default[name], _range(info, default[name]), _cell(info.doc))
+        value = number(default[name]) if is_number(default[name]) else default[name]
+        unit = symbol(info.unit)
+        cells = (f"`{name}`", unit, value, _range(info, default[name]), _cell(info.doc))
         yield "| " + " | ".join(map(str, cells)) + " |"
 
 
@@ -207,7 +209,7 @@ def _range(info: ParameterInfo, default: object) -> str:
     if info.scale == "choice":
         any_ = "a list of numbers" if default == [] else "whole number"
         return ", ".join(map(str, info.choices)) or any_
-    return f"{info.lower:g} to {info.upper:g}"
+    return f"{number(info.lower)} to {number(info.upper)}"
 
 
 def _bullets(lines: Iterable[str]) -> str:
@@ -216,7 +218,7 @@ def _bullets(lines: Iterable[str]) -> str:
 
 def _sentence(text: str) -> str:
     text = text[:1].upper() + text[1:]
-    return text if text.endswith((".", ")")) else f"{text}."
+    return text if text.endswith(".") else f"{text}."
 
 
 def _cell(text: str) -> str:
@@ -247,7 +249,7 @@ def models(effect: type[Effect]) -> tuple[NoiseModel, NoiseModel]:
 
 def caption(effect: type[Effect]) -> str:
     """What the figure shows."""
-    given = ", ".join(f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}"
+    given = ", ".join(f"{k} {number(v) if is_number(v) else v}"
                       for k, v in STRENGTHS.get(effect.name, {}).items())  # fmt: skip
     what = f"with {given}" if given else "at its defaults"
     last = OVER_TIME.get(effect.name, "radial spectrum")
@@ -290,6 +292,8 @@ def draw(effect: type[Effect], path: Path) -> None:
             seen = (f > 0.008) & np.isfinite(power)
             panels[3].plot(f[seen], power[seen], color=colour)
         panels[2].set(xlabel="DN", title="Distribution")
+        if panels[2].get_yscale() == "log":
+            log_axis(panels[2].yaxis)
         panels[2].legend()
         if last:
             lag = "frames apart" if "correlation" in last else "frame"

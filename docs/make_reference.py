@@ -11,6 +11,7 @@ from dnanalyze_cli.main import app
 
 from dnanalyze.analyzers.catalogue import FAMILIES, catalogue
 from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.digits import symbol
 from dnanalyze.report.words import family_title
 
 HERE = Path(__file__).resolve().parent
@@ -98,7 +99,7 @@ def _first_paragraph(module: Any) -> str:
 
 
 def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit.replace("^2", "²")
+    return symbol(unit)
 
 
 def _cell(text: str) -> str:

@@ -43,7 +43,7 @@ Config = Annotated[
         "--config",
         metavar="SIDE.yaml",
         rich_help_panel=_READING,
-        help="What the files do not state: raw layout, names, metadata.",
+        help="Sidecar file with what the frames do not state: raw layout, names, metadata.",
     ),
 ]
 Tolerance = Annotated[
@@ -53,7 +53,7 @@ Tolerance = Annotated[
         metavar="C",
         min=0.0,
         rich_help_panel=_READING,
-        help="Frames that differ by no more share an operating point; default 1.5 °C.",
+        help="Frames whose temperatures span at most C share an operating point; default 1.5 °C.",
     ),
 ]
 Channel = Annotated[
@@ -71,7 +71,7 @@ SystemGain = Annotated[
         "--system-gain",
         metavar="K",
         rich_help_panel=_READING,
-        help="Overall system gain K, DN/e-; default: as recorded, else from the frames.",
+        help="Overall system gain K, DN/e⁻; default: recorded, else photon transfer in the dark.",
     ),
 ]
 EffectFiles = Annotated[
@@ -80,7 +80,7 @@ EffectFiles = Annotated[
         "--effects",
         metavar="FILE.py",
         rich_help_panel=_RUN,
-        help="Your own effects; may be given again.",
+        help="File with effects of your own; may be given again.",
     ),
 ]
 Seed = Annotated[

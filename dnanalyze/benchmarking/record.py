@@ -173,7 +173,7 @@ def _modelled(
         held = bench(design(captures))
         comparison = compare(captures, held=held)
     except InputError as error:
-        notes.append(f"no model could be held against it: {error}")
+        notes.append(f"no model could be compared with it: {error}")
         return {}, None
     errors = {k: comparison.baselines[k] for k in ("gaussian", "paper")}
     if quick:
@@ -208,7 +208,7 @@ def _gain_of_model(result: Any) -> Figure:
     gain = estimates.get("dark_shot_noise.dn_per_e")
     if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
         return ABSENT
-    return Figure(gain.value, gain.se, "from the shot noise of the refined model")
+    return Figure(gain.value, gain.se, "shot noise of the refined model")
 
 
 def _filtered(
@@ -325,7 +325,7 @@ def gain_of(statistics: Statistics) -> Figure:
         variance = noise.value**2
         rows.append((level.value, variance, max(2 * noise.value * noise.se, 0.01 * variance)))
     if len(rows) < 3:
-        return Figure(math.nan, math.nan, "fewer than three settings with several frames")
+        return Figure(math.nan, math.nan, "fewer than three operating points with several frames")
     x, y, sigma = np.array(rows).T
     a = np.stack([np.ones_like(x), x - x.mean()], axis=1) / sigma[:, None]
     covariance = np.linalg.pinv(a.T @ a)
@@ -334,5 +334,7 @@ def gain_of(statistics: Statistics) -> Figure:
     scale = max(1.0, math.sqrt(float(pulls @ pulls) / (x.size - 2)))
     slope, se = float(solution[1]), math.sqrt(float(covariance[1, 1])) * scale
     if slope < LEAST_SLOPE * se:
-        return Figure(math.nan, math.nan, "the dark series does not tell the gain")
-    return Figure(slope, se, "slope of temporal variance over mean")
+        return Figure(
+            math.nan, math.nan, "the slope of temporal variance over mean is not significant"
+        )
+    return Figure(slope, se, "photon transfer in the dark")

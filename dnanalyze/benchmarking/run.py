@@ -322,21 +322,20 @@ def _notes(
             and not any(s.temperatures[0] <= t <= s.temperatures[-1] for t in common)
         ]
         made.append(
-            f"the sensors share no temperature: the laws of {', '.join(apart)} are extrapolated "
-            "to where they are compared, and the errors say what that costs; beyond three times "
-            "the span that was measured nothing is said"
+            f"the sensors share no temperature: the laws of {', '.join(apart)} are extrapolated, "
+            "with a larger standard error; beyond three times the measured span there is no value"
         )
     points = [t.point for s in sensors for t in s.captures.settings]
     exposures = {p.exposure_s for p in points if p.exposure_s}
     if len(exposures) > 1:
         made.append(
-            "exposures differ: dark current is per second; noises, DSNU and hot pixels are those "
-            "of each sensor's longest exposure"
+            "exposures differ: dark current is per second; noise, DSNU and hot pixels are those "
+            "of the longest exposure of each sensor"
         )
     gains = [s.name for s in sensors if not s.dn_per_e.known]
     if gains:
         made.append(
-            f"the conversion gain of {', '.join(gains)} is not known: compare DN with care, they "
-            "are not electrons"
+            f"the conversion gain of {', '.join(gains)} is not known: DN of different sensors are "
+            "not comparable"
         )
     return made

@@ -239,7 +239,7 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
         return
     here = [s for s in simulated.settings if item.at.matches(s.point, s.plane)]
     if not here:
-        has = dict.fromkeys(f"{s.point.label()} {s.plane}".strip() for s in simulated.settings)
+        has = dict.fromkeys(f"{s.point.label(6)} {s.plane}".strip() for s in simulated.settings)
         raise InputError(
             f"{where}: no frames at {item.at.label}; the captures have {'; '.join(has)}"
         )

@@ -109,10 +109,10 @@ def _aligned(captures: CaptureSet, like: CaptureSet) -> CaptureSet:
             f"those of {like.name} are {like.sensor.shape}"
         )
     by_point = {s.point: s for s in captures.settings}
-    missing = [s.point.label() for s in like.settings if s.point not in by_point]
+    missing = [s.point.label(6) for s in like.settings if s.point not in by_point]
     if missing:
         raise InputError(
             f"{captures.name}: nothing measured at {missing[0]}; it has "
-            + "; ".join(p.label() for p in by_point)
+            + "; ".join(p.label(6) for p in by_point)
         )
     return replace(captures, settings=tuple(by_point[s.point] for s in like.settings))

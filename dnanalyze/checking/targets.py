@@ -57,7 +57,7 @@ class At(BaseModel):
 
     @property
     def label(self) -> str:
-        """Such as ``hcg, 65 C``; empty where it matches all."""
+        """Such as ``hcg, 65 °C``; empty where it matches all."""
         point = OperatingPoint(self.temperature_c, self.exposure_s, self.gain, self.channel)
         parts = [] if point == OperatingPoint() else [point.label()]
         return ", ".join([*parts, *([self.plane] if self.plane else [])])

@@ -11,10 +11,10 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo
-from dnanalyze.digits import number, unit_text
+from dnanalyze.digits import minus, number, unit_text
 from dnanalyze.loaders.captures import OperatingPoint
 
-NOTICEABLE = 4.0  # floors
+NOTICEABLE = 4.0  # sigma
 SHARE = 1e-6  # of another number, that the sums behind a statistic hardly resolve
 FEWEST = 0.5  # a count below it is none
 
@@ -84,7 +84,7 @@ def misfit(
     measured, simulated : float
         Plain units.
     discrepancy : float
-        Floors.
+        Sigma.
     floor : float
         Error of the difference, on the scale of the statistic.
     """
@@ -125,9 +125,8 @@ def _amount(row: dict[str, Any]) -> str:
     measured, simulated = row["measured"], row["simulated"]
     unit = unit_text(row["unit"])
     text = f"measured {number(measured)}, model {number(simulated)}{unit}"
-    if row["scale"] == "log" and measured > 0 and simulated > 0:
-        power = 10 if "^2" in row["unit"] else 20
-        text += f", {power * np.log10(measured / simulated):+.1f} dB"
+    if row["unit"] == "DN^2" and measured > 0 and simulated > 0:  # a power
+        text += minus(f", {10 * np.log10(measured / simulated):+.1f} dB")
     return text
 
 

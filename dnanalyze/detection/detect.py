@@ -178,7 +178,7 @@ def _words(flags: list[Answer]) -> tuple[str, ...]:
     for a in seen.values():
         e = a.asked.evidence
         within = " within a colour" if e.view == "planes" else ""
-        where = "All settings" if a.asked.everywhere else e.point.label()
+        where = "All operating points" if a.asked.everywhere else e.point.label()
         said.append(f"{where}{within}: {a.asked.words}.")
     return tuple(said)
 
@@ -196,12 +196,12 @@ def _ambiguous(
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:
         said.append(
-            "Neighbouring pixels share noise, no more than charge crosstalk can explain: it and "
-            "weak linear smoothing cannot be told apart here; a colder setting, where read noise "
-            "rules, would."
+            "The noise of neighbouring pixels is correlated, not more than by charge crosstalk: "
+            "crosstalk and weak linear smoothing are not distinguishable here. A colder operating "
+            "point, where read noise is the largest noise, distinguishes them."
         )
     if kind == "denoise":
-        said.append("A correction of hot pixels on top of the denoise cannot be told from it.")
+        said.append("A defect-pixel correction before the denoise is not distinguishable from it.")
     if not evidence:
         said.append(f"Frames of fewer than {SMALLEST} rows or columns are too small for the tests.")
     elif not any(e.usable for e in evidence):
@@ -210,14 +210,14 @@ def _ambiguous(
             "the tests of noise do not apply."
         )
     elif not any(e.temporal for e in evidence):
-        lists = "" if any(e.listed for e in evidence) else ", static replacement none either"
-        said.append(f"Single frames: temporal filters leave no trace{lists}.")
+        lists = "" if any(e.listed for e in evidence) else " and static replacement"
+        said.append(f"Single frames: temporal filters{lists} are not detectable.")
     said += _saturated(evidence)
     coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
     if coarse:
         said.append(
-            f"Noise below the rounding step at {', '.join(sorted(coarse))}: a weak filter would be "
-            "rounded away."
+            f"Noise below the quantization step at {'; '.join(sorted(coarse))}: a weak filter is "
+            "not detectable there."
         )
     return tuple(said)
 
@@ -229,7 +229,9 @@ def _saturated(evidence: list[ViewEvidence]) -> list[str]:
         if e.view != "frame" or e.clipped < SATURATED:
             continue
         left = "no test applies" if e.full else "the tests of noise do not apply"
-        words = e.saturation.words() or f"{e.clipped:.0%} of the pixels at an end of the scale"
+        words = (
+            e.saturation.words() or f"{100 * e.clipped:.0f} % of the pixels at an end of the scale"
+        )
         said.append(f"{e.point.label()}: {words}; {left}.")
     return said
 

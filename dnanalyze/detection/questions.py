@@ -18,6 +18,7 @@ from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
 from dnanalyze.detection.sharpness import tail
+from dnanalyze.digits import minus
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
 LEAST_THRESHOLD = 2.5  # in units of the noise
@@ -79,8 +80,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             min(1.0, chords * one_sided(bend, bend_se)),
             bend,
             0.08 + 2 * extra + room * bound.concavity,
-            f"the noise spectrum is flat at low, falling at high frequencies, by {bend:.2f} "
-            "in ln P below a straight line: 1/f noise only ever bends the other way",
+            f"the spectrum of the noise is flat at low and falls at high frequencies: ln P lies "
+            f"{bend:.2f} above a chord; for white noise with 1/f noise it lies below every chord",
         ),
         Asked(
             "crosstalk_or_denoise",
@@ -89,9 +90,9 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             one_sided(shared, lag.short_range_error),
             shared,
             0.02 + extra + room * bound.short_range,
-            f"neighbours' noise correlates by {max(lag.along_rows[0], 0):.3f} along rows and "
-            f"{max(lag.along_columns[0], 0):.3f} along columns; crosstalk, which cannot touch read "
-            f"noise, could give at most {share * bound.short_range:.3f} here",
+            f"the noise of neighbours has a correlation of {max(lag.along_rows[0], 0):.3f} along "
+            f"rows and {max(lag.along_columns[0], 0):.3f} along columns; crosstalk, which does not "
+            f"act on read noise, gives at most {share * bound.short_range:.3f} here",
         ),
     ]
     asked += _backed(
@@ -110,8 +111,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             one_sided(own - far, se),
             repeat,
             0.14,
-            f"{own:.1%} of pixels equal their right neighbour exactly, {far:.1%} one farther away; "
-            "a 3x3 median gives 21 %",
+            f"{100 * own:.1f} % of the pixels equal their right neighbour, {100 * far:.1f} % equal "
+            "a pixel farther away; a 3×3 median filter adds 21 %",
         )
     )
     return asked
@@ -132,7 +133,8 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
             one_sided(rarer, rank.se),
             rarer,
             rarer_limit if backed else np.inf,
-            f"local extremes of the noise are {rarer:.1%} rarer than among exchangeable pixels",
+            f"local extremes of the noise are {100 * rarer:.1f} % less frequent than for "
+            "exchangeable pixels",
         ),
         Asked(
             "local_variance",
@@ -141,8 +143,8 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
             one_sided(uneven, t.dispersion_se),
             uneven,
             0.3 if backed else np.inf,
-            "the noise is smooth here and rough there: 4x4 variances scatter "
-            f"{t.dispersion:.2f} times as much as of independent pixels",
+            "the noise varies from place to place: the variances of 4×4 tiles scatter "
+            f"{t.dispersion:.2f} times as much as those of independent pixels",
         ),
         Asked(
             "wavelet_kurtosis",
@@ -177,8 +179,8 @@ def _cap(e: ViewEvidence, out: StandingOut) -> Asked | None:
     return Asked(
         "cap_to_neighbours", "dpc", e, float(stats.poisson.cdf(np.floor(own), CLUSTERED * control)),
         1 - own / control, 0.9,
-        f"{own:.0f} pixels a frame stand above the largest of their {count} neighbours where "
-        f"{control:.0f} stand above rings elsewhere: values are capped to the neighbours'",
+        f"{own:.0f} pixels of a frame exceed the largest of their {count} neighbours; "
+        f"{control:.0f} exceed rings elsewhere: values are limited to those of the neighbours",
         0.0, count,
     )  # fmt: skip
 
@@ -198,9 +200,9 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     return Asked(
         test, "dpc", e, min(1.0, float(p[j]) * TRIED),
         1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0, SHARP,
-        f"{seen.left[j]:.1f} pixels a frame stand {top.bounds[j]:.3g} to {2 * top.bounds[j]:.3g} "
-        f"{unit} {times}the largest of their {out.neighbours} neighbours; from the tail below, at "
-        f"least {seen.least[j]:.0f} are expected even where hot pixels come in clusters",
+        f"{seen.left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
+        f"{2 * top.bounds[j]:.3g} {unit} {times}the largest of their {out.neighbours} neighbours; "
+        f"the tail below predicts at least {seen.least[j]:.0f}, even for hot pixels in clusters",
         edge(top, j), out.neighbours, slope,
     )  # fmt: skip
 
@@ -231,7 +233,7 @@ def sites(e: ViewEvidence) -> list[Asked]:
     if e.replaced is not None and e.replaced.tried:
         asked.append(_always(e, e.replaced, f"in all {e.replaced.frames} frames"))
     if e.listed is not None and e.listed.tried:
-        where = f"in {e.listed.frames} frames, whatever the setting,"
+        where = f"in {e.listed.frames} frames of all operating points"
         asked.append(_always(e, e.listed, where))
     return asked
 
@@ -248,8 +250,8 @@ def _always(e: ViewEvidence, seen: Replaced, where: str) -> Asked:
         min(1.0, float(p[j]) * len(RULES)),
         float(matches / (control[j] + 1)) if matches >= LEAST_REPLACED else 0.0,
         5.0 * _by_chance(e, seen, j),
-        f"{matches} sites are {where} the {RULES[j]} of their neighbours, {control[j]:.0f} of a "
-        "ring elsewhere",
+        f"{matches} pixels equal the {RULES[j]} of their neighbours {where}; "
+        f"{control[j]:.0f} equal that of a ring elsewhere",
         j,
         sites=seen,
     )
@@ -279,8 +281,9 @@ def memory(e: ViewEvidence) -> list[Asked]:
             m.p,
             min(m.everywhere, m.without_trend),
             0.03,
-            f"lag-1 autocorrelation over {m.frames} frames is {m.excess:+.3f} above that of "
-            f"frames in any order: a recursive memory of {m.memory:.0%}",
+            f"the lag-1 autocorrelation over {m.frames} frames exceeds that of all pairs of "
+            f"frames by {minus(f'{m.excess:.3f}')}: a recursive filter with a share of "
+            f"{100 * m.memory:.0f} %",
             m.memory,
         )
     ]
@@ -303,8 +306,8 @@ def row_phases(e: ViewEvidence) -> list[Asked]:
             p,
             r.effect,
             0.03,
-            f"rows {r.phase} of every {r.period} have {r.effect:.1%} fewer local extremes "
-            "than the others",
+            f"row {r.phase} of every {r.period} rows has {100 * r.effect:.1f} % fewer local "
+            "extremes than the others",
             r.period,
         )
     ]

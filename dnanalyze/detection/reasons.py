@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from dnanalyze.detection.verdict import Answer
+from dnanalyze.digits import number
 
-NOT_SIGNIFICANT = "not significant among all questions"
+NOT_SIGNIFICANT = "not significant after Holm's correction"
 KINDS = {
     "dpc": "defect-pixel correction",
     "denoise": "spatial denoise",
@@ -35,13 +36,13 @@ def reason(answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha
     if not answer.holm < alpha:
         return NOT_SIGNIFICANT
     if not answer.judge:
-        return "counts at the quietest settings only: crosstalk or rounding can do it here"
+        return "not used here: crosstalk or quantization can cause it; only the lowest noise counts"
     if not math.isfinite(asked.limit):
-        return "never speaks alone: hum, hits or clusters can do it"
+        return "not sufficient alone: periodic noise, particle hits or clusters can cause it"
     if not asked.effect > asked.limit:
-        return f"effect within the limit of {asked.limit:.2g}, which unfiltered sensors reach"
+        return f"effect size up to {number(asked.limit, 2)} occurs in unfiltered sensors"
     if kind in (asked.kind, "none"):
-        return "too few settings agree"
+        return "too few operating points agree"
     if asked.kind in also:
-        return f"a sign of {KINDS[asked.kind]}, beside the verdict"
+        return f"indicates {KINDS[asked.kind]} as well"
     return f"explained by the {KINDS[kind]}"

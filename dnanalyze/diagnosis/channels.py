@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain
 
@@ -13,6 +13,7 @@ from dnanalyze.diagnosis.path import Step
 from dnanalyze.diagnosis.refine import Refinement, add, refine
 from dnanalyze.diagnosis.strength import parameters_of
 from dnanalyze.diagnosis.trial import error_of
+from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import Parameter, fit
@@ -24,6 +25,7 @@ from dnanalyze.model.channel_models import channel_model, merged, of_pixel
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
+from dnanalyze.result import Result
 
 JOINT_ITERATIONS = 6
 WORST = ("unexplained", "missing", "adequate")
@@ -36,8 +38,8 @@ class ChannelStep(Step):
     channel: str | None = None
 
 
-@dataclass(frozen=True)
-class ChannelRefinement:
+@dataclass(frozen=True, repr=False)
+class ChannelRefinement(Result):
     """Every channel's completed model, and one model of all.
 
     Parameters
@@ -59,6 +61,8 @@ class ChannelRefinement:
         Of all channels; see `dnanalyze.model.channel_models.merged`.
     bench : Bench
     state : State
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
     captures: str
@@ -70,6 +74,11 @@ class ChannelRefinement:
     model: NoiseModel
     bench: Bench
     state: State
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        first, last = number(self.steps[0].error), number(self.error)
+        return f"{self.captures}, {', '.join(self.channels)}, model error {first} to {last}"
 
     @property
     def effects(self) -> list[str]:
@@ -223,7 +232,7 @@ def _over(
     state = _joint(held, {c: r.model for c, r in made.items()})
     steps = [*_steps(made), ChannelStep(None, error_of(held, state))]
     return ChannelRefinement(
-        captures.name, made, shared, own, findings, steps, state.model, held, state
+        captures.name, made, shared, own, findings, steps, state.model, held, state, captures
     )
 
 

@@ -20,14 +20,14 @@ IN_ELECTRONS = {
 }
 SKEWNESS = Kind("skewness", "", "skewness, mean dark image", "1")
 HOT_5 = Kind("hot_5_sigma_percent", "", "hot pixels > 5 σ", "%")
-HOT_CURRENT = Kind("hot_10_times_percent", "", "hot > 10 × median μ_c", "%")
+HOT_CURRENT = Kind("hot_10_times_percent", "", "hot pixels > 10 × median μ_c", "%")
 SLOPES = {
     "spatial": Kind("slope_spatial", "", "1/f slope, spatial", "1"),
     "spatial_rows": Kind("slope_spatial_rows", "", "1/f slope, spatial, rows", "1"),
-    "spatial_columns": Kind("slope_spatial_columns", "", "1/f slope, spatial, cols", "1"),
+    "spatial_columns": Kind("slope_spatial_columns", "", "1/f slope, spatial, columns", "1"),
     "temporal": Kind("slope_temporal", "", "1/f slope, temporal", "1"),
     "temporal_rows": Kind("slope_temporal_rows", "", "1/f slope, temporal, rows", "1"),
-    "temporal_columns": Kind("slope_temporal_columns", "", "1/f slope, temporal, cols", "1"),
+    "temporal_columns": Kind("slope_temporal_columns", "", "1/f slope, temporal, columns", "1"),
 }
 
 GAIN = Kind("system_gain_dn_e", "K", "overall system gain", "DN/e-")

@@ -8,6 +8,7 @@ from types import NoneType
 
 import numpy as np
 
+from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.physical import RANGES, fault
 
@@ -42,8 +43,13 @@ class OperatingPoint:
         if not isinstance(self.channel, (str, NoneType)):
             raise InputError(f"channel {str(self.channel)[:40]!r} is no text; quote it")
 
-    def label(self) -> str:
+    def label(self, digits: int = 3) -> str:
         """Return short text for tables and figures.
+
+        Parameters
+        ----------
+        digits : int
+            Significant digits of the numbers.
 
         Returns
         -------
@@ -60,11 +66,11 @@ class OperatingPoint:
         if self.channel is not None:
             parts.append(self.channel)
         if self.temperature_c is not None:
-            parts.append(f"{self.temperature_c:g} °C")
+            parts.append(f"{number(self.temperature_c, digits)} °C")
         if self.exposure_s is not None:
-            parts.append(f"{self.exposure_s:g} s")
+            parts.append(f"{number(self.exposure_s, digits)} s")
         if self.gain is not None:
-            parts.append(f"gain {self.gain:g}")
+            parts.append(f"gain {number(self.gain, digits)}")
         return ", ".join(parts) or "one operating point"
 
     def exposure_over(self, reference: OperatingPoint) -> float:

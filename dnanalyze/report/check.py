@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
+from dnanalyze.digits import minus, resolving
 from dnanalyze.report.words import family_title, number, plural, unit_text
 
 MOST_ROWS = 20
@@ -17,11 +18,17 @@ def limit(check: Any) -> str:
     unit = unit_text(check.unit)
     low, high = math.isfinite(check.lower), math.isfinite(check.upper)
     if low and high:
-        return f"{number(check.lower, 5)} to {number(check.upper, 5)}{unit}"
+        digits = resolving(check.lower, check.upper)
+        return f"{number(check.lower, digits)} to {number(check.upper, digits)}{unit}"
     if low or high:
         side, edge = ("least", check.lower) if low else ("most", check.upper)
-        return f"at {side} {number(edge, 5)}{unit}"
+        return f"at {side} {number(edge)}{unit}"
     return "any value"
+
+
+def value(check: Any) -> str:
+    """The value of the simulation to the digits of its limits."""
+    return number(check.value, resolving(check.lower, check.upper))
 
 
 def excess(check: Any) -> str:
@@ -30,7 +37,7 @@ def excess(check: Any) -> str:
         return f"no value: {check.reason}"
     edge = check.upper if check.beyond > 0 else check.lower
     unit = unit_text(check.unit)
-    sign = "+" if check.beyond > 0 else "\N{MINUS SIGN}"
+    sign = "+" if check.beyond > 0 else minus("-")
     more = []
     if edge and math.isfinite(edge):
         more.append(f"{sign}{number(100 * abs(check.beyond / edge), 2)} %")
@@ -77,9 +84,7 @@ def junit(result: Any) -> str:
         if check.passed:
             lines.append(f"{case}/>")
             continue
-        text = (
-            f"{number(check.value, 5)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
-        )
+        text = f"{value(check)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
         if math.isnan(check.value):
             text = f"{excess(check)}; limit {limit(check)}; see {look(check)}"
         if check.enforced:
@@ -134,7 +139,8 @@ def _table(title: str, rows: Sequence[Any]) -> list[str]:
         "|---|---|---|---|---|---|",
     ]
     for c in rows:
-        cells = (c.name, limit(c), number(c.value, 4), number(c.measured, 4), excess(c), look(c))
+        digits = resolving(c.lower, c.upper)
+        cells = (c.name, limit(c), value(c), number(c.measured, digits), excess(c), look(c))
         lines.append("| " + " | ".join(map(_cell, cells)) + " |")
     return [*lines, ""]
 

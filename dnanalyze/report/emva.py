@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from dnanalyze.analyzers.catalogue import catalogue
+from dnanalyze.digits import minus, symbol
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Emva, Group, Kind, PointQuantities, Quantity
 from dnanalyze.report.words import family_title, listing, number, point_label, varied, with_error
 
-UNITS = {"e-": "e⁻", "e-/s": "e⁻/s", "DN/e-": "DN/e⁻", "C": "°C", "1": ""}
 NONE = "–"
 LAWS = ("activation_energy_ev", "doubling_step_c")  # of the median; here they are of the mean
 Row = tuple[str, ...]
@@ -34,12 +34,12 @@ def brief(quantity: Quantity) -> str:
     decimals = -math.floor(math.log10(se))
     if not 0 <= decimals <= 6:
         return cell(quantity)
-    return f"{value:.{decimals}f} ± {se:.{decimals}f}"
+    return f"{minus(f'{value:.{decimals}f}')} ± {se:.{decimals}f}"
 
 
 def unit(kind: Kind) -> str:
     """With symbols: °C, e⁻."""
-    return UNITS.get(kind.unit, kind.unit)
+    return symbol(kind.unit)
 
 
 def title(kind: Kind) -> str:

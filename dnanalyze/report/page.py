@@ -13,6 +13,7 @@ from markupsafe import Markup
 from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
 from dnanalyze.report.figures.svg import named_apart
+from dnanalyze.report.subscripts import subscripts
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,7 @@ def render(page: Page, made: datetime | None = None) -> str:
     count = itertools.count()
     environment.filters["inline"] = lambda panel: _inline(panel, next(count))
     environment.filters["swatch"] = swatch
+    environment.filters["subscripts"] = subscripts
     when = (made or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M UTC")
     shown = [s for s in page.sections if not s.empty]
     sortable = any(t.sortable for s in shown for t in s.tables)

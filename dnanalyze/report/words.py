@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from dnanalyze.digits import is_number, number, symbol, unit_text
+from dnanalyze.digits import is_number, minus, number, symbol, unit_text
 from dnanalyze.loaders.captures import OperatingPoint
 
 FAMILIES = {
@@ -30,7 +30,7 @@ def family_title(name: str) -> str:
 
 
 def with_error(value: Any, error: Any, unit: str = "") -> str:
-    """``1.23 ± .04 DN``, the error to two digits and the value to the same decimal place."""
+    """``1.23 ± 0.04 DN``, the error to two digits and the value to the same decimal place."""
     tail = unit_text(unit)
     if not (is_number(value) and is_number(error)) or error <= 0:
         return number(value) + tail
@@ -38,11 +38,11 @@ def with_error(value: Any, error: Any, unit: str = "") -> str:
     value, error, decimals = round(value, places), round(error, places), max(0, places)
     if decimals > 6 or abs(value) >= 1e6:
         return f"{number(value, 4)} ± {number(error, 2)}{tail}"
-    return f"{value:,.{decimals}f} ± {error:,.{decimals}f}{tail}"
+    return f"{minus(f'{value:,.{decimals}f}')} ± {error:,.{decimals}f}{tail}"
 
 
 def celsius(value: Any) -> str:
-    """``-10.2 °C``."""
+    """``−10.2 °C``."""
     return f"{number(value)} °C"
 
 
@@ -72,8 +72,8 @@ def percent(share: Any) -> str:
 
 
 def probability(p: Any) -> str:
-    """A p-value; below what numbers can hold it is said to be so."""
-    return "< 10⁻³⁰⁰" if p == 0 else number(p, 2)
+    """A p-value; below 10⁻³⁰⁰, near what numbers can hold, only that it is."""
+    return "< 10⁻³⁰⁰" if is_number(p) and p < 1e-300 else number(p, 2)
 
 
 def point_label(row: Any, only: Iterable[str] | None = None) -> str:
@@ -102,7 +102,7 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
     if not (is_number(measured) and is_number(simulated)):
         return "–"
     if unit in ("DN^2", "DN²") and measured > 0 and simulated > 0:
-        return f"{10 * math.log10(measured / simulated):+.1f} dB"
+        return minus(f"{10 * math.log10(measured / simulated):+.1f} dB")
     if measured == simulated:
         return "0 %"
     bare = scale == "linear" and unit in ("", "1")  # correlations, shares: the difference says more
@@ -110,9 +110,10 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
         percent = 100 * (measured / simulated - 1)
         if percent > 900:
             return f"×{number(measured / simulated, 2)}"
-        return f"{percent:+.1f} %" if abs(percent) < 10 else f"{percent:+.0f} %"
+        return minus(f"{percent:+.1f} %" if abs(percent) < 10 else f"{percent:+.0f} %")
     tail = unit_text(unit)
-    return f"{'+' if measured > simulated else '-'}{number(abs(measured - simulated), 2)}{tail}"
+    sign = "+" if measured > simulated else minus("-")
+    return f"{sign}{number(abs(measured - simulated), 2)}{tail}"
 
 
 def closeness(error: Any) -> str:

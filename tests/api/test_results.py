@@ -18,6 +18,7 @@ import report_fakes as fakes
 import dnanalyze
 from dnanalyze.checking.check import Check
 from dnanalyze.diagnosis.candidate import Candidate
+from dnanalyze.diagnosis.channels import ChannelRefinement, ChannelStep
 from dnanalyze.diagnosis.path import Step
 from dnanalyze.model.noise_model import load_model
 
@@ -74,6 +75,18 @@ def refinement(by_hand=False):
     return made
 
 
+def channel_refinement():
+    part = refinement()
+    steps = [ChannelStep(**vars(s), channel="hcg" if s.added else None) for s in part.steps]
+    made = ChannelRefinement(
+        NAME, {"hcg": part, "lcg": part}, [], {"hcg": ["column_fpn"], "lcg": []},
+        ["column_fpn: in hcg only, so of that readout"], [*steps, ChannelStep(None, 0.9)],
+        part.model, part.bench, None, fakes.captures(),
+    )  # fmt: skip
+    vars(made)["parameters"] = part.parameters  # which it would simulate for
+    return made
+
+
 def detection():
     return replace(fakes.detection(), capture_set=fakes.captures())
 
@@ -93,7 +106,8 @@ def checked():
 
 MADE = {
     "Statistics": statistics, "Fit": fitted, "Comparison": comparison, "Diagnosis": diagnosis,
-    "Refinement": refinement, "Detection": detection, "CheckResult": checked,
+    "Refinement": refinement, "ChannelRefinement": channel_refinement, "Detection": detection,
+    "CheckResult": checked,
 }  # fmt: skip
 
 
@@ -175,6 +189,15 @@ def test_a_figure_of_one_panel_is_drawn_on_the_axes_given():
     _, ax = plt.subplots()
     assert comparison().plot("families", ax=ax) is ax
     assert refinement().plot("steps", ax=ax) is ax
+    plt.close("all")
+
+
+def test_a_refinement_over_channels_is_drawn_together_and_channel_by_channel():
+    result = channel_refinement()
+    names = [t.get_text() for t in result.plot("steps").get_xticklabels()]
+    assert names[0] == "start"
+    assert names[-1].split() == ["final", "model"]
+    assert [ax.get_title(loc="left") for ax in result.plot("channels")] == ["hcg", "lcg"]
     plt.close("all")
 
 

@@ -155,7 +155,7 @@ def test_a_list_shows_over_settings_of_one_frame_each():
     assert found.estimate.subkind == "static"
     count = 500e-6 * SHAPE[0] * SHAPE[1]
     assert found.estimate.site_ppm == pytest.approx(500, rel=5 / np.sqrt(count))
-    assert found.evidence[0].startswith("All settings: ")
+    assert found.evidence[0].startswith("All operating points: ")
     flagged = [f for f in found.findings if f.flagged]
     assert {(f.test, f.temperature_c) for f in flagged} == {("static_replacement", None)}
     assert detect(captures(sensor, series, 1)).kind == "none"
@@ -172,7 +172,7 @@ def test_rows_that_alone_are_filtered_are_named():
     assert found.kind == "denoise"
     rows = [f for f in found.findings if f.test == "row_phase" and f.flagged]
     assert rows
-    assert "rows 3 of every 8" in rows[0].words
+    assert "row 3 of every 8 rows" in rows[0].words
 
 
 def test_colours_in_other_rows_are_no_row_filter():
@@ -200,7 +200,7 @@ def test_one_setting_and_one_frame_are_enough_for_strong_filters():
 def test_one_setting_cannot_tell_weak_smoothing_from_crosstalk_and_says_so(traits, run):
     found = detect(captures(VirtualSensor(traits, SHAPE, 1), (65.0,), 8, run))
     assert found.kind == "none"
-    assert any("cannot be told apart" in a for a in found.ambiguous)
+    assert any("are not distinguishable" in a for a in found.ambiguous)
 
 
 @pytest.mark.parametrize(

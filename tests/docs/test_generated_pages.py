@@ -34,3 +34,18 @@ def test_strengths_of_the_figures_name_real_parameters():
     for name, strengths in module.STRENGTHS.items():
         assert set(strengths) <= set(built_in()[name].parameters()), name
     assert (module.WIDE | module.CODES | module.NEAR | set(module.OVER_TIME)) <= set(built_in())
+
+
+def test_ticks_of_the_figures_are_plain_text(monkeypatch, tmp_path):
+    module = tree.script("make_effects")
+    monkeypatch.setattr(module, "SHAPE", (64, 64))
+    monkeypatch.setattr(module, "FRAMES", 3)
+    made = []
+    monkeypatch.setattr(module, "save", lambda figure, path: made.append(figure))
+    module.draw(built_in()["row_noise"], tmp_path / "row_noise.png")
+    made[0].draw_without_rendering()
+    ticks = [
+        t.get_text() for ax in made[0].axes for t in (*ax.get_xticklabels(), *ax.get_yticklabels())
+    ]
+    assert "0.01" in ticks
+    assert not [t for t in ticks if "$" in t]  # mathematics are switched off in the figures

@@ -19,7 +19,7 @@ from dnanalyze.report import words
     ("value", "text"),
     [
         (0, "0"), (1.0, "1"), (12.345, "12.3"), (0.001234, "0.00123"), (123456.0, "123,000"),
-        (1.5e7, "1.5 × 10⁷"), (-2.0e-6, "-2 × 10⁻⁶"), (999.6, "1,000"), (math.nan, "–"),
+        (1.5e7, "1.5 × 10⁷"), (-2.0e-6, "−2 × 10⁻⁶"), (999.6, "1,000"), (math.nan, "–"),
         (None, "–"),
     ],
 )  # fmt: skip
@@ -29,7 +29,7 @@ def test_numbers_are_short(value, text):
 
 @given(st.floats(-1e12, 1e12).filter(lambda v: v == 0 or abs(v) > 1e-9))
 def test_a_number_keeps_its_value_to_three_digits(value):
-    text = words.number(value).translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789", ","))
+    text = words.number(value).translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-", ","))
     assert float(text.replace(" × 10", "e")) == pytest.approx(value, rel=6e-3)
 
 
@@ -46,11 +46,11 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     off = Level(False, at, "", -12.3, -0.031, 41.2)
     text = words.with_remarks("Adequate.", SimpleNamespace(level=off))
     assert text == (
-        "Adequate. The mean dark signal at -5 °C, 300 s is off by 12 DN (3.1 %, 41 standard "
+        "Adequate. The mean dark signal at −5 °C, 300 s is off by 12 DN (3.1 %, 41 standard "
         "errors)."
     )
     bare = SimpleNamespace(level=replace(off, relative=None, plane="Gr"))
-    assert "at -5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(
+    assert "at −5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(
         "", bare
     )
     for kept in (None, replace(off, kept=True)):
@@ -62,7 +62,7 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     [
         (16.0, 1.0, "DN^2", "log", "+12.0 dB"), (1.1, 1.0, "DN", "linear", "+10 %"),
         (1.02, 1.0, "DN", "linear", "+2.0 %"), (20.0, 1.0, "DN", "linear", "×20"),
-        (0.0, 33.0, "pixels", "root", "-33 pixels"), (-1.0, 1.0, "DN", "linear", "-2 DN"),
+        (0.0, 33.0, "pixels", "root", "−33 pixels"), (-1.0, 1.0, "DN", "linear", "−2 DN"),
         (0.04, 0.01, "", "linear", "+0.03"), (1.0, 1.0, "DN", "linear", "0 %"),
         (math.nan, 1.0, "DN", "linear", "–"),
     ],

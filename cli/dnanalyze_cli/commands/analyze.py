@@ -24,7 +24,7 @@ def analyze(
     from dnanalyze.report.terminal.statistics import statistics as show
 
     if system_gain is not None and not 0 < system_gain < float("inf"):
-        raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e-")
+        raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e⁻")
     session = options.session("analyze", cache=not no_cache)
     found = options.load(session)
     with session.progress("Reading frames") as tick:

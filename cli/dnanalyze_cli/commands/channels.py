@@ -27,7 +27,7 @@ def channels(
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
-    """Refine each HDR channel; tell effects of the pixel from those of the readout."""
+    """Refine each HDR channel; separate effects of the pixel from those of the readout."""
     from dnanalyze.diagnosis.channels import by_channel, refine_channels
     from dnanalyze_cli import over_channels
 

@@ -41,7 +41,8 @@ def check(
         ),
     ] = None,
     targets: Annotated[
-        Path | None, typer.Option("--targets", metavar="T.yaml", help="The limits to meet.")
+        Path | None,
+        typer.Option("--targets", metavar="T.yaml", help="Targets file: the limits to meet."),
     ] = None,
     init: Annotated[
         Path | None,
@@ -49,7 +50,7 @@ def check(
             "--init",
             metavar="T.yaml",
             help="Write a targets file from the measured CAPTURES, with margins that a correct "
-            "simulation violates once in a thousand runs.",
+            "simulation violates once in 1,000 runs.",
         ),
     ] = None,
     measured: Annotated[
@@ -57,13 +58,16 @@ def check(
         typer.Option(
             "--measured",
             metavar="FOLDER",
-            help="Without --model: the measurement, where targets refer to it.",
+            help="Measured frames that targets refer to, if CAPTURES are simulated frames.",
         ),
     ] = None,
     junit: Annotated[
         Path | None,
         typer.Option(
-            "--junit", metavar="OUT.xml", rich_help_panel=_FILES, help="For the CI system."
+            "--junit",
+            metavar="OUT.xml",
+            rich_help_panel=_FILES,
+            help="Results as JUnit XML, for CI systems.",
         ),
     ] = None,
     markdown: Annotated[

@@ -47,7 +47,7 @@ def export(
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a model as a table, a NumPy function or a torch transform; for frames: simulate."""
+    """Write a model as a table, NumPy function or PyTorch transform; frames: see simulate."""
     from dnanalyze.model.export.numpy_code import numpy_source, read_source, torch_source
     from dnanalyze.model.export.table import read_table, to_csv, to_json
     from dnanalyze.model.noise_model import dump_model, load_model

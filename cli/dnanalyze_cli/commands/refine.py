@@ -17,7 +17,11 @@ def refine(
     max_effects: Annotated[
         int | None,
         typer.Option(
-            "--max-effects", metavar="N", min=0, rich_help_panel=STEER, help="Add no more than N."
+            "--max-effects",
+            metavar="N",
+            min=0,
+            rich_help_panel=STEER,
+            help="Add at most N effects to the baseline model.",
         ),
     ] = None,
     until_error: Annotated[

@@ -26,30 +26,41 @@ def simulate(
             "--like",
             metavar="CAPTURES",
             rich_help_panel=_FRAMES,
-            help="Shape, operating points and frames of this folder.",
+            help="Use the frame size, operating points and numbers of frames of this folder.",
         ),
     ] = None,
     shape: Annotated[
         str | None,
         typer.Option(
-            "--shape", metavar="ROWSxCOLUMNS", rich_help_panel=_FRAMES, help="Such as 1080x1920."
+            "--shape",
+            metavar="ROWSxCOLUMNS",
+            rich_help_panel=_FRAMES,
+            help="Frame size, such as 1080x1920.",
         ),
     ] = None,
     temperatures: Annotated[
         str | None,
         typer.Option(
-            "--temperatures", metavar="C,C,...", rich_help_panel=_FRAMES, help="Such as 25,45,65."
+            "--temperatures",
+            metavar="C,C,...",
+            rich_help_panel=_FRAMES,
+            help="Temperatures, °C, such as 25,45,65.",
         ),
     ] = None,
     exposure: Annotated[
         str | None,
         typer.Option(
-            "--exposure", metavar="S,S,...", rich_help_panel=_FRAMES, help="Such as 0.05."
+            "--exposure",
+            metavar="S,S,...",
+            rich_help_panel=_FRAMES,
+            help="Exposure times, s, such as 0.05.",
         ),
     ] = None,
     gain: Annotated[
         str | None,
-        typer.Option("--gain", metavar="G,G,...", rich_help_panel=_FRAMES, help="Such as 1,4."),
+        typer.Option(
+            "--gain", metavar="G,G,...", rich_help_panel=_FRAMES, help="Gain settings, such as 1,4."
+        ),
     ] = None,
     channel: Annotated[
         str | None,
@@ -80,7 +91,7 @@ def simulate(
     ] = "tif",
     seed: Annotated[
         int | None,
-        typer.Option("--seed", min=0, help="Another virtual sensor than the model file's."),
+        typer.Option("--seed", min=0, help="Seed of the simulated sensor; default: the model's."),
     ] = None,
     device: Annotated[
         str,
@@ -97,7 +108,7 @@ def simulate(
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
-    """Draw frames of a model into a new folder, with a manifest."""
+    """Simulate frames of a model; writes a new folder with a manifest."""
     import os
     from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The codes of the converter: gaps, combs, spikes at the ends."""
+"""The codes of the converter: missing codes, periodic components, clipping."""
 
 from __future__ import annotations
 

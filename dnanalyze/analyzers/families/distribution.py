@@ -68,8 +68,8 @@ INFOS = (
         for name, text in (
             ("skewness", "skewness"),
             ("kurtosis", "excess kurtosis"),
-            ("robust_skewness", "(q.99 + q.01 - 2 median) / (q.99 - q.01)"),
-            ("robust_kurtosis", "(q.99 - q.01) / (q.75 - q.25) over that of a normal distribution"),
+            ("robust_skewness", "robust skewness (q0.99 + q0.01 − 2 q0.5) / (q0.99 − q0.01)"),
+            ("robust_kurtosis", "robust kurtosis (q0.99 − q0.01) / (q0.75 − q0.25) / 3.45"),
         )
     ),
     StatisticInfo("lognormal_mu", "distribution", "ln DN", "log-normal fit, mu", compared=False),

@@ -1,4 +1,4 @@
-"""Level and spread: dark frames in a few numbers, and EMVA 1288's split of DSNU."""
+"""Mean and standard deviations of dark frames, and the split of the DSNU as in EMVA 1288."""
 
 from __future__ import annotations
 

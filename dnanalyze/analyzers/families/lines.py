@@ -1,4 +1,4 @@
-"""Columns and rows: outliers, periods, readout taps, and noise beyond what the pixels explain."""
+"""Columns and rows: outliers, periods, readout taps, noise above that expected from the pixels."""
 
 from __future__ import annotations
 

@@ -54,13 +54,13 @@ def _noise(prefix: str, of: str) -> tuple[StatisticInfo, ...]:
             _told(
                 f"{prefix}{kind}_noise",
                 "1",
-                f"{kind} noise {of} over what the pixels explain",
+                f"{kind} noise {of} over that expected from the pixels",
                 Scale.LOG,
             ),
             _told(
                 f"{prefix}{kind}_mean_explained",
                 "DN",
-                f"what the pixels explain of the {kind} means",
+                f"standard deviation of the {kind} means expected from the pixels",
                 Scale.LOG,
             ),
             _told(

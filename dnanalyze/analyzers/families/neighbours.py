@@ -1,4 +1,4 @@
-"""Pixels and their neighbours: covariances, ranks, halos, peaks, local variances."""
+"""Pixels and their neighbours: correlations, ranks, halos of hot pixels, local variances."""
 
 from __future__ import annotations
 

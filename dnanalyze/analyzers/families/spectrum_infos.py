@@ -57,7 +57,7 @@ def _of_part(part: str) -> Iterator[StatisticInfo]:
             for label, _, _ in profile_names():
                 yield _power(f"{part}_{axis}_{label}", f"power {of} {way} {_band_text(label)}")
         yield from _lines_of(part, of)
-    for label, span in (("low", "0.005-0.05"), ("mid", "0.05-0.2"), ("high", "0.2-0.5")):
+    for label, span in (("low", "0.005 to 0.05"), ("mid", "0.05 to 0.2"), ("high", "0.2 to 0.5")):
         yield _told(f"{part}_slope_{label}", "1", f"log-log slope {of} at {span} c/px")
     yield _told(f"{part}_corner_frequency", "c/px", f"corner frequency {of}")
     yield _told(f"{part}_hf_mf", "1", f"high-to-mid-frequency ratio {of}", Scale.LOG)

@@ -1,4 +1,4 @@
-"""The tails: hot and cold pixels, dead ones, events in one frame, and how much of it repeats."""
+"""Numbers of hot, cold and dead pixels, of outliers in one frame, and the share that repeats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens from frame to frame: drift, memory, blinking, noise that differs by pixel."""
+"""Changes from frame to frame: drift, correlation in time, RTS pixels, noise by pixel."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ INFOS = (
     *(
         StatisticInfo(
             f"noise_at_{name}", "time", "DN^2",
-            f"temporal variance of the pixels at {100 * low:g} to {100 * high:g} % of the DSNU",
+            f"temporal variance, {100 * low:g} to {100 * high:g} % quantile of the mean frame",
             Scale.LOG,
-            high=f"pixels at {100 * low:g}-{100 * high:g} % of the DSNU are {{ratio}} times as "
-            "noisy, in variance, as the model's",
-            low=f"pixels at {100 * low:g}-{100 * high:g} % of the DSNU are only {{ratio}} as "
-            "noisy, in variance, as the model's",
+            high=f"the temporal variance of the pixels from the {100 * low:g} to the "
+            f"{100 * high:g} % quantile of the mean frame is {{ratio}} times the model's",
+            low=f"the temporal variance of the pixels from the {100 * low:g} to the "
+            f"{100 * high:g} % quantile of the mean frame is only {{ratio}} times the model's",
         )
         for name, (low, high) in GROUPS.items()
     ),

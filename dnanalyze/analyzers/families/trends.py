@@ -1,4 +1,4 @@
-"""What holds over temperature and exposure: the dark signal's laws, and hot pixels that stay."""
+"""Over temperature and exposure: laws of the dark signal, and hot pixels that repeat."""
 
 from __future__ import annotations
 

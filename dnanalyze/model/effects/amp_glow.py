@@ -35,9 +35,9 @@ class AmpGlow(Effect):
         "light, and warm ones raise the dark current beside them. The pixels nearest to them "
         "collect a signal that fades with distance, the same in every frame and proportional to "
         "the exposure. Emission hardly depends on temperature (activation energy near 0); a glow "
-        "that follows the dark current is heat. It lives below .01 cycles/pixel and in the block "
-        "means. Remedies: switch the amplifier off during the exposure, subtract a dark frame of "
-        "the same exposure."
+        "that follows the dark current is heat. Its power lies below 0.01 cycles/pixel and in the "
+        "block means. Remedies: switch the amplifier off during the exposure, subtract a dark "
+        "frame of the same exposure."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) a e^(-r/l); r from the corner (nw, ne, se, sw) "

@@ -27,11 +27,11 @@ class ColumnFpn(Effect):
         "In a CMOS sensor all pixels of a column share one amplifier and one converter, whose "
         "offsets differ from column to column. The stripes stand still from frame to frame. They "
         "do not grow with temperature or exposure, since they are made after the pixel, but follow "
-        "the analogue gain where the offset sits before the gain stage. Neighbouring columns that "
-        "share bias lines have like offsets (rho > 0); column pairs that share a circuit may "
+        "the analog gain where the offset sits before the gain stage. Neighbouring columns that "
+        "share bias lines have similar offsets (rho > 0); column pairs that share a circuit may "
         "alternate (rho < 0). A CCD reads all columns through one amplifier, whose level settles "
         "after each line transfer: the columns that are read first stand off the others and "
-        "approach them exponentially (`settle`, `length`). Cure: subtract the column means of "
+        "approach them exponentially (`settle`, `length`). Remedy: subtract the column means of "
         "optically black rows, or of a master dark; correlated double sampling in the column "
         "circuit or digital in the converter."
     )
@@ -49,8 +49,8 @@ class ColumnFpn(Effect):
         "column_noise": "new offsets in every frame: the stripes show in differences of frames",
         "column_gain": "stripes that grow with the signal, so with temperature and exposure",
         "column_taps": "stripes that repeat with a short period, or a few wide blocks",
-        "defect_lines": "a few columns far off the others, not a Gaussian spread of all",
-        "dark_gradient": "power below .02 cycles/pixel alone, in rows too, that grows with "
+        "defect_lines": "a few columns far off the others, not a normal distribution of all",
+        "dark_gradient": "power below 0.02 cycles/pixel alone, in rows too, that grows with "
         "exposure",
     }
 

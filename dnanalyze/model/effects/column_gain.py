@@ -26,7 +26,7 @@ class ColumnGain(Effect):
         "The capacitor ratios and ramp slopes of column amplifiers and converters differ by parts "
         "per thousand. In a dark frame the signal is the dark current, so the stripes are nearly "
         "absent when cold or short and grow in proportion to the dark signal, with its temperature "
-        "and exposure law. Cure: a flat-field correction by column; an offset correction alone "
+        "and exposure law. Remedy: a flat-field correction by column; an offset correction alone "
         "does not help."
     )
     formula: ClassVar[str] = "y_ij -> y_ij (1 + g_j);  g_j ~ N(0, sigma^2), once for the sensor"
@@ -38,7 +38,7 @@ class ColumnGain(Effect):
     fingerprint: ClassVar[tuple[str, ...]] = named("pattern_columns", reversed(LINE_BANDS))
     confused_with: ClassVar[dict[str, str]] = {
         "column_fpn": "stripes of the same strength at every temperature and exposure",
-        "dark_gradient": "also grows with the signal, but is smooth: power below .02 cycles/pixel",
+        "dark_gradient": "also grows with the signal, but is smooth: power below 0.02 cycles/pixel",
     }
 
     sigma: float = parameter(2e-3, "1", 1e-6, 0.5, "standard deviation of the relative gain")

@@ -26,7 +26,7 @@ class ColumnNoise(Effect):
         "refreshed at the start of the frame: the sampled noise stays for the frame and is drawn "
         "anew in the next. Rotated readouts, where a physical row lies along the image's columns, "
         "show row noise in this way. It does not grow with temperature or exposure and follows the "
-        "analogue gain. Averaging K frames lowers its power K times. Cure: subtract the column "
+        "analog gain. Averaging K frames lowers its power K times. Remedy: subtract the column "
         "means of optically black rows of the same frame; a master dark does not help."
     )
     formula: ClassVar[str] = "y_ij += c_j;  c_j ~ N(0, sigma^2), new in every frame"

@@ -25,10 +25,10 @@ class ColumnTaps(Effect):
         "column, often the odd ones at the top and the even ones at the bottom of the chip; others "
         "take a strip of the frame each. Each output has its own offset: a pattern of exact period "
         "P, with lines at u = n/P of the spectrum, or steps at the seams. It is the same in every "
-        "frame, independent of exposure, follows the analogue gain and drifts slowly with the "
+        "frame, independent of exposure, follows the analog gain and drifts slowly with the "
         "temperature of the electronics. A sequencer that is not locked to the frame starts at "
-        "another tap now and then, and the pattern moves by whole columns (`slip`). Cure: subtract "
-        "each tap's own black level, taken from its optically black pixels."
+        "another tap now and then, and the pattern moves by whole columns (`slip`). Remedy: "
+        "subtract each tap's own black level, taken from its optically black pixels."
     )
     formula: ClassVar[str] = (
         "y_ij += o_((j + n slip) mod P), n the frame,  or  o_floor(j P / columns);  mean o = 0, "

@@ -29,20 +29,20 @@ class ConvolvedLognormal(Effect):
     )
     physics: ClassVar[str] = (
         "The logarithm of the dark current is nearly normal over the pixels, since many "
-        "independent factors multiply in it: fields, distances, numbers of defects. mu is its "
-        "mean (the level), delta its spread (the skew and the tail of warm pixels). Each pixel "
-        "passes the share phi to each of its 8 neighbours, and the weights of the 3x3 kernel are "
-        "random at every pixel and frame with spread sigma, which makes a noise that grows with "
-        "the signal. With the seed fixed in the silicon the pattern repeats from frame to frame "
-        "as it does in real sensors; redrawn, as the formula of Wang 2025 may be read, hot pixels "
-        "move. mu follows temperature through the dark current's activation energy (about .6 to "
-        "1.2 eV: a doubling every 5 to 9 degrees). delta may follow temperature too, with a "
-        "negative energy (delta: {value, at_c, ea_ev}): diffusion current is alike in all pixels "
-        "and grows as n_i^2, generation in depleted silicon differs from pixel to pixel and grows "
-        "as n_i, so that the relative spread falls as the sensor warms, by 0 to -.6 eV. diagnose "
-        "and refine free that energy only where the frames carry it. The spectrum falls from a "
-        "plateau at low frequency: this model alone cannot make 1/f noise. Cool, or shorten the "
-        "exposure, to reduce it."
+        "independent factors multiply in it: fields, distances, numbers of defects. mu is its mean "
+        "(the level), delta its standard deviation (the skewness and the tail of warm pixels). "
+        "Each pixel passes the share phi to each of its 8 neighbours, and the weights of the 3x3 "
+        "kernel are random at every pixel and frame with standard deviation sigma, which makes a "
+        "noise that grows with the signal. With the seed fixed in the silicon the pattern repeats "
+        "from frame to frame as it does in real sensors; redrawn, as the formula of Wang 2025 may "
+        "be read, hot pixels move. mu follows temperature through the dark current's activation "
+        "energy (about 0.6 to 1.2 eV: a doubling every 5 to 9 °C). delta may follow "
+        "temperature too, with a negative energy (delta: {value, at_c, ea_ev}): diffusion current "
+        "is equal in all pixels and grows as n_i^2, generation in depleted silicon differs from "
+        "pixel to pixel and grows as n_i, so that the relative standard deviation falls as the "
+        "sensor warms, by 0 to −0.6 eV. diagnose and refine free that energy only where the frames "
+        "carry it. The spectrum falls from a plateau at low frequency: this model alone cannot "
+        "make 1/f noise. Cool, or shorten the exposure, to reduce it."
     )
     formula: ClassVar[str] = (
         "h = sum over 3x3 of (K + eps) L, K = phi, centre 1 - 8 phi; mean m1 = e^(mu + "
@@ -68,7 +68,7 @@ class ConvolvedLognormal(Effect):
         "hot_pixels": (
             "a log-normal tail bends on a semilog plot; an exponential population is straight"
         ),
-        "crosstalk": "crosstalk spreads the shot noise too; the kernel spreads the pattern alone",
+        "crosstalk": "crosstalk distributes the shot noise too; the kernel only the fixed pattern",
         "dark_shot_noise": (
             "shot variance is proportional to the signal, the kernel's to its square"
         ),

@@ -46,7 +46,7 @@ class CosmicRays(Effect):
         "temporal_noise",
     )
     confused_with: ClassVar[dict[str, str]] = {
-        "rts": "a blinking pixel comes back to its upper level; a hit does not come back",
+        "rts": "an RTS pixel returns to its upper level; a hit does not return",
         "heavy_tailed_read_noise": "heavy tails go both ways and hit single pixels",
         "hot_pixels": "a hot pixel is in every frame",
     }

@@ -49,7 +49,8 @@ class Crosstalk(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "convolved_lognormal": (
-            "the kernel of Wang 2025 spreads the pattern alone; crosstalk the shot noise too"
+            "the kernel of Wang 2025 distributes the fixed pattern only; crosstalk the shot noise "
+            "too"
         ),
         "denoise": (
             "a filter after the readout correlates the read noise too, and the most when cold"

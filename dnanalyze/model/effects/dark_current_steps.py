@@ -27,12 +27,12 @@ class DarkCurrentSteps(Effect):
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "equally spaced peaks in the dark current: counted impurity atoms"
     physics: ClassVar[str] = (
-        "Each atom of a metal that contaminates the silicon generates the same dark current, so "
-        "a pixel's dark current rises by a whole number of equal steps and the histogram of the "
+        "Each atom of a metal that contaminates the silicon generates the same dark current, so a "
+        "pixel's dark current rises by a whole number of equal steps and the histogram of the "
         "pattern has equally spaced peaks. The spacing grows with exposure and, with the "
-        "activation energy of the trap (about .3 eV for molybdenum, .37 eV for tungsten), with "
-        "temperature; the shares of the peaks do not move. That tells the metal and its "
-        "concentration: a matter for the wafer process. Cooling and dark subtraction help."
+        "activation energy of the trap (about 0.3 eV for molybdenum, 0.37 eV for tungsten), with "
+        "temperature; the shares of the peaks do not change. The spacing identifies the metal and "
+        "its concentration: a matter for the wafer process. Cooling and dark subtraction help."
     )
     formula: ClassVar[str] = (
         "h += n q t/t_ref e^(-Ea/k (1/T - 1/T_ref)), n ~ Pois(lambda) fixed; variance lambda q^2"

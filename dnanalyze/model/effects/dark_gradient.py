@@ -29,7 +29,7 @@ class DarkGradient(Effect):
         "a difference of one degree changes it by some ten percent. The result is a smooth tilt "
         "or bowl, the same in every frame, proportional to exposure and growing with temperature "
         "like the dark current. (A leak of light is as smooth but does not grow with "
-        "temperature: activation energy 0.) It raises the spectrum below .01 cycles/pixel only, "
+        "temperature: activation energy 0.) It raises the spectrum below 0.01 cycles/pixel only, "
         "and where it scales the dark current of every pixel (`form`: scaled), the scatter of the "
         "pixels and the shot noise as well. "
         "In a CCD the rows that are read last wait longest and collect dark charge meanwhile "

@@ -26,7 +26,7 @@ class DarkShotNoise(Effect):
         "Dark electrons are generated one by one and independently, so their number in an "
         "exposure is Poisson: its variance equals its mean. In DN the temporal variance is K "
         "times the dark signal above the black level, with K the conversion gain (DN per "
-        "electron, proportional to the analogue gain). It grows with temperature and exposure "
+        "electron, proportional to the analog gain). It grows with temperature and exposure "
         "exactly as the dark signal does, pixel by pixel, so hot pixels are noisier. It is "
         "white. Only less dark charge (cooling, shorter exposure) or averaging reduces it. The "
         "slope of temporal variance over mean (the photon-transfer method) measures K."

@@ -25,7 +25,7 @@ class DefectLines(Effect):
         "A leaking column line, a defect in a column's converter or a broken row driver shifts one "
         "whole line, many times further than lines scatter otherwise. In a CCD a trap or a bright "
         "defect that is clocked through makes a bright or dark column, from its own row on. The "
-        "offset is fixed, commonly independent of exposure, and follows the analogue gain. Cure: "
+        "offset is fixed, commonly independent of exposure, and follows the analog gain. Remedy: "
         "a map of bad lines; interpolation across them."
     )
     formula: ClassVar[str] = (

@@ -32,14 +32,14 @@ class Denoise(Effect):
     physics: ClassVar[str] = (
         "Noise reduction averages neighbours, so the noise is no longer white: the power at high "
         "frequencies falls, extremes become rare. A Gaussian blurs everything, as crosstalk does. "
-        "A median removes isolated pixels. Edge-preserving filters average only what is alike: "
+        "A median removes isolated pixels. Edge-preserving filters average only similar pixels: "
         "bilateral (pixels within range of each other), non-local means (pixels with like "
         "patches), wavelet shrinkage (coefficients are drawn towards 0 by range): 'wavelet' on all "
         "shifts of the grid, 'haar' and 'db2' (Haar's and Daubechies' second basis) on one, as "
         "packages do it, which leaves a lattice of 2, 4 and 8 pixels. They smooth the read "
         "noise of a cold frame and leave the large dark signal of a hot one alone, so high "
         "frequencies return with temperature. Strength below 1 mixes the filtered frame with the "
-        "original. Numbers such as the read noise are then too good, and detail is lost. Cure: "
+        "original. The measured read noise is then too low, and detail is lost. Remedy: "
         "switch it off; it cannot be undone."
     )
     formula: ClassVar[str] = (

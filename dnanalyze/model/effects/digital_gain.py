@@ -27,10 +27,10 @@ class DigitalGain(Effect):
     physics: ClassVar[str] = (
         "A gain applied to codes, in the sensor or in the camera, brings no information: with s > "
         "1 some codes are never reached (gaps, one in s/(s-1)), with s < 1 several codes fall "
-        "together (spikes, one in s/(1-s)). Noise and dark signal grow by s alike, so only the "
-        "histogram tells. It is exact, the same at every temperature, and changes with the gain "
-        "setting where the camera makes up its upper gains this way. Cure: divide by s and round; "
-        "use analogue gain instead."
+        "together (spikes, one in s/(1-s)). Noise and dark signal both grow by s, so only the "
+        "histogram shows it. It is exact, the same at every temperature, and changes with the gain "
+        "setting where the camera makes up its upper gains this way. Remedy: divide by s and "
+        "round; use analog gain instead."
     )
     formula: ClassVar[str] = "y = round((x - b) s + b), x and y whole numbers"
     references: ClassVar[tuple[str, ...]] = ()

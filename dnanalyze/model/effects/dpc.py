@@ -32,7 +32,7 @@ class Dpc(Effect):
         "hot or not. The true tail of the dark current is cut, the more the hotter the sensor, so "
         "the dark signal looks better than it is and faint stars vanish. In a mosaic the "
         "neighbours are those of the same colour (spacing 2). "
-        "What to do: switch it off (a register, a raw mode), or model it; the tail above the "
+        "Remedy: switch it off (a register, a raw mode), or model it; the tail above the "
         "threshold cannot be recovered from corrected frames."
     )
     formula: ClassVar[str] = (
@@ -53,7 +53,7 @@ class Dpc(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "denoise": "moves pixels that do not stand out too: the cold frames lose high frequencies, "
         "minima are as rare as maxima",
-        "crosstalk": "spreads every hot pixel alike, by a constant share; none is cut",
+        "crosstalk": "distributes every hot pixel by the same share; none is cut",
         "hot_pixels": "the opposite: a tail beyond the model's, isolated pixels kept",
     }
     reach: ClassVar[int] = 4
@@ -74,7 +74,12 @@ class Dpc(Effect):
     replacement: str = choice(
         "median", "what of the neighbours takes its place", "median", "midpoint", "mean"
     )
-    unit: str = choice("DN", "of the threshold (median): DN, or neighbours' spread", "DN", "local")
+    unit: str = choice(
+        "DN",
+        "of the threshold (median): DN, or standard deviations of the neighbours",
+        "DN",
+        "local",
+    )
     neighbours: int = choice(8, "how many are looked at (excess, clamp, ratio)", 8, 24)
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 

@@ -24,13 +24,12 @@ class FlickerFpn(Effect):
     physics: ClassVar[str] = (
         "Thresholds, layer thicknesses and stress vary over a chip at all lengths, slow variations "
         "most. The offsets that follow form clouds whose power falls as rho^-alpha with spatial "
-        "frequency, alike along rows and columns: the slope stays when the u = 0 and v = 0 axes "
+        "frequency, equally along rows and columns: the slope stays when the u = 0 and v = 0 axes "
         "are masked, which row and column offsets do not survive. Being an offset it does not grow "
-        "with temperature or exposure, and follows the analogue gain. Where the silicon itself is "
+        "with temperature or exposure, and follows the analog gain. Where the silicon itself is "
         "uneven (thinning, resistivity, stress), the dark current has such clouds instead, as a "
-        "share of itself (`form`: scaled). No random 3x3 kernel can "
-        "make such a slope at low frequency. Cure: subtract a master dark; blocks of black pixels "
-        "cannot follow it."
+        "share of itself (`form`: scaled). No random 3x3 kernel can make such a slope at low "
+        "frequency. Remedy: subtract a master dark; blocks of black pixels cannot follow it."
     )
     formula: ClassVar[str] = (
         "S(rho) = C rho^-alpha, rho in cycles/pixel, without the mean; sum of S = rms^2; "

@@ -25,9 +25,9 @@ class FlickerNoise(Effect):
     physics: ClassVar[str] = (
         "Traps in transistors of the output amplifier catch and free carriers at all rates, which "
         "gives noise whose power falls as 1/f^alpha in time, alpha near 1. Pixels are read row "
-        "after row, so time runs along the row: neighbours in a row are alike, and successive rows "
-        "drift together as soft horizontal bands. It depends on the readout, not on exposure, "
-        "follows the analogue gain and hardly the temperature. Cure: faster double sampling, "
+        "after row, so time runs along the row: neighbours in a row are correlated, and successive "
+        "rows drift together as soft horizontal bands. It depends on the readout, not on exposure, "
+        "follows the analog gain and hardly the temperature. Remedy: faster double sampling, "
         "reference pixels read along with the image, subtraction of row means of black pixels for "
         "the part slower than a row."
     )

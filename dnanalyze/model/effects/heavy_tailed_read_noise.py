@@ -23,20 +23,20 @@ class HeavyTailedReadNoise(Effect):
     varies: ClassVar[str] = "temporal"
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
-        "Read noise with more large deviations, up and down, than a Gaussian has."
+        "Read noise with more large deviations, up and down, than a normal distribution has."
     )
     physics: ClassVar[str] = (
         "The read noise of a CMOS sensor is a mixture: most pixels are quiet, some have a trap in "
         "the source follower whose switching, or whose 1/f noise, is many times larger. Over the "
         "whole frame the noise then has symmetric heavy tails, described by the Tukey-lambda "
-        "distribution: lambda = .14 is nearly Gaussian, 0 is logistic, -.2 has tails like "
+        "distribution: lambda = 0.14 is nearly Gaussian, 0 is logistic, −0.2 has tails like "
         "Student's t with 5 degrees of freedom (nu = -1/lambda). It belongs to the readout: no "
-        "growth with exposure, hardly any with temperature, and it follows the analogue gain. It "
-        "adds to read_noise. Cure: multiple or correlated sampling, buried channel transistors; "
+        "growth with exposure, hardly any with temperature, and it follows the analog gain. It "
+        "adds to read_noise. Remedy: multiple or correlated sampling, buried channel transistors; "
         "medians instead of means over frames."
     )
     formula: ClassVar[str] = (
-        "y += sigma q(p) / s;  q(p) = (p^lambda - (1-p)^lambda) / lambda, s = q(.75) / .6745, p "
+        "y += sigma q(p) / s;  q(p) = (p^lambda - (1-p)^lambda) / lambda, s = q(0.75) / 0.6745, p "
         "uniform"
     )
     references: ClassVar[tuple[str, ...]] = (
@@ -59,7 +59,7 @@ class HeavyTailedReadNoise(Effect):
         1.0, "DN", 1e-4, 1e4, "robust standard deviation (quartiles) at the reference gain"
     )
     tail: float = parameter(
-        -0.15, "1", -0.45, 0.14, "lambda: .14 Gaussian, 0 logistic, -1/nu Student's t", "linear"
+        -0.15, "1", -0.45, 0.14, "lambda: 0.14 Gaussian, 0 logistic, -1/nu Student's t", "linear"
     )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:

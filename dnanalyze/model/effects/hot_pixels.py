@@ -26,12 +26,12 @@ class HotPixels(HotTail):
     summary: ClassVar[str] = "few pixels with much extra dark current, the same ones in every frame"
     physics: ClassVar[str] = (
         "Single defects in the silicon (contamination, displacement damage, a high field at a "
-        "junction edge) give a pixel many times the usual dark current. The same pixels stand "
-        "out in every frame, above the log-normal spread of the rest, and their signal grows in "
+        "junction edge) give a pixel many times the usual dark current. The same pixels stand out "
+        "in every frame, above the log-normal distribution of the rest, and their signal grows in "
         "proportion to exposure. A high field lowers the barrier, so their activation energy is "
-        "often below that of the bulk (.3 to .6 eV against .6 to 1.2 eV): they stand out more "
-        "when cold. A field spreads their currents over decades: then the tail is a power law, not "
-        "an exponential (`tail`). Remedies: cooling, dark-frame subtraction, a defect map; their "
+        "often below that of the bulk (0.3 to 0.6 eV against 0.6 to 1.2 eV): they stand out more "
+        "when cold. The currents then range over decades, and the tail is a power law, not an "
+        "exponential (`tail`). Remedies: cooling, dark-frame subtraction, a defect map; their "
         "number grows with radiation dose."
     )
     formula: ClassVar[str] = (
@@ -61,7 +61,7 @@ class HotPixels(HotTail):
         ),
         "hot_clusters": "clustered defects have hot neighbours more often than chance (hot_pairs)",
         "cosmic_rays": "a hit is in one frame only",
-        "rts": "a blinking pixel has two levels over time",
+        "rts": "an RTS pixel has two levels over time",
         "stuck_pixels": "a stuck pixel has no temporal noise",
     }
 

@@ -32,12 +32,12 @@ class MissingCodes(Effect):
     )
     physics: ClassVar[str] = (
         "A converter's decision levels are not evenly spaced. A code whose step is wider by d "
-        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = -1 it never occurs. "
+        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = −1 it never occurs. "
         "Mismatched capacitors of a successive-approximation converter, or interpolation in a ramp "
         "converter, repeat with a period of a power of two; other errors are random. The pattern "
         "is tied to the codes: it is the same at every temperature, and slides through the noise "
-        "as the level moves. Cure: dither by noise of more than half a DN, or a table of corrected "
-        "levels."
+        "as the level moves. Remedy: dither by noise of more than half a DN, or a table of "
+        "corrected levels."
     )
     formula: ClassVar[str] = (
         "y = k for T_k <= x < T_(k+1),  T_(k+1) - T_k = max(0, 1 + d_k), rms d = sigma;  random: "
@@ -50,7 +50,7 @@ class MissingCodes(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "digital_gain": "codes are never reached or twice as frequent, with a period s/(s-1) that "
         "need not be a power of two",
-        "quantization": "all codes alike",
+        "quantization": "all codes have the same width",
     }
 
     sigma: float = parameter(0.2, "1", 1e-3, 1.5, "rms of the relative width errors d_k")

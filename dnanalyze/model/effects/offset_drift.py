@@ -1,4 +1,4 @@
-"""The level of whole frames wanders."""
+"""The level of whole frames drifts."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ class OffsetDrift(Effect):
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
     placing: ClassVar[Placing] = Placing.ANYWHERE
-    summary: ClassVar[str] = "The black level wanders from frame to frame, or settles at the start."
+    summary: ClassVar[str] = "The black level drifts from frame to frame, or settles at the start."
     physics: ClassVar[str] = (
-        "The black level hangs on a reference voltage and on amplifiers that warm up. After "
-        "power-on or a change of mode it settles over some frames, then wanders slowly, a random "
+        "The black level depends on a reference voltage and on amplifiers that warm up. After "
+        "power-on or a change of mode it settles over some frames, then drifts slowly, a random "
         "walk of a fraction of a DN a frame. Nothing within a frame changes, so no spectrum sees "
-        "it: only the mean of frames does. It is independent of exposure and follows the analogue "
+        "it: only the mean of frames does. It is independent of exposure and follows the analog "
         "gain. A chip that warms up or cools from frame to frame moves the dark signal itself "
         "(`form`: scaled), and its pattern with it: that grows with exposure and temperature. "
-        "Cure: wait, discard the first frames, subtract each frame's optically black level."
+        "Remedy: wait, discard the first frames, subtract each frame's optically black level."
     )
     formula: ClassVar[str] = (
         "b_n = step sum_(k=1..n) N(0,1) + transient exp(-n / settling), n = 0, 1, ...; "
@@ -37,11 +37,13 @@ class OffsetDrift(Effect):
     fingerprint: ClassVar[tuple[str, ...]] = ("drift",)
     confused_with: ClassVar[dict[str, str]] = {
         "flicker_noise": "also uneven within a frame",
-        "persistence": "decays from bright pixels, not everywhere alike",
+        "persistence": "decays from bright pixels, not equally everywhere",
         "dark_gradient": "a change of temperature scales with the dark current's own pattern",
     }
 
-    step: float = parameter(0.2, "DN/sqrt(frame)", 1e-5, 1e3, "spread of the change a frame")
+    step: float = parameter(
+        0.2, "DN/sqrt(frame)", 1e-5, 1e3, "standard deviation of the change per frame"
+    )
     transient: float = parameter(0.0, "DN", -1e4, 1e4, "excess of the first frame", "signed")
     settling: float = parameter(1.5, "frame", 0.1, 100.0, "time constant of the start")
     form: str = choice("added", "a level, or a share of the dark signal", "added", "scaled")

@@ -34,8 +34,8 @@ class PeriodicPattern(Effect):
         "raster, any frequency in time becomes one point (u, v) of the image's spectrum: slow ones "
         "give horizontal bands (u = 0), fast ones slanted stripes. An interferer that is not "
         "locked to the frame clock has a new phase in every frame; one that is locked stands "
-        "still. It does not depend on exposure or temperature; the analogue gain raises it where "
-        "it enters before the gain. Cure: find the source by its frequency f = (v + u x columns) x "
+        "still. It does not depend on exposure or temperature; the analog gain raises it where it "
+        "enters before the gain. Remedy: find the source by its frequency f = (v + u x columns) x "
         "line rate, then shield, filter or synchronise it; a notch in the spectrum repairs images "
         "already taken."
     )

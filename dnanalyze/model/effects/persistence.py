@@ -37,9 +37,9 @@ class Persistence(Effect):
     )
     fingerprint: ClassVar[tuple[str, ...]] = ("temporal_r1", "drift", "temporal_noise")
     confused_with: ClassVar[dict[str, str]] = {
-        "offset_drift": "a drifting offset moves all pixels alike, whatever their signal",
+        "offset_drift": "a drifting offset moves all pixels equally, independent of their signal",
         "temporal_denoise": "a temporal filter correlates the read noise too and lowers the noise",
-        "rts": "blinking correlates the frames of a few pixels only",
+        "rts": "RTS correlates the frames of a few pixels only",
     }
     memory: ClassVar[int] = 4
 

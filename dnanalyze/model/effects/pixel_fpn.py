@@ -24,7 +24,7 @@ class PixelFpn(Effect):
         "Transistor thresholds differ from pixel to pixel, and what correlated double sampling "
         "leaves of the difference is an offset that every frame repeats. It is white over the "
         "field and symmetric, does not grow with exposure or temperature, and scales with the "
-        "analogue gain; averaging frames does not reduce it. It is what the pattern shows in the "
+        "analog gain; averaging frames does not reduce it. It is what the pattern shows in the "
         "coldest, shortest frames. Subtracting a master bias frame removes it."
     )
     formula: ClassVar[str] = "y_i += sigma n_i, n_i ~ N(0,1) fixed in the silicon"
@@ -41,7 +41,8 @@ class PixelFpn(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "convolved_lognormal": (
-            "the spread of the dark current grows with temperature and exposure and is skewed"
+            "the standard deviation of the dark current grows with temperature and exposure and is "
+            "skewed"
         ),
         "column_fpn": "column offsets put their power on the v = 0 axis",
         "read_noise": "read noise is new in every frame",

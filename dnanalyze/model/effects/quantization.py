@@ -23,11 +23,11 @@ class Quantization(Effect):
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "rounding to whole codes and the converter's two ends"
     physics: ClassVar[str] = (
-        "The converter gives whole codes. As long as the noise before it exceeds about .4 DN the "
-        "rounding error is white, independent of the signal, and has variance 1/12 DN^2; below "
+        "The converter gives whole codes. As long as the noise before it exceeds about 0.4 DN the "
+        "rounding error is white, independent of the signal, and has variance 1/12 DN²; below "
         "that, frames repeat the same few codes, temporal noise and small offsets vanish or are "
         "exaggerated, and averaging no longer recovers them. Signals outside the range are "
-        "clipped. Higher analogue gain or dither restores linearity."
+        "clipped. Higher analog gain or dither restores linearity."
     )
     formula: ClassVar[str] = "y = min(max(q round(y/q), 0), 2^bits - 1); error variance q^2/12"
     references: ClassVar[tuple[str, ...]] = ("EMVA Standard 1288, release 4.0",)
@@ -37,7 +37,7 @@ class Quantization(Effect):
             "a gain after the converter leaves gaps or doubled codes at a regular period"
         ),
         "missing_codes": "unequal code widths make the histogram rough, rounding alone does not",
-        "read_noise": "rounding adds 1/12 DN^2 and no more",
+        "read_noise": "rounding adds 1/12 DN² and no more",
     }
 
     bits: int = choice(16, "codes run from 0 to 2^bits - 1", *range(1, 33))
@@ -54,5 +54,5 @@ class Quantization(Effect):
         return np.clip(signal, np.float32(0), np.float32(2.0**self.bits - 1), out=signal)
 
     def variance(self, point: OperatingPoint) -> float:
-        """q^2 / 12, DN^2, where the noise before it exceeds .4 q."""
+        """q^2 / 12, DN^2, where the noise before it exceeds 0.4 q."""
         return self.step**2 * ROUNDING_VARIANCE

@@ -26,12 +26,12 @@ class ReadNoise(Effect):
         "noise of the source follower, reset (kTC) noise that correlated double sampling left, "
         "converter noise. It is new in every frame, white over the field, and does not grow with "
         "exposure or temperature, so it is what remains in the coldest and shortest frames. In "
-        "DN it grows with the analogue gain. In CMOS sensors each pixel has its own transistor, "
-        "so the sigma itself may spread over pixels (`spread`). Where one amplifier reads pixel "
+        "DN it grows with the analog gain. In CMOS sensors each pixel has its own transistor, "
+        "so sigma may differ from pixel to pixel (`spread`). Where one amplifier reads pixel "
         "after pixel, as in a CCD, double sampling and a limited bandwidth carry some of it over "
         "to the next pixel of the row (`serial`, either sign) and to the one after it "
         "(`serial2`). Averaging K frames divides it by "
-        "sqrt(K); a higher analogue gain lowers it in electrons."
+        "sqrt(K); a higher analog gain lowers it in electrons."
     )
     formula: ClassVar[str] = (
         "y_i += sigma e^(s n_i - s^2) N(0,1), n_i ~ N(0,1) fixed; rms over pixels = sigma; "
@@ -56,12 +56,12 @@ class ReadNoise(Effect):
             "the temporal kurtosis of single pixels is 0 for Gaussian read noise"
         ),
         "rts": "an RTS pixel returns to the same two levels; its squared differences repeat",
-        "quantization": "rounding adds 1/12 DN^2 and leaves integer codes",
+        "quantization": "rounding adds 1/12 DN² and leaves integer codes",
     }
 
     sigma: float = parameter(1.0, "DN", 1e-3, 1e4, "standard deviation at the reference gain")
     spread: float = parameter(
-        0.0, "1", 0.0, 1.5, "spread over pixels of the log of the standard deviation", "linear"
+        0.0, "1", 0.0, 1.5, "standard deviation over the pixels of ln(sigma)", "linear"
     )
 
     serial: float = parameter(

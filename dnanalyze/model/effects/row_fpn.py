@@ -23,8 +23,8 @@ class RowFpn(Effect):
     physics: ClassVar[str] = (
         "Rows are addressed one after the other. A row whose drivers, supply or timing differ a "
         "little from those of the others gets the same offset in every frame. Being made at "
-        "readout, it does not grow with temperature or exposure; it follows the analogue gain. "
-        "Cure: subtract the mean of the row's optically black pixels (which also removes row "
+        "readout, it does not grow with temperature or exposure; it follows the analog gain. "
+        "Remedy: subtract the mean of the row's optically black pixels (which also removes row "
         "noise), or a master dark."
     )
     formula: ClassVar[str] = "y_ij += r_i;  r_i ~ N(0, sigma^2), once for the sensor"
@@ -33,8 +33,8 @@ class RowFpn(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "row_noise": "new in every frame: it shows in differences of frames, and a mean over K "
         "frames keeps only 1/K of its power",
-        "dark_gradient": "power below .02 cycles/pixel alone, that grows with exposure or, of rows "
-        "that wait to be read, with temperature",
+        "dark_gradient": "power below 0.02 cycles/pixel alone, that grows with exposure or, of "
+        "rows that wait to be read, with temperature",
         "defect_lines": "a few rows far off the others",
     }
 

@@ -25,7 +25,7 @@ class RowNoise(Effect):
         "All pixels of a row are sampled at the same instant. Whatever disturbs the supply, the "
         "ramp or the reference at that instant shifts the whole row, and is gone in the next. The "
         "eye sees it at a tenth of the pixel noise. It does not grow with temperature or exposure "
-        "and follows the analogue gain. Averaging K frames lowers its power K times. Cure: "
+        "and follows the analog gain. Averaging K frames lowers its power K times. Remedy: "
         "subtract the mean of the row's n optically black pixels, which leaves 1/n of their noise; "
         "quieter supplies."
     )
@@ -37,8 +37,8 @@ class RowNoise(Effect):
     fingerprint: ClassVar[tuple[str, ...]] = named("temporal_rows", reversed(LINE_BANDS))
     confused_with: ClassVar[dict[str, str]] = {
         "row_fpn": "the same stripes in every frame: they cancel in differences of frames",
-        "flicker_noise": "rows near each other are alike (temporal_row_lag1 > 0), and the noise is "
-        "also smooth along the row",
+        "flicker_noise": "neighbouring rows are correlated (temporal_row_lag1 > 0), and the noise "
+        "is also smooth along the row",
         "periodic_pattern": "one line in the spectrum, not all frequencies",
     }
 

@@ -1,4 +1,4 @@
-"""Random telegraph signal: pixels that blink between two levels."""
+"""Random telegraph signal: pixels that switch between two levels."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ class Rts(Effect):
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "temporal"
     placing: ClassVar[Placing] = Placing.ANYWHERE
-    summary: ClassVar[str] = "few pixels blink between two levels from frame to frame"
+    summary: ClassVar[str] = "few pixels switch between two levels from frame to frame"
     physics: ClassVar[str] = (
         "A metastable defect that changes its configuration switches a pixel's dark current "
         "between two levels: a random telegraph signal. The amplitude follows the dark current "
         "(proportional to exposure, Arrhenius), and so do the switching rates. A single trap in "
         "the source follower's channel does the same at the readout, whatever the exposure "
         "(exposure: none, activation energy near 0); double sampling turns its two levels into "
-        "three about zero. Traps differ in energy, so the share of time in either level spreads "
+        "three about zero. Traps differ in energy, so the share of time in either level differs "
         "over pixels. Over the frames such a pixel is bimodal: its temporal variance is far above "
         "the others' and stays so, in any frames. Averaging or dark subtraction does not remove "
-        "it; a map of blinking pixels does. Switching within an exposure is averaged by it and is "
+        "it; a map of RTS pixels does. Switching within an exposure is averaged by it and is "
         "not modelled."
     )
     formula: ClassVar[str] = (
@@ -51,15 +51,13 @@ class Rts(Effect):
         "transient_high",
     )
     confused_with: ClassVar[dict[str, str]] = {
-        "heavy_tailed_read_noise": (
-            "heavy tails visit all pixels; blinking returns to the same ones"
-        ),
-        "read_noise": "a spread of sigma over pixels leaves each pixel Gaussian in time",
+        "heavy_tailed_read_noise": ("heavy tails occur in all pixels; RTS in the same ones"),
+        "read_noise": "where sigma differs from pixel to pixel, each pixel is Gaussian in time",
         "cosmic_rays": "a hit does not come back to the same pixel",
         "hot_pixels": "a hot pixel does not change between frames",
     }
 
-    fraction: float = parameter(0.01, "1", 1e-6, 0.5, "fraction of pixels that blink")
+    fraction: float = parameter(0.01, "1", 1e-6, 0.5, "fraction of pixels that switch")
     amplitude: float = parameter(
         10.0, "DN", 1e-2, 1e5, "mean step at the reference temperature, exposure and gain"
     )
@@ -80,7 +78,7 @@ class Rts(Effect):
     )  # fmt: skip
     occupancies: str = choice(
         "same",
-        "occupancy the same in all blinking pixels, or uniform from 0 to 1",
+        "occupancy the same in all RTS pixels, or uniform from 0 to 1",
         "same",
         "spread",
     )

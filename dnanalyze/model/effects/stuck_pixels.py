@@ -23,7 +23,7 @@ class StuckPixels(Effect):
         "A shorted or open pixel gives the same code in every frame, commonly the lowest or the "
         "highest, at times one between (`codes`): its temporal variance is exactly zero, which no "
         "working pixel shows unless it is clipped. It does not depend on temperature, exposure or "
-        "gain. Cure: a map of defects; interpolation from the neighbours."
+        "gain. Remedy: a map of defects; interpolation from the neighbours."
     )
     formula: ClassVar[str] = (
         "y = c on a share 'fraction' of the pixels; codes 'one': c = code; 'any': a third each at "

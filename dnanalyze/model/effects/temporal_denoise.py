@@ -25,11 +25,11 @@ class TemporalDenoise(Effect):
     summary: ClassVar[str] = "Temporal denoise: each frame is mixed with those before it."
     physics: ClassVar[str] = (
         "Video pipelines mix every frame with a running average of those before. A share a of "
-        "memory lowers the temporal variance to (1-a)/(1+a) and makes successive frames alike, "
+        "memory lowers the temporal variance to (1-a)/(1+a) and correlates successive frames, "
         "with a correlation of a to the power of their distance; the fixed pattern, the spectrum "
         "within a frame and the hot pixels stay as they were. Filters for moving scenes skip "
         "pixels that change by more than a threshold, so only small noise is averaged. Numbers "
-        "such as read noise come out too good. It acts at every temperature. Cure: switch it off, "
+        "such as read noise come out too low. It acts at every temperature. Remedy: switch it off, "
         "or take frames far apart."
     )
     formula: ClassVar[str] = (

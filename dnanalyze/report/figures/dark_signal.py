@@ -142,7 +142,7 @@ def _current(group: Group) -> Panel | None:
             slope = energy.value / BOLTZMANN_EV
             level = np.average(np.log(y) + slope / (t + KELVIN), weights=(se / y + 0.02) ** -2.0)
             ax.plot(at, np.exp(level - slope / (at + KELVIN)), color=INK, linewidth=1)
-            text = f"T_d = {with_error(step.value, step.se)} °C"
+            text = f"doubling every {with_error(step.value, step.se)} °C"
             ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top")
         ax.set_yscale("log")
         log_axis(ax.yaxis)

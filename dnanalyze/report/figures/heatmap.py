@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,9 @@ from dnanalyze.report.words import FAMILIES, family_title, is_number, number, po
 LINEAR = 3.0  # sigma up to which the colour scale is linear, logarithmic beyond
 LOWEST = 30.0  # sigma at the end of the colours, at least
 CLEAR, FEWEST = 2.0, 8  # statistics that are off by less are not worth a row, beyond the first few
-ROW, COLUMN, MARGIN = 0.185, 0.46, 1.2  # inch
+ROW, COLUMN, MARGIN = 0.25, 0.46, 1.2  # inch; two lines of a name fit a row
+LINE = 8.2  # points from line to line of a name
+NAME = 44  # characters of a line of a name, so that a telephone shows names and columns
 COLOURS = "RdBu_r"
 Rows = Sequence[Mapping[str, Any]]
 
@@ -52,7 +55,8 @@ def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
     ax.grid(visible=False)
     ax.set_facecolor(GRID)
     image = ax.imshow(grid, cmap=COLOURS, norm=norm, aspect="auto")
-    ax.set_yticks(range(len(names)), [info(r["name"]).title for r in names])
+    ax.set_yticks([])
+    _names(ax, _lines(names))
     turned = max(map(len, points)) > 7
     ax.set_xticks(range(len(points)), points, rotation=90 if turned else 0)
     ax.xaxis.tick_top()
@@ -82,7 +86,7 @@ def discrepancies(rows: Rows, most: int = 36) -> Picture | None:
     names, points, _ = _grid(rows, most)
     if not names:
         return None
-    longest = max(len(info(r["name"]).title) for r in names)
+    longest = max(len(line) for text in _lines(names) for line in text.split("\n"))
     head = 0.065 * max(map(len, points)) if max(map(len, points)) > 7 else 0.1
     cell = Cell(
         lambda ax: draw_heatmap(ax, rows, most),
@@ -98,6 +102,12 @@ def discrepancies(rows: Rows, most: int = 36) -> Picture | None:
         + (f" Colour plane {plane}." if plane else ""),
         "Heat map of the discrepancy by statistic and operating point.",
     )
+
+
+def _lines(names: Rows) -> list[str]:
+    """The titles of the statistics, in lines of some `NAME` characters."""
+    kept = (info(r["name"]).title.replace(" c/px", "\N{NO-BREAK SPACE}c/px") for r in names)
+    return ["\n".join(wrap(text, NAME)).replace("\N{NO-BREAK SPACE}", " ") for text in kept]
 
 
 def _grid(rows: Rows, most: int) -> tuple[list[Mapping[str, Any]], list[str], np.ndarray]:
@@ -139,6 +149,16 @@ def _write(ax: Any, grid: np.ndarray, image: Any) -> None:
             text = f"{size:.0f}" if size < 9999.5 else f"{size / 1000:.0f}k"
             ax.text(x, y, text if text == "0" else sign + text, ha="center", va="center",
                     fontsize=6.8, color=ON_LIGHT if bright else ON_DARK)  # fmt: skip
+
+
+def _names(ax: Any, names: Sequence[str]) -> None:
+    """At the left of the rows; line by line, since a browser has letters of other widths."""
+    for row, text in enumerate(names):
+        lines = text.split("\n")
+        for n, line in enumerate(lines):
+            above = LINE * ((len(lines) - 1) / 2 - n)
+            ax.annotate(line, (-0.5, row), (-4, above), textcoords="offset points", ha="right",
+                        va="center", fontsize=7.5, color=SOFT, annotation_clip=False)  # fmt: skip
 
 
 def _families(ax: Any, names: Rows, columns: int) -> None:
@@ -202,7 +222,7 @@ def families(
     count = sum(map(is_number, errors.values())) + len(baselines)
     return panels(
         [Cell(lambda ax: draw_families(ax, errors, baselines, error), 4.4, 0.9 + 0.22 * count)],
-        "Model error of each family of statistics, and over all families beside other models. "
-        "Dashed line: 1, what a second sensor of the same make gives.",
+        "Model error of each family of statistics (dark blue: 1.3 or more), and over all families "
+        "beside other models. Dashed line: 1, what a second sensor of the same make gives.",
         "Error of each family of statistics as bars.",
     )

@@ -13,7 +13,7 @@ from dnanalyze.report.figures.style import Cell, Picture, panels
 from dnanalyze.report.words import point_label
 
 HOT = 5.0  # robust standard deviations above the median
-WIDE = 2.0  # inch, of a map
+WIDE = 1.95  # inch, of a map: five side by side fill the page
 TONES = 24  # colours of a map: noise of fewer tones makes a lighter page
 
 Limits = Callable[[np.ndarray, SettingStatistics], tuple[float, float]]
@@ -111,6 +111,7 @@ def draw_map(
         An item of ``MAPS``.
     """
     from matplotlib import colormaps
+    from matplotlib.ticker import MaxNLocator
 
     rows, columns = setting.shape
     values = np.asarray(setting.curves[name], float)
@@ -130,5 +131,7 @@ def draw_map(
     bar.set_label("DN")
     bar.outline.set_visible(False)
     bar.ax.tick_params(labelsize=7, length=2)
-    bar.ax.locator_params(nbins=4)
+    inside = high - low  # a label at the end of a bar would make its map smaller than the others
+    ticks = MaxNLocator(4).tick_values(low, high)
+    bar.set_ticks([t for t in ticks if 0.08 < (t - low) / inside < 0.92])
     return ax

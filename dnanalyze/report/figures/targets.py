@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from dnanalyze.report.figures.pictures import WIDTH
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
     HAIRLINE,
@@ -18,6 +17,7 @@ from dnanalyze.report.figures.style import (
     panels,
 )
 
+CHARACTER = 0.062  # inch, of a name
 FARTHEST = 3.0  # half widths of a limit, beyond which a value is drawn at the edge
 
 
@@ -34,8 +34,9 @@ def targets(checks: Sequence[Any], most: int = 40) -> Picture | None:
     placed = [(c, p) for c, p in known if p is not None]
     placed.sort(key=lambda pair: -abs(pair[1]))
     shown = placed[:most][::-1]
+    name = CHARACTER * max((len(c.name) for c, _ in shown), default=0)
     return panels(
-        [Cell(lambda ax: draw_targets(ax, shown), WIDTH, 1.0 + 0.2 * len(shown))],
+        [Cell(lambda ax: draw_targets(ax, shown), 3.6 + name, 1.0 + 0.2 * len(shown))],
         f"The {len(shown)} targets that lie closest to a limit or beyond it; blue is met, orange "
         "violated, grey violated and not enforced.",
         "Values of the simulation within the limits of the targets.",

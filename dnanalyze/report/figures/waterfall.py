@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -119,15 +119,31 @@ def _lines(name: str) -> str:
 
 def waterfall(steps: Sequence[Any]) -> Picture | None:
     """The waterfall as a picture."""
-    shown = stages(steps)
-    text = ", ".join(f"{s.name} {number(s.error)}" for s in shown)
+    return waterfalls({"": steps})
+
+
+def waterfalls(parts: Mapping[str, Sequence[Any]]) -> Picture | None:
+    """A waterfall for each part of a refinement, such as an HDR channel, under its name."""
+
+    def cell(name: str, steps: Sequence[Any]) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_waterfall(ax, steps)
+            ax.set_title(name)
+
+        return Cell(draw, max(3.6, 0.95 * (len(stages(steps)) + 1) + 0.6), 3.0)
+
+    shown = {name: stages(steps) for name, steps in parts.items()}
+    text = "; ".join(
+        f"{name}: " * bool(name) + ", ".join(f"{s.name} {number(s.error)}" for s in own)
+        for name, own in shown.items()
+    )
     return panels(
-        [Cell(lambda ax: draw_waterfall(ax, steps), max(3.6, 0.95 * (len(shown) + 1) + 0.6), 3.0)],
+        [cell(name, steps) for name, steps in parts.items()],
         "Model error after each step, measured on the held-out half of the field; after each step "
         "all parameters are fitted again. Dashed line: 1, a second sensor of the same make."
         + (
             f" The {BASELINE} is one step: what every sensor has is fitted together."
-            if any(s.name == BASELINE for s in shown)
+            if any(s.name == BASELINE for own in shown.values() for s in own)
             else ""
         ),
         f"Waterfall of the error: {text}",

@@ -11,7 +11,7 @@ from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages.detect import KINDS
-from dnanalyze.report.words import listing, number, sentence, with_error
+from dnanalyze.report.words import celsius, listing, number, sentence, with_error
 
 
 def benchmark_page(result: Any) -> str:
@@ -88,7 +88,7 @@ def _glance(result: Any) -> Section:
         rows.append((name, *cells))
     middle = middle_of(result)
     at = (
-        f"Figures that depend on temperature are those at {middle:g} °C. "
+        f"Figures that depend on temperature are those at {celsius(middle)}. "
         if middle is not None
         else ""
     )
@@ -109,7 +109,7 @@ def _temperatures(result: Any) -> Section:
     for r in result.rankings:
         if r.temperature_c is not None:
             cells = (_cell(r.of(s.name)) for s in result.sensors)
-            row = (r.title, _unit(r.unit), f"{r.temperature_c:g}", *cells)
+            row = (r.title, _unit(r.unit), number(r.temperature_c), *cells)
             (rest if _told_in_electrons(result, r) else shown).append(row)
     tables = [Table(head, shown, words=2, sortable=True)]
     if rest:
@@ -129,10 +129,13 @@ def _temperatures(result: Any) -> Section:
 
 def _told_in_electrons(result: Any, ranking: Any) -> bool:
     """Whether every sensor that has this figure in DN has it in electrons, too."""
-    told = fairest(result, ranking.base, ranking.temperature_c)
-    if ranking.criterion != ranking.base or told is None or told is ranking:
-        return False
-    return all(told.of(p.sensor).known for p in ranking.places if p.figure.known)
+    told = [
+        r
+        for r in result.rankings
+        if r.criterion == f"{ranking.criterion}_e" and r.temperature_c == ranking.temperature_c
+    ]
+    known = [p.sensor for p in ranking.places if p.figure.known]
+    return bool(told) and all(told[0].of(name).known for name in known)
 
 
 def _one_each(result: Any) -> Section:
@@ -141,12 +144,15 @@ def _one_each(result: Any) -> Section:
         for r in result.rankings
         if r.temperature_c is None and not r.criterion.startswith("error_")
     ]
-    gains = ("conversion gain", "DN/e⁻", *(_cell(s.dn_per_e) for s in result.sensors))
+    gains = [
+        ("conversion gain K", "DN/e⁻", *(_cell(s.dn_per_e) for s in result.sensors)),
+        ("K estimated from", "", *(s.dn_per_e.note for s in result.sensors)),
+    ]
     return Section(
         "figures",
         "Figures without temperature",
         tables=[
-            Table(("figure", "unit", *_names(result)), [*cells, gains], words=2, sortable=True)
+            Table(("figure", "unit", *_names(result)), [*cells, *gains], words=2, sortable=True)
         ],
     )
 
@@ -219,7 +225,7 @@ def _rankings(result: Any) -> Section:
         ranked = [p for p in r.places if p.rank is not None]
         if len(ranked) < 2 or r is not fairest(result, r.base, r.temperature_c):
             continue
-        at = f"{r.temperature_c:g}\N{NO-BREAK SPACE}°C" if r.temperature_c is not None else ""
+        at = celsius(r.temperature_c) if r.temperature_c is not None else ""
         order = "; ".join(
             f"{p.rank}. {p.sensor} ({_cell(p.figure)})"
             + (f", not distinguishable from {listing(p.alike)}" if p.alike else "")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from dnanalyze.digits import resolving
 from dnanalyze.report import capture
-from dnanalyze.report.check import excess, headline, limit
+from dnanalyze.report.check import excess, headline, limit, value
 from dnanalyze.report.figures.targets import targets
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.words import number, plural, symbol
@@ -42,14 +43,15 @@ def check_page(captures: Any, result: Any) -> str:
 
 def _rows(title: str, checks: Sequence[Any]) -> list[Table]:
     cells = [
-        (c.name, limit(c), number(c.value, 4), number(c.measured, 4), excess(c)) for c in checks
+        (c.name, limit(c), value(c), number(c.measured, resolving(c.lower, c.upper)), excess(c))
+        for c in checks
     ]
     columns = (title, "limit", "simulated", "measured", "deviation")
     return [Table(columns, cells, words=2)] if cells else []
 
 
 def _met(checks: Sequence[Any]) -> list[Table]:
-    cells = [(c.name, limit(c), number(c.value, 4), symbol(c.unit)) for c in checks]
+    cells = [(c.name, limit(c), value(c), symbol(c.unit)) for c in checks]
     columns = ("target", "limit", "simulated", "unit")
     title = plural(len(cells), "target")
     return [Table(columns, cells, words=2, title=title, folded=True)] if cells else []

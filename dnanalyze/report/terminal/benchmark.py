@@ -39,7 +39,13 @@ def result(console: Console, outcome: Any) -> None:
         unit = f" [{symbol(ranking.unit)}]" if ranking.unit not in ("", "1") else ""
         cells = (_cell(ranking.of(name), wide) for name in names)
         table.add_row(Text(f"{ranking.title}{unit}{at}"), *cells)
+    if any(s.dn_per_e.known for s in outcome.sensors):
+        gains = (_cell(s.dn_per_e, wide) for s in outcome.sensors)
+        table.add_row(Text("conversion gain K [DN/e⁻]"), *gains)
     console.print(Padding(table, (0, 0, 1, 2)))
+    for note, known in _by_note(outcome.sensors).items():
+        text = f"K of {listing(known)}: {note}"
+        console.print(Padding(Text(sentence(text), style="dim"), (0, 0, 0, 2)))
     for ranking in summary(outcome):
         for names in groups(ranking) if ranking.base in SHOWN else ():
             text = f"{ranking.title}: {listing(names)} are not distinguishable"
@@ -53,6 +59,15 @@ def result(console: Console, outcome: Any) -> None:
             )
     for note in outcome.notes:
         console.print(Padding(Text(sentence(note), style="dim"), (0, 0, 0, 2)))
+
+
+def _by_note(sensors: Any) -> dict[str, list[str]]:
+    """How the conversion gain was estimated, and the sensors of which."""
+    found: dict[str, list[str]] = {}
+    for sensor in sensors:
+        if sensor.dn_per_e.known:
+            found.setdefault(sensor.dn_per_e.note, []).append(sensor.name)
+    return found
 
 
 def _cell(figure: Any, wide: bool) -> Text:

@@ -50,8 +50,9 @@ def diagnosis(console: Console, captures: Any, found: Mapping[str, Any], verdict
 
 
 def _head(console: Console, captures: Any, verdict: str) -> None:
-    console.print(Text(capture.one_line(captures), style="dim"))
-    console.print()
+    if captures is not None:
+        console.print(Text(capture.one_line(captures), style="dim"))
+        console.print()
     console.print(Padding(Text(sentence(verdict), style="bold"), (0, 0, 1, 2)))
 
 

@@ -9,8 +9,8 @@ from rich.padding import Padding
 from rich.text import Text
 
 from dnanalyze.report import capture
-from dnanalyze.report.check import excess, headline, limit, look
-from dnanalyze.report.words import number, plural
+from dnanalyze.report.check import excess, headline, limit, look, value
+from dnanalyze.report.words import plural
 
 MOST = 12
 
@@ -24,8 +24,8 @@ def result(console: Console, captures: Any, outcome: Any) -> None:
     console.print(Padding(Text(headline(outcome), style=style), (0, 0, 1, 2)))
     for check in outcome.failures[:MOST]:
         console.print(Padding(Text(f"✗ {check.name}", style="bold"), (0, 0, 0, 2)))
-        value = "" if check.value != check.value else f"{number(check.value, 4)}, "
-        console.print(Padding(Text(f"{value}{excess(check)}"), (0, 0, 0, 4)))
+        told = "" if check.value != check.value else f"{value(check)}, "
+        console.print(Padding(Text(f"{told}{excess(check)}"), (0, 0, 0, 4)))
         text = f"limit {limit(check)}; see {look(check)}"
         console.print(Padding(Text(text, style="dim"), (0, 0, 0, 4)))
     if len(outcome.failures) > MOST:

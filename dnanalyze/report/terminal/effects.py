@@ -32,6 +32,11 @@ def catalogue(console: Console, known: Mapping[str, Any]) -> None:
         table.add_row(Text(kind.name, style="bold"), kind.varies, Text(sentence(kind.summary)))
     console.print(table)
     console.print()
+    console.print(
+        "fixed: the same in every frame; temporal: new in every frame; both: by its parameters; "
+        "digital: acts on the codes.",
+        style="dim",
+    )
     console.print("`dnanalyze effects NAME` describes one effect in full.", style="dim")
 
 
