@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # a folder that runs is no package
+sys.path[0] = str(Path(__file__).resolve().parents[1])  # a folder that runs is no package
 
 from strangers.case import Case
 from strangers.cases import GENERATORS, all_cases

@@ -24,7 +24,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Claim:
-    """A statistic of `statistics.STATISTICS` lies between two values at a point of the case.
+    """A statistic of `measures.STATISTICS` lies between two values at a point of the case.
 
     ``point`` counts the operating points from cold to hot, -1 the hottest.
     """

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strangers.case import Point
-from strangers.statistics import OVER_POINTS, STATISTICS
+from strangers.measures import OVER_POINTS, STATISTICS
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from strangers.case import Claim, Drawn, Recipe
 from strangers.generators.plain import Effect, draw_sensor, expose, hot_pixels
-from strangers.statistics import STATISTICS
+from strangers.measures import STATISTICS
 
 Filter = Callable[[np.ndarray, float, float], np.ndarray]  # frame, its noise (DN), amount
 

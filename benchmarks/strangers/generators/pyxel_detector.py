@@ -13,7 +13,7 @@ What they draw, read in their frames:
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -216,7 +216,7 @@ def radiation(setup: Setup, dose: float) -> Chain:
 
         before = np.array(device.charge.array)
         radiation_induced_dark_current(
-            device, depletion_volume=64.0, annealing_time=0.3, displacement_dose=dose,
+            device, depletion_volume=64.0, annealing_time=1500.0, displacement_dose=dose,
             shot_noise=False, seed=setup.seed,
         )  # fmt: skip
         return np.array(device.charge.array) - before
@@ -228,11 +228,6 @@ def jitter(setup: Setup, factor: float) -> Chain:
     """`dark_current` with its fixed-pattern noise: one log-normal scalar a frame."""
     coldest = mean_dark_e(setup, TEMPERATURES[0])
     return Chain(dark=uniform_dark(setup, spatial_noise_factor=factor / max(coldest, 1.0)))
-
-
-def dose(setup: Setup, krad: float) -> Chain:
-    """`dark_current_induced_tid`-like shift: a larger ordinary dark current."""
-    return Chain(dark=uneven_dark(setup, lambda device: np.full(SHAPE, krad)))
 
 
 # ---- charge transfer and coupling --------------------------------------------------------------
@@ -322,25 +317,6 @@ def alternating(setup: Setup, amount: float) -> Chain:
     return Chain(volts=(add,))
 
 
-def fourier(setup: Setup, amount: float) -> Chain:
-    """`nghxrg` with its 1/f noise in one output."""
-
-    def add(device: Any, seed: int) -> None:
-        from pyxel.models.charge_measurement import nghxrg
-
-        pixels = np.array(device.pixel.array)
-        device.pixel.array = np.zeros(SHAPE)
-        nghxrg(
-            device, noise=[{"corr_pink_noise": {"c_pink": amount * setup.read_e}}], n_output=1,
-            seed=seed,
-        )  # fmt: skip
-        noise = np.array(device.pixel.array)
-        device.pixel.array = pixels
-        device.signal.array = device.signal.array + noise * VOLT_PER_E
-
-    return Chain(volts=(add,))
-
-
 def bent(setup: Setup, curvature: float) -> Chain:
     def bend(device: Any, seed: int) -> None:
         from pyxel.models.charge_measurement import output_node_linearity_poly
@@ -358,22 +334,24 @@ def bent(setup: Setup, curvature: float) -> Chain:
 
 
 def successive(setup: Setup, strength: float) -> Chain:
-    """`sar_adc_with_noise`: references of the largest bits that are off by a share."""
+    """`sar_adc_with_noise`: references of five bits that are off by so many DN."""
 
     def convert(device: Any) -> None:
         from pyxel.models.readout_electronics import sar_adc_with_noise
 
         off = np.zeros(16)
         rng = np.random.default_rng([setup.seed, 5])
-        # around the codes in use: bits worth 8 to 128 DN
-        off[8:13] = strength * rng.choice([-1, 1], 5) * np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
+        step = VOLT_PER_E / setup.gain  # 1 DN
+        off[8:13] = strength * step * rng.choice([-1, 1], 5)  # bits worth 128 to 8 DN
         sar_adc_with_noise(device, strengths=tuple(off), noises=(0.0,) * 16)
 
     return Chain(adc=convert)
 
 
 def low_black(setup: Setup, amount: float) -> Chain:
-    return Chain(settings={"offset_dn": amount * setup.noise_dn})
+    """The offset so many deviations of the noise above code 0, with a small dark current."""
+    small = replace(setup, figure=0.1 * setup.figure)
+    return Chain(dark=uneven_dark(small), settings={"offset_dn": amount * setup.noise_dn})
 
 
 # ---- claims ------------------------------------------------------------------------------------
@@ -462,13 +440,12 @@ EFFECTS: dict[str, tuple[tuple[str, ...], Make, Claims, float, float]] = {
     "hits": (("tracks",), hits, transient, 8.0, 40.0),
     "pink": (("flicker_cutoff",), pink, raster(1), 0.5, 1.2),
     "alternating": (("alternating_flicker",), alternating, raster(2), 0.5, 1.2),
-    "fourier": (("flicker_noise",), fourier, raster(1), 0.5, 1.2),
     "nonlinearity": (("nonlinearity",), bent, curved, 0.4, 1.0),
     "successive": (("sar_converter",), successive, rough, 0.5, 1.5),
-    "black_clipping": (("black_clipping",), low_black, clipped, 1.8, 0.7),
+    "black_clipping": (("black_clipping",), low_black, clipped, 1.5, 0.5),
 }  # fmt: skip
 
-PAIRS = (("tail", "pink"), ("coupling", "alternating"), ("radiation", "black_clipping"))
+PAIRS = (("tail", "pink"), ("coupling", "alternating"), ("radiation", "pink"))
 UNIFORM, ORDINARY = 2, 4
 
 
