@@ -14,10 +14,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-sys.path[0] = str(Path(__file__).resolve().parents[1])  # a folder that runs is no package
+# the folder that runs is on the path, the package that it is lies above
+sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from strangers.case import Case
-from strangers.cases import GENERATORS, all_cases
+from strangers.case import Case  # noqa: E402
+from strangers.cases import GENERATORS, all_cases  # noqa: E402
 
 
 def chosen(given: argparse.Namespace) -> list[Case]:

@@ -6,6 +6,8 @@ What they draw, read in their frames:
 - the fixed-pattern noise of `dark_current` is one scalar a call: it scales whole frames;
 - `multiplication_register` adds to the charge that entered, not to what the last element gave:
   n elements of a gain g have 1/(1 - (g^(1/n) - 1)) together, hardly more than 1;
+- `radiation_induced_dark_current` leaves out the pixels that were hit most often: at a small dose,
+  where none is hit twice, it draws nothing;
 - the maps of `dark_current_prerad` and `radiation_induced_dark_current` are drawn with their shot
   noise in one call: a map that stays is drawn once without it, and `shot_noise` follows.
 """
@@ -430,7 +432,7 @@ Make = Callable[[Setup, float], Chain]
 # name: (kinds, chain, claims, moderate, strong)
 EFFECTS: dict[str, tuple[tuple[str, ...], Make, Claims, float, float]] = {
     "tail": (("hot_pixels",), tail, damaged, 0.002, 0.01),
-    "radiation": (("damage_hot_pixels",), radiation, damaged, 3.0, 15.0),
+    "radiation": (("damage_hot_pixels",), radiation, damaged, 8.0, 30.0),
     "dark_jitter": (("dark_jitter",), jitter, scaled_frames, 0.01, 0.04),
     "coupling": (("crosstalk",), coupled, coupling, 0.012, 0.03),
     "uneven_coupling": (("anisotropic_crosstalk",), lambda s, a: coupled(s, a, 0.1, 0.5),
