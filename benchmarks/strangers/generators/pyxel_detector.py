@@ -25,6 +25,7 @@ from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
 VOLT_PER_E = 1e-5
 TEMPERATURES = (283.0, 293.0, 303.0, 313.0, 323.0)
 EXPOSURE_S = 1.0
+ELEMENTS = 10  # of the multiplication register
 ZERO_C = 273.15
 
 
@@ -247,14 +248,15 @@ def coupled(setup: Setup, coupling: float, diagonal: float = 0.0, uneven: float 
     return Chain(measure=measure)
 
 
-def register(setup: Setup, gain: float, elements: int) -> Chain:
+def register(setup: Setup, gain: float) -> Chain:
     def multiply(device: Any, seed: int) -> None:
         from pyxel.models.charge_transfer import multiplication_register
 
         device.pixel.array = np.rint(device.pixel.array)
-        multiplication_register(device, total_gain=int(gain), gain_elements=elements, seed=seed)
+        multiplication_register(device, total_gain=int(gain), gain_elements=ELEMENTS, seed=seed)
 
-    return Chain(pixels=(multiply,), ccd=True)
+    few = replace(setup, figure=0.2 * setup.figure)  # it draws for every electron
+    return Chain(dark=uneven_dark(few), pixels=(multiply,), ccd=True)
 
 
 def distortion(setup: Setup, density: float) -> Chain:
@@ -264,9 +266,9 @@ def distortion(setup: Setup, density: float) -> Chain:
         from pyxel.models.charge_transfer import cdm
 
         cdm(
-            device, direction="parallel", beta=0.37, trap_release_times=[2e-3],
-            trap_densities=[density], sigma=[1e-14], full_well_capacity=1e6,
-            max_electron_volume=1e-10, transfer_period=1e-3,
+            device, direction="parallel", beta=0.37, trap_release_times=[3e-3],
+            trap_densities=[density], sigma=[1e-10], full_well_capacity=1e6,
+            max_electron_volume=1.6e-10, transfer_period=1e-3,
         )  # fmt: skip
 
     return Chain(dark=tail(setup, 0.004).dark, pixels=(transfer,), ccd=True)
@@ -376,10 +378,11 @@ def ordinary(s: Setup, amount: float) -> tuple[Claim, ...]:
     )
 
 
-def nearly_no_gain(s: Setup, amount: float) -> tuple[Claim, ...]:
-    """1/(1 - (g^(1/n) - 1)), not g."""
-    gain = 1 / (1 - (amount ** (1 / 100) - 1))
-    return (near("charge_slope", s.gain * gain, 0.2),)
+def hardly_multiplied(s: Setup, amount: float) -> tuple[Claim, ...]:
+    """Of n elements of a gain 1 + l, n large: 1/(1 - l) with a variance of l/(1 - l^2) each."""
+    each = amount ** (1 / ELEMENTS) - 1
+    gain, variance = 1 / (1 - each), each / (1 - each**2)
+    return (near("charge_slope", s.gain * (gain + variance), 0.2),)
 
 
 def scaled_frames(s: Setup, amount: float) -> tuple[Claim, ...]:
@@ -437,8 +440,8 @@ EFFECTS: dict[str, tuple[tuple[str, ...], Make, Claims, float, float]] = {
     "coupling": (("crosstalk",), coupled, coupling, 0.012, 0.03),
     "uneven_coupling": (("anisotropic_crosstalk",), lambda s, a: coupled(s, a, 0.1, 0.5),
                         lambda s, a: coupling(s, 0.5 * a), 0.02, 0.04),
-    "register": ((), lambda s, a: register(s, a, 100), nearly_no_gain, 10.0, 100.0),
-    "distortion": (("transfer_tails", "hot_pixels"), distortion, tailing, 100.0, 500.0),
+    "register": ((), register, hardly_multiplied, 10.0, 100.0),
+    "distortion": (("transfer_tails", "hot_pixels"), distortion, tailing, 6e10, 3e11),
     "hits": (("tracks",), hits, transient, 8.0, 40.0),
     "pink": (("flicker_cutoff",), pink, raster(1), 0.5, 1.2),
     "alternating": (("alternating_flicker",), alternating, raster(2), 0.5, 1.2),
