@@ -99,7 +99,7 @@ def by_generator(rows: Sequence[Row]) -> list[list[str]]:
         mine = [r for r in rows if generator in ("all", r["generator"])]
         done = [r for r in mine if not r.get("failed")]
         catalogued = [r for r in mine if not is_ordinary(r) and not is_outside(r)]
-        numbers = ("error_before", "error_after", "seconds")
+        numbers = ("error_before", "error_after", "seconds", "cpu_seconds")
         lines.append(
             [
                 generator,
@@ -108,7 +108,7 @@ def by_generator(rows: Sequence[Row]) -> list[list[str]]:
                 counted([r for r in mine if is_ordinary(r)], right),
                 counted(mine, falsely_sure),
                 counted(mine, detected_right),
-                *(_middle(r[n] for r in done) for n in numbers),
+                *(_middle(r.get(n) for r in done) for n in numbers),
                 _most(r["seconds"] for r in done),
                 str(len(mine) - len(done)),
             ]
