@@ -106,13 +106,17 @@ def listed(given: argparse.Namespace) -> int:
         [
             c.key,
             ", ".join(c.recipe.hides) or "nothing",
-            ", ".join("/".join(names_of(k)) or "unexplained" for k in c.recipe.hides),
+            ", ".join(_answer(names_of(k)) for k in c.recipe.hides),
         ]
         for c in chosen(given)
     ]
     print(markdown(["case", "hidden", "right"], body))
     print(f"\n{len(body)} cases")
     return 0
+
+
+def _answer(names: tuple[str, ...]) -> str:
+    return "/".join(n or "nothing" for n in names) or "unexplained"
 
 
 def _print(rows: list[dict[str, Any]], others: dict[str, dict[str, Any]] | None) -> None:

@@ -1,12 +1,16 @@
 """Which names of dnanalyze's catalogue are right for what a case hides, and why.
 
 A kind without a name is outside the catalogue: the right verdict is "unexplained". A kind whose
-names a version of dnanalyze does not know yet is outside that version's catalogue.
+names a version of dnanalyze does not know yet is outside that version's catalogue. The name
+`BASELINE` says that the baseline model has a parameter for it: nothing need be added.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+
+BASELINE = ""
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,8 @@ ANSWERS: dict[str, Answer] = {
     ),
     "student_t_noise": Answer(("heavy_tailed_read_noise",), "Student's t in every pixel"),
     "read_noise_spread": Answer(
-        ("heavy_tailed_read_noise",), "sigma differs from pixel to pixel: a scale mixture"
+        (BASELINE, "heavy_tailed_read_noise"),
+        "sigma differs from pixel to pixel: `spread` of read_noise, in one frame a heavy tail",
     ),
     "read_noise_populations": Answer(
         ("heavy_tailed_read_noise", "rts"),

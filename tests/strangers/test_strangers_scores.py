@@ -87,6 +87,12 @@ def test_of_two_hidden_effects_both_are_wanted():
     assert not right(named("hot_pixels", hides=hides))
 
 
+def test_what_the_baseline_model_has_a_parameter_for_needs_no_addition():
+    assert right(row(hides=["read_noise_spread"]))
+    assert not right(named("row_noise", hides=["read_noise_spread"]))
+    assert right(named("row_noise", hides=["read_noise_spread", "row_noise"]))
+
+
 def test_what_no_effect_explains_is_to_be_unexplained():
     ringed = row(hides=["concentric_rings"])
     assert not right(ringed)
