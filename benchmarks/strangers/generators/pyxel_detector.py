@@ -415,7 +415,7 @@ def raster(lag: int) -> Claims:
 
 
 def curved(s: Setup, amount: float) -> tuple[Claim, ...]:
-    return (Claim("charge_slope", 0.3 * s.gain, s.gain * (1 - 0.2 * amount)),)
+    return (Claim("charge_slope", 0.15 * s.gain, s.gain * (1 - 0.2 * amount)),)
 
 
 def tailing(s: Setup, amount: float) -> tuple[Claim, ...]:
