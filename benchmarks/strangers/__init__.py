@@ -1,0 +1,1 @@
+"""A truth suite of sensors and simulators that share no code with dnanalyze."""

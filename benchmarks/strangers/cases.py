@@ -1,0 +1,34 @@
+"""All cases, one of each generator in turn: a part of the suite is like the whole."""
+
+from __future__ import annotations
+
+import importlib
+import zlib
+from itertools import chain, zip_longest
+
+from strangers.case import Case
+
+GENERATORS = {
+    "plain": "strangers.generators.plain",
+    "getframes": "strangers.generators.getframes_camera",
+    "pyxel": "strangers.generators.pyxel_detector",
+    "virtual": "strangers.generators.virtual_sensor",
+    "filters": "strangers.generators.filters",
+}
+
+
+def of_generator(generator: str, series: int = 0) -> list[Case]:
+    """Its cases, in an order that is fixed and like a shuffled one."""
+    recipes = importlib.import_module(GENERATORS[generator]).RECIPES
+    cases = [
+        Case(generator, name, strength, recipe, series)
+        for name, recipe in recipes.items()
+        for strength in range(len(recipe.amounts))
+    ]
+    return sorted(cases, key=lambda c: zlib.crc32(f"order {c.key}".encode()))
+
+
+def all_cases(generators: list[str], series: int = 0) -> list[Case]:
+    """One of each generator in turn until all are spent."""
+    columns = [of_generator(g, series) for g in generators]
+    return [c for c in chain.from_iterable(zip_longest(*columns)) if c is not None]
