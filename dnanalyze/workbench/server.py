@@ -81,6 +81,7 @@ def serve(
         The extra ``workbench`` is not installed, the port is in use, or the captures cannot be
         read.
     """
+    captures = source.captures()  # what cannot be read is told before a page is opened
     try:
         import panel as pn
     except ImportError:
@@ -89,7 +90,6 @@ def serve(
         ) from None
     from dnanalyze.workbench.page.app import page, style_sheet
 
-    captures = source.captures()  # what cannot be read is told before a page is opened
     sessions = Sessions(source, model, captures)
     token = "" if host in LOOPBACK else secrets.token_urlsafe(24)
     port = _free(host, port)

@@ -45,7 +45,7 @@ def test_page_begins_with_maps_and_quantities(captures, measured):
     page = analyze_page(captures, measured)
     assert page.index("The sensor") < page.index("EMVA 1288 dark quantities")
     assert page.index("EMVA 1288 dark quantities") < page.index("Mean dark signal and noise")
-    assert "σ_y.dark" in page
+    assert "σ<sub>y.dark</sub>" in page
 
 
 def test_maps_are_light(measured):

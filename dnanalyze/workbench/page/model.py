@@ -14,7 +14,7 @@ from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.session import Slider
 
-REST_S = 0.35  # without a move, after which the full error is computed
+REST_S = 0.35  # without a move after a preview is drawn, after which the full error is computed
 SPAN = 4.0  # factor to either side of the present value that a logarithmic slider covers
 TICKS = 200  # positions of a slider
 
@@ -134,14 +134,25 @@ class Model:
             lambda: session.preview(model), self._show,
             lambda error: session.tell(f"{type(error).__name__}: {error}"),
         )  # fmt: skip
+        self._wait(None)
+
+    def _wait(self, seconds: float | None) -> None:
+        """Begin the wait for the slider's rest anew; None: after the next preview."""
+        document = self.context.document
         if self._resting is not None:
-            context.document.remove_timeout_callback(self._resting)
-        self._resting = context.document.add_timeout_callback(self._rested, int(1000 * REST_S))
+            document.remove_timeout_callback(self._resting)
+        self._resting = (
+            None if seconds is None
+            else document.add_timeout_callback(self._rested, int(1000 * seconds))
+        )  # fmt: skip
 
     def _show(self, found: Any) -> None:
-        if self._draft is not None:
-            self.context.shown = found
-            self.context.tell("preview")
+        if self._draft is None:
+            return
+        self.context.shown = found
+        self.context.tell("preview")
+        if found.model == self._draft:
+            self._wait(REST_S)
 
     def _rested(self) -> None:
         self._resting = None

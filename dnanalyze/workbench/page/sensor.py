@@ -32,12 +32,12 @@ from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
-SCREEN = 256  # rows and columns of a displayed image at most
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 MARGINS = 38, 70  # of an image's figure around the image: axes, title and colour bar
 WIDTH, HEIGHT = 158, 176  # of an image side by side at most, screen pixels
 ALONE = 350  # width and height of an image alone at most
+SAMPLES = 192, 384  # rows and columns that are sent of an image at most: side by side, alone
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
 
 
@@ -248,10 +248,11 @@ class Sensor:
         measured = self._whole(view, None)
         simulated = np.full_like(measured, np.nan) if model is None else self._whole(view, model)
         apart = measured - simulated
+        most = SAMPLES[self.mode.value != "side by side"]
         if preview and self._drawn == (view, window, self.mode.value):
-            made = [frames.for_screen(x, window, SCREEN) for x in (simulated, apart)]
+            made = [frames.for_screen(x, window, most) for x in (simulated, apart)]
             return (self._shown["measured"], *made), None
-        images = tuple(frames.for_screen(x, window, SCREEN) for x in (measured, simulated, apart))
+        images = tuple(frames.for_screen(x, window, most) for x in (measured, simulated, apart))
         cut, (low, high) = window.slices, self.contrast.value
         ends = frames.contrast([measured[cut], simulated[cut]], low, high)
         spread = max(abs(e) for e in frames.contrast([images[2]], low, high))
