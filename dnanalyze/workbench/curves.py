@@ -64,20 +64,50 @@ def find(statistics: Statistics, address: Address) -> SettingStatistics | None:
     return next(found, None)
 
 
-def axes(address: Address) -> Axes | None:
-    """Axes of the family's curve; None for a family that has none."""
-    if address.family == "spectrum":
-        what = PARTS[_part(address.name)]
-        return Axes("spatial frequency [cycles/pixel]", f"power of {what} [DN²]", True, True)
+@dataclass(frozen=True)
+class Spectrum:
+    """A power spectrum that shows a statistic.
+
+    Parameters
+    ----------
+    part : str
+        Key of PARTS.
+    axis : str
+        "radial" without the axes of the plane, "horizontal" or "vertical" along one frequency
+        without the axes, "column" or "row" of the means of whole lines.
+    """
+
+    part: str
+    axis: str
+
+    @property
+    def axes(self) -> Axes:
+        """Axes of its figure."""
+        of = {"column": "column means, ", "row": "row means, "}.get(self.axis, "")
+        along = {
+            "horizontal": "horizontal", "column": "horizontal", "vertical": "vertical",
+            "row": "vertical",
+        }.get(self.axis, "spatial")  # fmt: skip
+        return Axes(
+            f"{along} frequency [cycles/pixel]", f"power, {of}{PARTS[self.part]} [DN²]", True, True
+        )
+
+
+def axes(address: Address, measured: Statistics) -> Axes | None:
+    """Axes of the family's curve; None for a family that has none.
+
+    Parameters
+    ----------
+    address : Address
+    measured : Statistics
+        Tells whether a spectral peak lies on the horizontal or on the vertical axis.
+    """
+    if address.family in ("spectrum", "lines"):
+        return _shown(address, measured).axes
     if address.family == "distribution":
         return Axes("dark value [DN]", "share of pixels per DN", False, True)
     if address.family == "tails":
         return Axes("deviation [robust σ]", "share of pixels above", True, True)
-    if address.family == "lines":
-        which = _direction(address.name)
-        return Axes(
-            f"{which} frequency [cycles/pixel]", f"power of {which} means [DN²]", True, True
-        )
     if address.name == "drift":
         return Axes("frame", "mean of the frame less the mean of all [DN]")
     return None
@@ -113,14 +143,12 @@ def _curve(statistics: Statistics, address: Address, measured: Statistics) -> Cu
     here, reference = find(statistics, address), find(measured, address)
     if here is None or reference is None:
         return None
-    if address.family == "spectrum":
-        return _spectrum(here, _part(address.name))
+    if address.family in ("spectrum", "lines"):
+        return _spectrum(here, _shown(address, measured))
     if address.family == "distribution":
         return _histogram(here, reference)
     if address.family == "tails":
         return _exceedance(here)
-    if address.family == "lines":
-        return _line_spectrum(here, _direction(address.name))
     if address.name == "drift":
         return _frame_means(here)
     return None
@@ -169,36 +197,52 @@ def over_points(
     return [point_label(p) for p in points], Curve(x, y, low, high)
 
 
-def _part(name: str) -> str:
-    first = name.split("_", 1)[0]
-    return first if first in PARTS else "pattern"
+def _shown(address: Address, measured: Statistics) -> Spectrum:
+    """The spectrum in which a statistic of the families spectrum and lines is seen."""
+    first, _, rest = address.name.partition("_")
+    part, rest = (first, rest) if first in PARTS else ("pattern", address.name)
+    if rest.startswith("axis_line"):
+        here = find(measured, address)
+        u, v = (
+            here.values[name].value if here and name in here.values else 0.0
+            for name in (f"{part}_axis_line_u", f"{part}_axis_line_v")
+        )
+        return Spectrum(part, "row" if abs(v) > abs(u) else "column")
+    kinds = {"column": "column", "row": "row", "u_": "horizontal", "v_": "vertical"}
+    return Spectrum(part, next((k for n, k in kinds.items() if rest.startswith(n)), "radial"))
 
 
-def _direction(name: str) -> str:
-    return "row" if "row" in name else "column"
+def _spectrum(here: SettingStatistics, which: Spectrum) -> Curve | None:
+    """A power spectrum with the scatter of its modes.
 
-
-def _spectrum(here: SettingStatistics, part: str) -> Curve | None:
-    """Radial power spectrum without the axes, rings pooled into about 60 steps of equal ratio.
-
-    A ring of radius f and width df holds pi f df rows columns independent modes.
+    A ring of radius f and width df holds pi f df rows columns independent modes, for a spectrum is
+    symmetric; a horizontal frequency holds one for each row, a mean of lines one.
     """
-    f = here.curves.get(f"{part}_radial_f")
-    s = here.curves.get(f"{part}_radial_s")
+    part, axis = which.part, which.axis
+    rows, columns = here.shape
+    frequency, power, modes = {
+        "radial": (f"{part}_radial_f", f"{part}_radial_s", 0),
+        "horizontal": ("column_spectrum_f", f"{part}_horizontal_spectrum", rows),
+        "vertical": ("row_spectrum_f", f"{part}_vertical_spectrum", columns),
+        "column": ("column_spectrum_f", f"{part}_column_spectrum", 1),
+        "row": ("row_spectrum_f", f"{part}_row_spectrum", 1),
+    }[axis]
+    f, s = here.curves.get(frequency), here.curves.get(power)
     if f is None or s is None:
         return None
     keep = (f > 0) & np.isfinite(s) & (s > 0)
     f, s = f[keep], s[keep]
     if len(f) < 2:
         return None
-    modes = np.pi * f * np.gradient(f) * here.shape[0] * here.shape[1]
-    slots = _pooled(f, modes, (f[-1] / f[0]) ** (1 / 60))
-    total = np.bincount(slots, modes)
-    x = np.bincount(slots, f * modes) / total
-    y = np.bincount(slots, s * modes) / total
+    n = np.full(len(f), float(modes)) if modes else np.pi * f * np.gradient(f) * rows * columns
+    if axis == "radial":  # about 60 steps of equal ratio
+        slots = _pooled(f, n, (f[-1] / f[0]) ** (1 / 60))
+        total = np.bincount(slots, n)
+        f, s = (np.bincount(slots, x * n) / total for x in (f, s))
+        n = total
     repeats = max(1, here.frames - 1) if part == "temporal" else 1
-    ratio = np.exp(2 / np.sqrt(total * repeats))
-    return Curve(x, y, y / ratio, y * ratio)
+    ratio = np.exp(2 / np.sqrt(n * repeats))
+    return Curve(f, s, s / ratio, s * ratio)
 
 
 def _pooled(f: np.ndarray, modes: np.ndarray, ratio: float) -> np.ndarray:
@@ -244,17 +288,6 @@ def _exceedance(here: SettingStatistics) -> Curve | None:
     y = np.where(n > 0, n / pixels, np.nan)
     error = 2 * np.sqrt(n) / pixels
     return Curve(k, y, np.maximum(y - error, 0.3 / pixels), y + error)
-
-
-def _line_spectrum(here: SettingStatistics, which: str) -> Curve | None:
-    f = here.curves.get(f"{which}_spectrum_f")
-    s = here.curves.get(f"pattern_{which}_spectrum")
-    if f is None or s is None:
-        return None
-    keep = (f > 0) & np.isfinite(s) & (s > 0)
-    f, s = f[keep], s[keep]
-    ratio = np.exp(2.0)  # one realisation: the power of a mode scatters by 100 %
-    return Curve(f, s, s / ratio, s * ratio)
 
 
 def _frame_means(here: SettingStatistics) -> Curve | None:

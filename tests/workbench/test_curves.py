@@ -27,12 +27,36 @@ def white():
     return _statistics(stack.round().astype(np.uint16))
 
 
-def test_the_power_of_white_noise_is_its_variance_within_the_band(white):
-    found = curves.curve(white, Address("temporal_psd_0.08_0.16", POINT), white)
+SHOWN = {
+    "temporal_psd_0.08_0.16": "spatial frequency",
+    "temporal_u_0.1_0.3": "horizontal frequency",
+    "temporal_v_0.1_0.3": "vertical frequency",
+    "temporal_columns_0.1_0.3": "horizontal frequency",
+    "temporal_rows_0.1_0.3": "vertical frequency",
+    "temporal_row_noise": "vertical frequency",
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_the_power_of_white_noise_is_its_variance_within_the_band(white, name):
+    address = Address(name, POINT)
+    assert SHOWN[name] in curves.axes(address, white).x
+    found = curves.curve(white, address, white)
     variance = NOISE**2 + 1 / 12
     inside = (found.low < variance) & (variance < found.high)
     assert inside.mean() > 0.8  # two standard errors hold 95 %
-    assert np.exp(np.mean(np.log(found.y))) == pytest.approx(variance, rel=0.02)
+    assert np.mean(found.y) == pytest.approx(variance, rel=3 / np.sqrt(7 * len(found.y)))
+
+
+def test_a_peak_on_an_axis_is_shown_in_the_spectrum_of_its_lines():
+    """Columns of period 4 in white noise."""
+    wave = 20.0 * np.cos(np.pi / 2 * np.arange(128))
+    stack = np.random.default_rng(7).normal(200, NOISE, (3, 128, 128)) + wave
+    statistics = _statistics(stack.round().astype(np.uint16))
+    address = Address("pattern_axis_line", POINT)
+    found = curves.curve(statistics, address, statistics)
+    assert "column means" in curves.axes(address, statistics).y
+    assert found.x[np.argmax(found.y)] == pytest.approx(0.25, abs=1 / 128)
 
 
 def test_a_histogram_is_a_density(white):
@@ -91,6 +115,6 @@ def test_a_histogram_is_that_after_the_change(white, windows):
 
 
 def test_what_a_family_cannot_draw_is_none(white):
-    assert curves.axes(Address("mean", POINT)) is None
+    assert curves.axes(Address("mean", POINT), white) is None
     assert curves.curve(white, Address("mean", POINT), white) is None
     assert curves.curve(white, Address("pattern_q0.99", OperatingPoint(99.0)), white) is None

@@ -43,7 +43,8 @@ def page(
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
     bar = TopBar(context, query)
-    sensor, failures, model = Sensor(context), Failures(context), Model(context)
+    failures = Failures(context)  # its curve is drawn before the images of the sensor are made
+    sensor, model = Sensor(context), Model(context)
     missing, history = Missing(context), HistoryPane(context)
 
     def tell(what: str) -> None:

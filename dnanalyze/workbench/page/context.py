@@ -45,9 +45,13 @@ class Context:
         self.document.add_next_tick_callback(call)
 
     def tell(self, what: str) -> None:
-        """Tell every pane what has changed; in the document's thread."""
-        for listener in self.listeners:
-            listener(what)
+        """Tell every pane what has changed, in one message; in the document's thread."""
+        self.document.hold("combine")
+        try:
+            for listener in self.listeners:
+                listener(what)
+        finally:
+            self.document.unhold()
 
     def act(self, action: Callable[[], Any]) -> None:
         """Something the user asked for, in a thread; what is wrong becomes a message."""

@@ -76,7 +76,7 @@ class Failures:
             nonselection_alpha=0.55,
         )  # fmt: skip
         made.scatter(x="mark", y="y", marker="dash", angle=np.pi / 2, size=17, color=p.wang,
-                     line_width=3, source=self._bars)  # fmt: skip
+                     line_width=3, nonselection_alpha=1.0, source=self._bars)  # fmt: skip
         made.ray(x=[1.0], y=[-1], angle=np.pi / 2, length=0, color=p.quiet, line_dash="4 3")
         made.add_tools(
             hover(p, [bars], ("family", "@name"), ("model error", "@error{0.00}"),

@@ -93,7 +93,7 @@ class CurveFigure:
         assert address is not None
         layers = self._layers()
         measured = layers["measured"][0]
-        axes = curves.axes(address)
+        axes = curves.axes(address, measured)
         if axes is not None and self.what.value == "curve":
             found = {k: curves.curve(s, address, measured, c) for k, (s, c) in layers.items()}
             if found["measured"] is not None:

@@ -161,6 +161,16 @@ class Model:
             self.context.act(lambda: self.context.session.adopt(model, f"set {name}"))
 
 
+class LiveSlider(pn.widgets.FloatSlider):
+    """A slider whose moves are told at once.
+
+    Panel waits 50 ms for further moves; here a move replaces the one that still waits for its
+    preview.
+    """
+
+    _debounce = 0
+
+
 class ParameterRow:
     """One parameter: name, slider, number with unit, pin."""
 
@@ -178,7 +188,7 @@ class ParameterRow:
         )
         tip = f"{knob.lower:.4g} to {knob.upper:.4g} {knob.unit}".strip()
         name = f"<span title='{html.escape(tip)}'>{html.escape(label)}{unit}</span>"
-        self.bar = pn.widgets.FloatSlider(
+        self.bar = LiveSlider(
             start=0, end=1, step=1 / TICKS, value=0.5, show_value=False, name="",
             stylesheets=style, margin=0, sizing_mode="stretch_width",
         )  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-from bokeh.models import ColumnDataSource, FixedTicker
+from bokeh.models import BasicTicker, ColumnDataSource, FixedTicker
 
 from dnanalyze.model.simulate import simulate
 from dnanalyze.report.words import celsius
@@ -40,6 +40,7 @@ class Pixel:
         self.over_frames = self._figure(
             self._frames, width=width, height=height, x_axis_label="frame"
         )
+        self.over_frames.xaxis.ticker = BasicTicker(min_interval=1)
         self.over_points = self._figure(
             self._points, sizing_mode="stretch_both", min_height=110,
             x_axis_label="operating point",
