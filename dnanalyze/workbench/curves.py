@@ -12,7 +12,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import point_label
 
 BINS = 120  # of a histogram
-PARTS = {"pattern": "fixed pattern (DSNU)", "temporal": "temporal noise", "frame": "single frame"}
+PARTS = "pattern", "temporal", "frame"
 Change = tuple[Statistics, Statistics]  # of a window, before and after
 FEWEST_MODES = 12  # in a drawn point of a spectrum: power scatters as 1 / sqrt(modes)
 
@@ -71,7 +71,7 @@ class Spectrum:
     Parameters
     ----------
     part : str
-        Key of PARTS.
+        One of PARTS: DSNU, temporal noise, single frame.
     axis : str
         "radial" without the axes of the plane, "horizontal" or "vertical" along one frequency
         without the axes, "column" or "row" of the means of whole lines.
@@ -83,14 +83,10 @@ class Spectrum:
     @property
     def axes(self) -> Axes:
         """Axes of its figure."""
-        of = {"column": "column means, ", "row": "row means, "}.get(self.axis, "")
-        along = {
-            "horizontal": "horizontal", "column": "horizontal", "vertical": "vertical",
-            "row": "vertical",
-        }.get(self.axis, "spatial")  # fmt: skip
-        return Axes(
-            f"{along} frequency [cycles/pixel]", f"power, {of}{PARTS[self.part]} [DN²]", True, True
-        )
+        along = {"horizontal": "horizontal", "column": "horizontal", "vertical": "vertical",
+                 "row": "vertical"}.get(self.axis, "spatial")  # fmt: skip
+        of = {"column": " of the column means", "row": " of the row means"}.get(self.axis, "")
+        return Axes(f"{along} frequency{of} [cycles/pixel]", "power [DN²]", True, True)
 
 
 def axes(address: Address, measured: Statistics) -> Axes | None:

@@ -55,7 +55,7 @@ def test_a_peak_on_an_axis_is_shown_in_the_spectrum_of_its_lines():
     statistics = _statistics(stack.round().astype(np.uint16))
     address = Address("pattern_axis_line", POINT)
     found = curves.curve(statistics, address, statistics)
-    assert "column means" in curves.axes(address, statistics).y
+    assert "column means" in curves.axes(address, statistics).x
     assert found.x[np.argmax(found.y)] == pytest.approx(0.25, abs=1 / 128)
 
 

@@ -227,6 +227,7 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
 
 def _cut(title: str) -> str:
     """A title that fits beside the matrix; its end often tells it from its neighbours."""
+    title = title.removeprefix("power of the ")
     return (
         title if len(title) <= MOST_LETTERS else f"{title[:17].rstrip()} … {title[-19:].lstrip()}"
     )
