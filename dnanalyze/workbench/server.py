@@ -18,6 +18,7 @@ from dnanalyze.workbench.source import CaptureSource
 
 MOST_SESSIONS = 8
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
+ANY = ("0.0.0.0", "::")
 
 
 @dataclass
@@ -97,7 +98,8 @@ def serve(
 
     def app() -> Any:
         arguments = {k: v[0].decode() for k, v in pn.state.session_args.items()}
-        if token and not secrets.compare_digest(arguments.get("token", ""), token):
+        given = arguments.get("token", "")
+        if token and not secrets.compare_digest(given.encode(), token.encode()):
             return pn.pane.HTML("<p>This address needs its token: see the terminal.</p>")
         theme = "dark" if arguments.get("theme") == "dark" else "light"
         name, session = sessions.get(arguments.get("session", ""))
@@ -105,9 +107,9 @@ def serve(
         asked = f"?session={name}&theme={theme}" + (f"&token={token}" if token else "")
         return page(session, asked, theme, session.begin)
 
-    shown = "127.0.0.1" if host in LOOPBACK else host
-    address = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")
-    origins = [f"{name}:{port}" for name in {shown, "localhost", "127.0.0.1"}]
+    names = _names(host)
+    address = f"http://{names[0]}:{port}/" + (f"?token={token}" if token else "")
+    origins = [f"{name}:{port}" for name in {*names, "localhost", "127.0.0.1"}]
     server = pn.io.server.get_server(
         app, port=port, address=host, websocket_origin=origins, title="dnanalyze workbench",
         show=False, start=False, check_unused_sessions_milliseconds=5000,
@@ -124,6 +126,25 @@ def serve(
     finally:
         sessions.close()
         server.stop()
+
+
+def _names(host: str) -> list[str]:
+    """By what a browser may call the host, in an address; the best first."""
+    if host in LOOPBACK:
+        return ["127.0.0.1" if host == "localhost" else _literal(host)]
+    if host not in ANY:
+        return [_literal(host)]
+    name = socket.gethostname()
+    try:
+        found = {str(entry[4][0]) for entry in socket.getaddrinfo(name, None)}
+    except OSError:
+        found = set()
+    return [name, *sorted(_literal(x) for x in found)]
+
+
+def _literal(host: str) -> str:
+    """An address of version 6 in brackets."""
+    return f"[{host}]" if ":" in host else host
 
 
 def _free(host: str, port: int) -> int:

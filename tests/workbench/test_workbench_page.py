@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +38,11 @@ def browser() -> Iterator[Any]:
         made.close()
 
 
-@pytest.fixture(scope="module")
-def address(folder) -> Iterator[str]:
-    """A server on the small sensor."""
+@contextmanager
+def served(folder: Path, *options: str) -> Iterator[str]:
+    """Address of a server on the small sensor."""
     process = subprocess.Popen(
-        [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser"],
+        [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser", *options],
         stdout=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
@@ -51,6 +52,12 @@ def address(folder) -> Iterator[str]:
     process.terminate()
     process.wait(PATIENCE_S)
     process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def address(folder) -> Iterator[str]:
+    with served(folder) as found:
+        yield found
 
 
 class Workbench:
@@ -158,6 +165,18 @@ def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
     bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
 
 
+def test_work_after_an_undo_is_a_branch(bench):
+    nodes = bench.page.locator("option").filter(has_text="set ")
+    count, before = nodes.count(), bench.settled()
+    slider = bench.page.locator(".parameter").nth(2).locator("[role=slider]")
+    for _ in range(12):
+        slider.press("ArrowRight")
+    bench.until(lambda: nodes.count() > count, "a node beside the one undone")
+    bench.settled()
+    bench.click("Undo")
+    bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
+
+
 def test_what_is_missing_is_named_shown_and_added(bench):
     before = bench.settled()
     bench.click("Diagnose")
@@ -212,3 +231,18 @@ def test_the_dark_theme_keeps_the_session(bench):
     bench.page.get_by_text("dark theme").click()
     bench.page.get_by_text("light theme").wait_for()
     assert bench.settled() == error
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="127.0.0.2 is no address of its loopback")
+def test_another_host_shows_its_page_for_its_token_alone(browser, folder):
+    page = browser.new_page()
+    page.set_default_timeout(1000 * PATIENCE_S)
+    with served(folder, "--host", "127.0.0.2") as found:
+        bare, token = found.split("?token=")
+        for wrong in ("", "?token=guess", "?token=%C3%A9"):
+            page.goto(bare + wrong)
+            page.get_by_text("needs its token").wait_for()
+            assert not page.get_by_text("Where it fails").is_visible()
+        page.goto(f"{bare}?token={token}")
+        page.get_by_text("Where it fails").wait_for()
+    page.close()

@@ -113,7 +113,7 @@ class Failures:
         return made
 
     def _family_chosen(self, attr: str, old: Any, new: list[int]) -> None:
-        if new:
+        if new and self._names[new[0]] != self.context.family:
             self.context.family = self._names[new[0]]
             self.context.address = None
             self._draw_matrix()
@@ -139,6 +139,8 @@ class Failures:
         if not shown.preview or not self._names:
             self._names = sorted(shown.families, key=lambda name: shown.families[name])
         names = self._names
+        if self.context.family in names:  # the bars are sorted anew
+            self._bars.selected.indices = [names.index(self.context.family)]
         errors = [shown.families.get(n, np.nan) for n in names]
         marked, families = self._marked()
         marks = [families.get(n, np.nan) for n in names]
