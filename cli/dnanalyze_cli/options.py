@@ -137,6 +137,17 @@ Exclude = Annotated[
     ),
 ]
 
+Budget = Annotated[
+    float | None,
+    typer.Option(
+        "--budget",
+        metavar="SECONDS",
+        min=0.0,
+        rich_help_panel=STEER,
+        help="End the search after so many seconds, with the best model so far.",
+    ),
+]
+
 Options = TypeVar("Options")
 
 

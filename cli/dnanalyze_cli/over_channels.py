@@ -57,7 +57,11 @@ def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRef
 
 
 def diagnose(
-    session: Session, found: CaptureSet, model: NoiseModel | None, known: dict[str, Any]
+    session: Session,
+    found: CaptureSet,
+    model: NoiseModel | None,
+    known: dict[str, Any],
+    budget: float | None = None,
 ) -> None:
     """Run, show and write the diagnosis of every channel."""
     from dnanalyze.diagnosis.channels import diagnose_channels, worst_verdict
@@ -65,7 +69,7 @@ def diagnose(
     from dnanalyze.report.terminal.channels import diagnosis as show
 
     with session.progress("Reading frames") as progress:
-        made = diagnose_channels(found, model, known=known, tell=progress.now)
+        made = diagnose_channels(found, model, budget=budget, known=known, tell=progress.now)
     verdict = worst_verdict(d.verdict for d in made.values())
     show(session.console, found, made, verdict)
 

@@ -181,6 +181,14 @@ class Session:
             model = paper_start(bench(design(captures)))
         return replace(model, seed=seed)
 
+    def remaining(self, budget: float | None) -> float | None:
+        """What is left of so many seconds since the command began; None: no limit."""
+        if budget is None:
+            return None
+        if not budget > 0:
+            raise InputError(f"--budget {budget:g}: valid: seconds above 0")
+        return max(budget - (monotonic() - self._begun), 1e-3)
+
     def say(self, text: str) -> None:
         """A line on stderr, unless --quiet."""
         if not self.quiet:

@@ -136,6 +136,7 @@ def refine_channels(
     exclude: Sequence[str] = (),
     most_effects: int | None = None,
     until_error: float | None = None,
+    budget: float | None = None,
     known: dict[str, type[Effect]] | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> ChannelRefinement:
@@ -149,6 +150,8 @@ def refine_channels(
         Where to begin, of all channels; the paper's by default.
     exclude, most_effects, until_error, known
         As in `refine`, for each channel.
+    budget : float, optional
+        Seconds for the searches of all channels, in equal parts.
     tell : callable
         Called with a line of progress.
 
@@ -165,6 +168,7 @@ def refine_channels(
             exclude=exclude,
             most_effects=most_effects,
             until_error=until_error,
+            budget=None if budget is None else budget / len(captures.channels),
             known=known,
             trying=partial(_trying, tell, channel),
         )
@@ -197,6 +201,7 @@ def diagnose_channels(
     captures: CaptureSet,
     model: NoiseModel | None = None,
     *,
+    budget: float | None = None,
     known: dict[str, type[Effect]] | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Diagnosis]:
@@ -205,7 +210,9 @@ def diagnose_channels(
     for channel, part in by_channel(captures).items():
         own = channel_model(model, channel) if model is not None else None
         tell(f"{channel}: reading")
-        made[channel] = diagnose(part, own, known=known, tell=partial(_trying, tell, channel))
+        share = None if budget is None else budget / len(captures.channels)
+        trying = partial(_trying, tell, channel)
+        made[channel] = diagnose(part, own, budget=share, known=known, tell=trying)
     return made
 
 

@@ -38,11 +38,12 @@ from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, jud
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
-from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.least_squares import State, converge, derive, minimise, start
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -90,6 +91,8 @@ class Diagnosis(Result):
         How the spread of dark current changes with temperature, where that was put in; else empty.
     capture_set : CaptureSet, optional
         The measured frames.
+    finished : bool
+        Whether every candidate was tested; False where the time was up before.
     """
 
     captures: str
@@ -105,6 +108,7 @@ class Diagnosis(Result):
     level: Level | None = None
     law: str = ""
     capture_set: CaptureSet | None = field(default=None, compare=False)
+    finished: bool = True
 
     def _brief(self) -> str:
         best = f", {self.candidates[0].effect}" if self.candidates else ""
@@ -116,6 +120,7 @@ def diagnose(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
+    budget: float | None = None,
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
@@ -134,6 +139,8 @@ def diagnose(
         missing in any case: it is put in, and what else is missing is asked of the rest.
     exclude : sequence of str
         Effects not to consider.
+    budget : float, optional
+        Seconds after which the search ends; what was found by then is returned.
     effects : sequence of path, or mapping
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
@@ -164,17 +171,40 @@ def diagnose(
     >>> found.verdict, found.candidates[0].effect
     ('missing', 'column_fpn')
     """
+    limit = TimeLimit.after(budget)
     held = held or bench(design(captures))
+    limited = held.within(limit)
     model = located(held, with_seed(held, model, seed) or paper_start(held))
     known = known_effects(effects, known)
-    asked = fitted(held, model)
+    open_to = {name: effect for name, effect in known.items() if name not in exclude}
+    asked = fitted_in_time(limited, model)
     stages: list[tuple[str, State]] = []
+    kept: list[Trial] = []
+    try:
+        found = _in_full(captures.name, limited, asked, exclude, open_to, stages, kept.append, tell)
+    except TimeUp:
+        found = unfinished(captures.name, held, stages[-1][1] if stages else asked, kept, open_to)
+    found = replace(found, capture_set=captures)
+    return beside_everyday(held, asked, stages, found) if stages else found
+
+
+def _in_full(
+    name: str,
+    held: Bench,
+    asked: State,
+    exclude: Sequence[str],
+    open_to: dict[str, type[Effect]],
+    stages: list[tuple[str, State]],
+    keep: Callable[[Trial], None],
+    tell: Callable[[str], None],
+) -> Diagnosis:
+    """The whole of a diagnosis; ``stages`` takes the baseline effects as they are put in."""
+    model = asked.model
     if lacks_everyday(model, exclude):
         tell("baseline effects")
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
-    open_to = {name: effect for name, effect in known.items() if name not in exclude}
-    tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
+    tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell, keep)
     best, law, said = missing(held, state, tried), spread_law(held, state), ""
     if law is not None and (best is None or law.evidence > best.evidence):
         state = converge(held, law.state)
@@ -182,9 +212,46 @@ def diagnose(
         tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
         best = missing(held, state, tried)
     tell("detection limits")
-    found = judge(captures.name, held, state, tried, best, open_to)
-    found = replace(found, law=said, capture_set=captures)
-    return beside_everyday(held, asked, stages, found) if stages else found
+    return replace(judge(name, held, state, tried, best, open_to), law=said)
+
+
+def unfinished(
+    name: str,
+    held: Bench,
+    state: State,
+    tried: Sequence[Trial],
+    known: dict[str, type[Effect]],
+) -> Diagnosis:
+    """What is known of a model when the time is up: the candidates refitted by then.
+
+    Others may explain as much or more: the confidence is that of one that may stand in for them.
+    """
+    error = error_of(held, state)
+    tried = sorted({t.effect: t for t in tried}.values(), key=lambda t: -t.standing)
+    candidates = [
+        Candidate(
+            t.effect,
+            t.error,
+            _explained(error, t.error),
+            confidence_of(t, tried, error) * STANDS_IN,
+            rivals(t, tried),
+            evidence_for(held, state, t.state, known[t.effect]),
+        )
+        for t in tried
+        if t.gain > 0 and lowers(t, error)
+    ]
+    plain = bool(candidates) and significant(tried[0], error)
+    return Diagnosis(
+        name,
+        error,
+        "missing" if plain else "unexplained",
+        candidates,
+        [],
+        model=state.model,
+        trials=list(tried),
+        level=held.level(state.train, state.test),
+        finished=False,
+    )
 
 
 def beside_everyday(
@@ -236,6 +303,7 @@ def ranked(
     state: State,
     known: dict[str, type[Effect]],
     tell: Callable[[str], None] = lambda _: None,
+    keep: Callable[[Trial], None] = lambda _: None,
 ) -> list[Trial]:
     """The trials of what may be missing, the likeliest first, and not one that is refuted.
 
@@ -244,7 +312,7 @@ def ranked(
     that explains nearly as much puts that right and leaves nothing else, the rival is certain
     beside it.
     """
-    tried = trials(held, state, known, tell)
+    tried = trials(held, state, known, tell, keep=keep)
     close = rivals(tried[0], tried) if tried else []
     if not close or tried[0].spread > 1.0:
         return tried

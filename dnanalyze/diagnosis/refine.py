@@ -21,12 +21,13 @@ from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import Parameter, fit, paper_start, with_seed
-from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -58,6 +59,9 @@ class Refinement(Result):
         The last step of the fit.
     by_hand : bool
         Of `add`: the user chose the effect.
+    timed_out : bool
+        Whether the time was up before the search came to its end, or before the standard errors
+        were computed.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -71,6 +75,7 @@ class Refinement(Result):
     bench: Bench
     state: State
     by_hand: bool = False
+    timed_out: bool = False
     capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
@@ -91,9 +96,10 @@ class Refinement(Result):
     def parameters(self) -> list[Parameter]:
         """The numbers of the final model with their standard errors; simulates when first asked.
 
-        Of a refinement that is not finished without the errors (NaN), which would take long.
+        Of a refinement that is not finished, or whose time was up, without the errors (NaN), which
+        would take long.
         """
-        if self.finished:
+        if self.finished and not self.timed_out:
             return parameters_of(self.bench, self.state)
         return parameters_of(self.bench, self.state, 0)
 
@@ -110,6 +116,7 @@ def refine(
     exclude: Sequence[str] = (),
     max_effects: int | None = None,
     until_error: float | None = None,
+    budget: float | None = None,
     effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
     most_effects: int | None = None,
@@ -133,6 +140,8 @@ def refine(
         Stop once this many effects were added.
     until_error : float, optional
         Stop once the model error is at or below this.
+    budget : float, optional
+        Seconds after which the search ends with the last complete model.
     effects : sequence of path, or mapping
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
@@ -168,26 +177,28 @@ def refine(
     >>> found.steps[0].error > found.steps[-1].error
     True
     """
-    held = held or bench(design(captures))
+    limit = TimeLimit.after(budget)
+    unlimited = held or bench(design(captures))
+    held = unlimited.within(limit)
     known = known_effects(effects, known)
     most = most_effects if max_effects is None else max_effects
-    begun = located(held, with_seed(held, model, seed) or paper_start(held))
-    state = fitted(held, begun)
+    begun = located(unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited))
+    state = fitted_in_time(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
+    so_far: list[Path] = []
 
     def kept(path: Path) -> None:
-        keep(_so_far(captures, held, path))
+        so_far.append(path)
+        keep(_so_far(captures, unlimited, path))
 
     walk = Walk(held, open_to, tuple(begun.names), most, until_error, tell, trying, kept)
     path = walk.note(Path(state, ()), state, None)
     kept(path)
-    if lacks_everyday(begun, exclude):
-        stages: list[tuple[str, State]] = []
-        everyday(held, state, exclude, lambda name, s: stages.append((name, s)))
-        for name, stage in stages:
-            path = walk.note(path, stage, name, why=[EVERY_SENSOR])
-        kept(path)
-    path = by_another_way(walk, walk.to_end(path))
+    try:
+        path = _to_its_end(walk, path, exclude)
+    except TimeUp:
+        return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
+    held = unlimited
     found = judge(captures.name, held, path.state, path.tried, path.best, known, in_full=False)
     found = replace(found, capture_set=captures)
     steps = list(path.steps)
@@ -198,8 +209,23 @@ def refine(
     state = path.state
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state,
-        capture_set=captures,
+        timed_out=limit.over, capture_set=captures,
     )  # fmt: skip
+
+
+def _to_its_end(walk: Walk, path: Path, exclude: Sequence[str]) -> Path:
+    """What every sensor has, then what else is missing."""
+    if lacks_everyday(path.state.model, exclude):
+        stages: list[tuple[str, State]] = []
+        everyday(walk.held, path.state, exclude, lambda name, s: stages.append((name, s)))
+        for name, stage in stages:
+            path = walk.note(path, stage, name, why=[EVERY_SENSOR])
+        walk.keep(path)
+    path = walk.to_end(path)
+    try:
+        return by_another_way(walk, path)
+    except TimeUp:
+        return path
 
 
 def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:

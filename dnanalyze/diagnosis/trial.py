@@ -101,8 +101,12 @@ def trials(
     known: dict[str, type[Effect]],
     tell: Callable[[str], None] = lambda _: None,
     iterations: int = 3,
+    keep: Callable[[Trial], None] = lambda _: None,
 ) -> list[Trial]:
-    """Refit the most promising candidates; the likeliest first."""
+    """Refit the most promising candidates; the likeliest first.
+
+    ``keep``: called with each as it is first refitted.
+    """
     seen = prospects(bench, state, known, tell)
     if not seen:
         return []
@@ -127,6 +131,7 @@ def trials(
         made = judged(bench, state, p.effect, ended)
         if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made
+            keep(made)
         fell = max(fell, state.loss - ended.loss)
     for p in [p for p in worth if p.spare and p.effect in best]:
         others[p.effect] = (*others.get(p.effect, ()), p)

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -42,6 +44,16 @@ def fitted(
         return fit(bench, start(bench, model, knobs_of(model)))
     near = minimise(part, start(part, model, knobs_of(model)))
     return fit(bench, carried(near, part, bench))
+
+
+def fitted_in_time(bench: Bench, model: NoiseModel) -> State:
+    """`fitted`, or where it stood when the time was up."""
+    so_far: list[State] = []
+    try:
+        return fitted(bench, model, partial(minimise, tell=so_far.append))
+    except TimeUp:
+        pass
+    return so_far[-1] if so_far else start(bench.within(TimeLimit()), model, knobs_of(model))
 
 
 def carried(state: State, there: Bench, here: Bench) -> State:

@@ -13,6 +13,7 @@ from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.level import Level, allowed, dark_signals, level
 from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, room
+from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.fitting.vectors import Target, prediction, target
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.memo import Memo
@@ -39,6 +40,8 @@ class Bench:
     even : bool
         Whether only models are simulated that hold all over the field by the same law: the half
         that is not wanted then need not be.
+    limit : TimeLimit
+        Of the simulations that fits ask for.
     """
 
     plan: Design
@@ -49,6 +52,12 @@ class Bench:
     helpers: Helpers = field(default_factory=Helpers)
     part: Bench | None = None
     even: bool = False
+    limit: TimeLimit = field(default_factory=TimeLimit)
+
+    def within(self, limit: TimeLimit) -> Bench:
+        """This bench with a limit of time, and its part alike."""
+        part = None if self.part is None else self.part.within(limit)
+        return replace(self, limit=limit, part=part)
 
     def evened(self, model: NoiseModel) -> Bench:
         """This bench, without the half that is not wanted where the model lets it be left out.
@@ -82,9 +91,20 @@ class Bench:
         return prediction(made, 0, self.train), prediction(made, 1, self.test)
 
     def several(self, models: Sequence[NoiseModel]) -> list[np.ndarray]:
-        """`fitted_coordinates` of several models, which the processes share as one."""
-        made = self._simulated([self._job(model, half=0) for model in models])
-        return [prediction(seen, 0, self.train) for seen in made]
+        """`fitted_coordinates` of several models, which the processes share as one.
+
+        Raises
+        ------
+        TimeUp
+            The time is up.
+        """
+        found: list[np.ndarray] = []
+        count = self.limit.batch or max(1, len(models))
+        for begin in range(0, len(models), count):
+            self.limit.check()
+            jobs = [self._job(model, half=0) for model in models[begin : begin + count]]
+            found += [prediction(seen, 0, self.train) for seen in self._simulated(jobs)]
+        return found
 
     def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
         """Predicted coordinates of train alone: all that a step of a fit goes by."""

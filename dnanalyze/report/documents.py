@@ -154,6 +154,7 @@ def diagnosis(where: str, result: Any) -> Document:
         detection_limits=result.detection_limits,
         next_capture=result.next_capture,
         law=getattr(result, "law", "") or None,
+        finished=getattr(result, "finished", True),
         **_level(result),
     )
 
@@ -175,6 +176,7 @@ def refinement(
         unexplained=result.unexplained,
         parameters=parameters(result),
         finished=getattr(result, "finished", True),
+        timed_out=getattr(result, "timed_out", False),
         model=output,
         fitted=result.model.to_plain(),
         **_level(result),

@@ -228,6 +228,8 @@ def _diagnosed(found: Any) -> str:
     baseline = f"the baseline effects ({listing(ordinary)})"
     others, named = candidates_of(found)
     put_in = [c.error_after for c in named]
+    if not found.finished:
+        return _timed_out(found, others)
     if found.verdict == "adequate":
         return (
             "Adequate: no missing effect is detectable in these captures "
@@ -255,6 +257,18 @@ def _diagnosed(found: Any) -> str:
     if best.leaves:
         return sentence(f"{text}, but it does not explain {statistics_named(best.leaves)}")
     return sentence(f"{text}, but these captures do not support it; not explained: {left}")
+
+
+def _timed_out(found: Any, others: Sequence[Any]) -> str:
+    """What is known when the time is up."""
+    text = "Not finished: the time limit ended the diagnosis "
+    if not others:
+        return sentence(f"{text}before a candidate was tested (model error {number(found.error)})")
+    best = others[0]
+    return sentence(
+        f"{text}before every candidate was tested; the closest one so far is {best.effect}: with "
+        f"it {error_way(found.error, best.error_after)} ({percent(best.confidence)} confidence)"
+    )
 
 
 def _missing(found: Any, best: Any, baseline: str) -> str:
@@ -319,7 +333,8 @@ def _refined(result: Any) -> str:
     else:
         text = f"{sentence(error_way(first, last))[:-1]} with {listing(added)}"
     if not result.finished:
-        return sentence(f"{text}; not finished: the residual was not tested yet")
+        why = "the time limit ended the search" if result.timed_out else "not finished"
+        return sentence(f"{text}; {why}: the residual was not tested yet")
     left = statistics_named(result.unexplained)
     ending = {
         "adequate": "no further missing effect is detectable in these captures",

@@ -150,6 +150,7 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
         unexplained=["pattern_q0.001"] if verdict != "adequate" else [],
         detection_limits={"row_fpn": "row_fpn below 0.02 DN would not be seen"},
         next_capture=["eight more frames at 45 C"],
+        finished=True,
         model=model(),
     )
 
@@ -172,6 +173,7 @@ def refinement() -> SimpleNamespace:
         verdict="adequate",
         unexplained=[],
         finished=True,
+        timed_out=False,
         parameters=fit().parameters,
         model=model(),
         diagnosis=diagnosis("adequate"),

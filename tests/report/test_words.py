@@ -211,6 +211,18 @@ def test_a_refinement_that_was_told_to_stop_names_what_is_next():
     assert "was not tested: " in words.refine_headline(found)
     found.finished = False
     assert "not finished" in words.refine_headline(found)
+    found.timed_out = True
+    assert "time limit" in words.refine_headline(found)
+
+
+def test_a_diagnosis_that_ran_out_of_time_says_so():
+    found = diagnosis("missing")
+    found.finished = False
+    said = words.diagnose_headline(found)
+    assert "time limit" in said
+    assert "column_fpn" in said
+    found.candidates = []
+    assert "before a candidate was tested" in words.diagnose_headline(found)
 
 
 def test_what_was_taken_out_again_is_not_said_to_be_added():

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import Exclude, ModelOptions, takes
+from dnanalyze_cli.options import Budget, Exclude, ModelOptions, takes
 
 
 @takes(ModelOptions)
-def diagnose(options: ModelOptions, exclude: Exclude = None) -> None:
+def diagnose(options: ModelOptions, exclude: Exclude = None, budget: Budget = None) -> None:
     """Rank the effects that may be missing in a model, with the evidence for and against."""
     from dnanalyze.diagnosis.diagnose import diagnose as run
     from dnanalyze.model.registry import find
@@ -15,6 +15,7 @@ def diagnose(options: ModelOptions, exclude: Exclude = None) -> None:
     from dnanalyze_cli import over_channels
 
     session = options.session("diagnose")
+    session.remaining(budget)
     known = session.known()
     for name in exclude or ():
         find(name, known)
@@ -22,7 +23,7 @@ def diagnose(options: ModelOptions, exclude: Exclude = None) -> None:
     if len(found.channels) > 1:
         for name in exclude or ():
             known.pop(name)
-        over_channels.diagnose(session, found, own, known)
+        over_channels.diagnose(session, found, own, known, session.remaining(budget))
         return
     with session.progress("Reading frames") as progress:
         held = progress.bench(found)
@@ -30,6 +31,7 @@ def diagnose(options: ModelOptions, exclude: Exclude = None) -> None:
             found,
             model=own,
             exclude=tuple(exclude or ()),
+            budget=session.remaining(budget),
             known=known,
             held=held,
             tell=progress.trying,

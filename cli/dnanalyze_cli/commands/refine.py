@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.options import STEER, Exclude, ModelOptions, ModelOut, takes
+from dnanalyze_cli.options import STEER, Budget, Exclude, ModelOptions, ModelOut, takes
 
 
 @takes(ModelOptions)
@@ -34,6 +34,7 @@ def refine(
             help="Stop once the model error is E or less.",
         ),
     ] = None,
+    budget: Budget = None,
 ) -> None:
     """Diagnose and add until nothing more is missing; the model error at each step.
 
@@ -51,6 +52,7 @@ def refine(
     from dnanalyze_cli.going_on import command_line, kept_when_stopped
 
     session = options.session("refine", output=output)
+    session.remaining(budget)
     known, captures = session.known(), options.captures
     excluded = tuple(exclude or ())
     for name in excluded:
@@ -68,6 +70,7 @@ def refine(
                 exclude=excluded,
                 most_effects=max_effects,
                 until_error=until_error,
+                budget=session.remaining(budget),
                 known=known,
                 tell=tell,
             ),
@@ -98,6 +101,7 @@ def refine(
                 exclude=excluded,
                 max_effects=max_effects,
                 until_error=until_error,
+                budget=session.remaining(budget),
                 known=known,
                 tell=lambda step: progress.note(
                     f"{words.number(step.error):>7}  {words.step_name(step.added, 0)}"
@@ -105,8 +109,9 @@ def refine(
                 trying=progress.trying,
                 keep=keep,
             )
-            progress.now("Standard errors of the parameters")
-            _ = result.parameters
+            if not result.timed_out:
+                progress.now("Standard errors of the parameters")
+                _ = result.parameters
         show(session.console, found, result)
         if output is None:
             not_kept(session.console)

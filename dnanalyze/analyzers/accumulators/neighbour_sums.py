@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from dnanalyze.analyzers.estimators.quantiles import in_order
 from dnanalyze.analyzers.kernels.layout import PEAK_SUMS, RANK_SUMS, TILE_SUMS
 from dnanalyze.analyzers.plan import BANDS, CLIP, FrameView, Plan
 
@@ -43,7 +44,7 @@ class Neighbours:
 
         plan = self.plan
         leads = np.array(EXCESS_SIGMAS) * plan.difference_sigma
-        top, share = top_level(view.frame)
+        top, share = top_level(view.frame, 1.0 if view.plan.integer else 0.0)
         peaks = np.zeros_like(self.peaks)
         rows, columns = edges_of(plan)
         neighbour_loops.peak_sums(
@@ -134,8 +135,15 @@ def rank_shares(plan: Plan, image: np.ndarray) -> np.ndarray:
     return out
 
 
-def top_level(frame: np.ndarray) -> tuple[float, float]:
+def top_level(frame: np.ndarray, lattice: float = 0.0) -> tuple[float, float]:
     """Where the top 1 % of a frame begin, from an even sample of its pixels.
+
+    Parameters
+    ----------
+    frame : ndarray
+        (rows, columns), DN.
+    lattice : float
+        Spacing of the values, DN; 0 for continuous data.
 
     Returns
     -------
@@ -146,12 +154,12 @@ def top_level(frame: np.ndarray) -> tuple[float, float]:
     """
     step = max(1, int(np.sqrt(frame.size / _SAMPLE)))
     step += 1 - step % 2  # an odd step meets all phases of a two-column or colour pattern
-    sample = frame[::step, ::step].ravel()
-    at = min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))
-    level = np.partition(sample, at)[at]
-    if level == sample.min():  # nearly all lie at one code: those there are no peaks, nor tied
+    sample = in_order(frame[::step, ::step], lattice)
+    level = sample[min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))]
+    if level == sample[0]:  # nearly all lie at one code: those there are no peaks, nor tied
         return float(level), 0.0
-    above, alike = np.count_nonzero(sample > level), np.count_nonzero(sample == level)
+    low, high = (int(np.searchsorted(sample, level, side)) for side in ("left", "right"))
+    above, alike = sample.size - high, high - low
     return float(level), min(1.0, max(0.0, (_TOP_SHARE * sample.size - above) / alike))
 
 

@@ -200,6 +200,24 @@ def tally(values, first, width, counts):
         counts[0, min(max(k, 0), last)] += 1
 
 
+@njit(cache=True, nogil=True)
+def tally_lattice(values, first, step, levels, counts):
+    """Count flat ``values`` that lie on a lattice from ``first``; False where they do not.
+
+    ``levels`` takes the value of each point as it stands in the sample.
+    """
+    scale = 1.0 / step
+    for i in range(values.size):
+        x = values[i]
+        k = np.int64((x - first) * scale + 0.5)
+        if counts[k] == 0:
+            levels[k] = x
+        elif levels[k] != x:
+            return False
+        counts[k] += 1
+    return True
+
+
 @njit(nogil=True)
 def _count_below(key, threshold):
     n = np.int32(0)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from dnanalyze.analyzers.estimators.quantiles import Counted, Ordered, Tied, median
+from dnanalyze.analyzers.estimators.quantiles import Counted, Ordered, Tied, in_order, median
 
 P = np.array([0.001, 0.05, 0.25, 0.5, 0.84, 0.99])
 
@@ -91,3 +91,29 @@ def test_moments_of_a_histogram():
     d = codes - codes.mean()
     expected = [codes.mean(), *(np.mean(d**k) for k in (2, 3, 4))]
     np.testing.assert_allclose(counted(codes).moments(), expected, rtol=1e-10)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.uint16, np.int32])
+@pytest.mark.parametrize("frames", [1, 3, 7, 8])
+def test_a_lattice_is_put_in_order_as_any_sample_is(dtype, frames):
+    rng = np.random.default_rng(frames)
+    total = np.rint(rng.normal(300, 12, (40, 50)) * frames)
+    sample = (total / frames).astype(dtype)
+    np.testing.assert_array_equal(in_order(sample, 1 / frames), np.sort(sample, axis=None))
+
+
+@pytest.mark.parametrize(
+    "sample",
+    [
+        [0.0, 1.0, 1e9],  # far apart
+        [0.3, 0.4, 1.0, 2.0, 2.1],  # on no lattice of step 1
+        [5.0, np.nan, 1.0],
+        [np.inf, 0.0, 3.0],
+        [7.0],
+        [2.0, 2.0, 2.0],
+        [-3.0, -1.0, -2.0, -0.0, 0.0],
+    ],
+)
+def test_what_is_on_no_lattice_is_sorted_all_the_same(sample):
+    sample = np.array(sample)
+    np.testing.assert_array_equal(in_order(sample, 1.0), np.sort(sample))

@@ -1,0 +1,58 @@
+"""How long a search may go on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from time import monotonic
+
+from dnanalyze.errors import InputError
+
+BATCH = 8  # simulations between two looks at the clock
+
+
+class TimeUp(Exception):
+    """The time is up; what was found before stands."""
+
+
+@dataclass(frozen=True)
+class TimeLimit:
+    """An end of time, looked at before the simulations of a fit.
+
+    Parameters
+    ----------
+    ends : float
+        On the clock of `time.monotonic`, s; infinite by default.
+    """
+
+    ends: float = math.inf
+
+    @classmethod
+    def after(cls, seconds: float | None) -> TimeLimit:
+        """From now on; None: no end.
+
+        Raises
+        ------
+        InputError
+            Not a number above 0.
+        """
+        if seconds is None:
+            return cls()
+        if not seconds > 0:
+            raise InputError(f"--budget (budget): {seconds:g}; valid: seconds above 0")
+        return cls(monotonic() + seconds)
+
+    @property
+    def batch(self) -> int | None:
+        """Simulations between two looks at the clock; None where there is no end."""
+        return None if math.isinf(self.ends) else BATCH
+
+    @property
+    def over(self) -> bool:
+        """Whether the time is up."""
+        return monotonic() > self.ends
+
+    def check(self) -> None:
+        """Raise `TimeUp` once the time is up."""
+        if self.over:
+            raise TimeUp

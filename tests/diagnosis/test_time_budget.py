@@ -1,0 +1,59 @@
+"""Searches that end before they are done."""
+
+import math
+
+import pytest
+
+from dnanalyze.demo import tiny
+from dnanalyze.diagnosis.diagnose import diagnose
+from dnanalyze.diagnosis.refine import refine
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+
+NONE, PLENTY = 1e-6, 3600.0  # s
+
+
+@pytest.fixture(scope="module")
+def captures():
+    return tiny()
+
+
+def test_a_limit_ends_and_no_limit_does_not():
+    TimeLimit().check()
+    TimeLimit.after(PLENTY).check()
+    with pytest.raises(TimeUp):
+        TimeLimit(0.0).check()
+
+
+@pytest.mark.parametrize("search", [refine, diagnose])
+@pytest.mark.parametrize("budget", [0.0, -1.0, math.nan])
+def test_a_budget_is_above_zero(captures, search, budget):
+    with pytest.raises(InputError, match=r"budget.*above 0"):
+        search(captures, budget=budget)
+
+
+def test_without_time_the_starting_model_is_the_answer(captures):
+    found = refine(captures, budget=NONE)
+    assert found.timed_out
+    assert not found.finished
+    assert found.verdict == "missing"
+    assert [s.added for s in found.steps] == [None]
+    assert math.isfinite(found.steps[0].error)
+    assert found.parameters
+    assert all(math.isnan(p.se) for p in found.parameters)
+    found.bench.fitted_z(found.model)  # what is done with the result has no limit
+
+
+def test_without_time_no_candidate_is_named(captures):
+    found = diagnose(captures, budget=NONE)
+    assert not found.finished
+    assert found.verdict == "unexplained"
+    assert found.candidates == []
+
+
+def test_time_enough_changes_nothing(captures):
+    free, limited = refine(captures), refine(captures, budget=PLENTY)
+    assert limited.finished
+    assert not limited.timed_out
+    assert limited.steps == free.steps
+    assert limited.model == free.model
