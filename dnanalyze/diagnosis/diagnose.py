@@ -34,7 +34,7 @@ from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.leftover import leftover
 from dnanalyze.diagnosis.spread_law import spread_law, told
-from dnanalyze.diagnosis.trial import STEPS, Trial, candidates_of, error_of, judged, trials
+from dnanalyze.diagnosis.trial import STEPS, SoFar, Trial, candidates_of, error_of, judged, trials
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
@@ -93,6 +93,9 @@ class Diagnosis(Result):
         The measured frames.
     finished : bool
         Whether every candidate was tested; False where the time was up before.
+    screened : list of str
+        Where it is not finished: effects in the order of the fall of the error that first-order
+        screening expects; no refit has confirmed them.
     """
 
     captures: str
@@ -109,6 +112,7 @@ class Diagnosis(Result):
     law: str = ""
     capture_set: CaptureSet | None = field(default=None, compare=False)
     finished: bool = True
+    screened: list[str] = field(default_factory=list)
 
     def _brief(self) -> str:
         best = f", {self.candidates[0].effect}" if self.candidates else ""
@@ -179,11 +183,12 @@ def diagnose(
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     asked = fitted_in_time(limited, model)
     stages: list[tuple[str, State]] = []
-    kept: list[Trial] = []
+    so_far = SoFar()
     try:
-        found = _in_full(captures.name, limited, asked, exclude, open_to, stages, kept.append, tell)
+        found = _in_full(captures.name, limited, asked, exclude, open_to, stages, so_far, tell)
     except TimeUp:
-        found = unfinished(captures.name, held, stages[-1][1] if stages else asked, kept, open_to)
+        state = stages[-1][1] if stages else asked
+        found = unfinished(captures.name, held, state, so_far, open_to)
     found = replace(found, capture_set=captures)
     return beside_everyday(held, asked, stages, found) if stages else found
 
@@ -195,7 +200,7 @@ def _in_full(
     exclude: Sequence[str],
     open_to: dict[str, type[Effect]],
     stages: list[tuple[str, State]],
-    keep: Callable[[Trial], None],
+    so_far: SoFar,
     tell: Callable[[str], None],
 ) -> Diagnosis:
     """The whole of a diagnosis; ``stages`` takes the baseline effects as they are put in."""
@@ -204,7 +209,7 @@ def _in_full(
         tell("baseline effects")
         everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
     state = stages[-1][1] if stages else asked
-    tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell, keep)
+    tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell, so_far)
     best, law, said = missing(held, state, tried), spread_law(held, state), ""
     if law is not None and (best is None or law.evidence > best.evidence):
         state = converge(held, law.state)
@@ -219,7 +224,7 @@ def unfinished(
     name: str,
     held: Bench,
     state: State,
-    tried: Sequence[Trial],
+    so_far: SoFar,
     known: dict[str, type[Effect]],
 ) -> Diagnosis:
     """What is known of a model when the time is up: the candidates refitted by then.
@@ -227,7 +232,7 @@ def unfinished(
     Others may explain as much or more: the confidence is that of one that may stand in for them.
     """
     error = error_of(held, state)
-    tried = sorted({t.effect: t for t in tried}.values(), key=lambda t: -t.standing)
+    tried = sorted({t.effect: t for t in so_far.trials}.values(), key=lambda t: -t.standing)
     candidates = [
         Candidate(
             t.effect,
@@ -251,6 +256,7 @@ def unfinished(
         trials=list(tried),
         level=held.level(state.train, state.test),
         finished=False,
+        screened=so_far.screened,
     )
 
 
@@ -303,7 +309,7 @@ def ranked(
     state: State,
     known: dict[str, type[Effect]],
     tell: Callable[[str], None] = lambda _: None,
-    keep: Callable[[Trial], None] = lambda _: None,
+    so_far: SoFar | None = None,
 ) -> list[Trial]:
     """The trials of what may be missing, the likeliest first, and not one that is refuted.
 
@@ -312,7 +318,7 @@ def ranked(
     that explains nearly as much puts that right and leaves nothing else, the rival is certain
     beside it.
     """
-    tried = trials(held, state, known, tell, keep=keep)
+    tried = trials(held, state, known, tell, so_far=so_far)
     close = rivals(tried[0], tried) if tried else []
     if not close or tried[0].spread > 1.0:
         return tried

@@ -90,6 +90,22 @@ class Trial:
         return self.evidence + 2.0 * DEFLATION * self.spread * math.log(odds)
 
 
+@dataclass
+class SoFar:
+    """What a search has found, for an answer when its time is up.
+
+    Parameters
+    ----------
+    screened : list of str
+        Effects in the order of the fall of the error that first-order screening expects.
+    trials : list of Trial
+        Those refitted.
+    """
+
+    screened: list[str] = field(default_factory=list)
+    trials: list[Trial] = field(default_factory=list)
+
+
 def error_of(bench: Bench, state: State) -> float:
     """Pooled error on the judged half."""
     return pooled(state.test, bench.test.families)
@@ -101,13 +117,15 @@ def trials(
     known: dict[str, type[Effect]],
     tell: Callable[[str], None] = lambda _: None,
     iterations: int = 3,
-    keep: Callable[[Trial], None] = lambda _: None,
+    so_far: SoFar | None = None,
 ) -> list[Trial]:
     """Refit the most promising candidates; the likeliest first.
 
-    ``keep``: called with each as it is first refitted.
+    ``so_far``: takes what is found, as it is found.
     """
+    so_far = so_far or SoFar()
     seen = prospects(bench, state, known, tell)
+    so_far.screened[:] = dict.fromkeys(p.effect for p in seen)
     if not seen:
         return []
     least = max(WORTH * seen[0].promise, LEAST)
@@ -131,7 +149,7 @@ def trials(
         made = judged(bench, state, p.effect, ended)
         if p.effect not in best or made.evidence > best[p.effect].evidence:
             best[p.effect] = made
-            keep(made)
+            so_far.trials.append(made)
         fell = max(fell, state.loss - ended.loss)
     for p in [p for p in worth if p.spare and p.effect in best]:
         others[p.effect] = (*others.get(p.effect, ()), p)

@@ -155,6 +155,7 @@ def diagnosis(where: str, result: Any) -> Document:
         next_capture=result.next_capture,
         law=getattr(result, "law", "") or None,
         finished=getattr(result, "finished", True),
+        screened=getattr(result, "screened", []),
         **_level(result),
     )
 

@@ -263,7 +263,10 @@ def _timed_out(found: Any, others: Sequence[Any]) -> str:
     """What is known when the time is up."""
     text = "Not finished: the time limit ended the diagnosis "
     if not others:
-        return sentence(f"{text}before a candidate was tested (model error {number(found.error)})")
+        text += f"before a candidate was tested (model error {number(found.error)})"
+        if found.screened:
+            text += f"; first-order screening expects most of {listing(found.screened[:3])}"
+        return sentence(text)
     best = others[0]
     return sentence(
         f"{text}before every candidate was tested; the closest one so far is {best.effect}: with "

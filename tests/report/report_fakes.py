@@ -151,6 +151,7 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
         detection_limits={"row_fpn": "row_fpn below 0.02 DN would not be seen"},
         next_capture=["eight more frames at 45 C"],
         finished=True,
+        screened=[],
         model=model(),
     )
 

@@ -223,6 +223,8 @@ def test_a_diagnosis_that_ran_out_of_time_says_so():
     assert "column_fpn" in said
     found.candidates = []
     assert "before a candidate was tested" in words.diagnose_headline(found)
+    found.screened = ["rts", "dpc"]
+    assert "expects most of rts and dpc" in words.diagnose_headline(found)
 
 
 def test_what_was_taken_out_again_is_not_said_to_be_added():
