@@ -69,7 +69,7 @@ def refinement(by_hand=False):
     ]
     made = dnanalyze.Refinement(
         NAME, steps, plain.effects, plain.verdict, plain.model, diagnosis(),
-        Held(fakes.captures()), None, by_hand, fakes.captures(),
+        Held(fakes.captures()), None, by_hand, capture_set=fakes.captures(),
     )  # fmt: skip
     vars(made)["parameters"] = plain.parameters  # which it would simulate for
     return made

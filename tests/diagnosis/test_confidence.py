@@ -243,7 +243,7 @@ def test_less_evidence_is_enough_where_nothing_is_missing_is_refuted_already(ask
 def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, others, spread, first):
     """To a rival that explains nearly as much, puts that right, and is not refuted too."""
     tried = [made("a", 900.0, 1.0, spread), made("b", 850.0, 1.0), made("c", 90.0, 1.0)]
-    asked.setattr(diagnose, "trials", lambda *_: tried)
+    asked.setattr(diagnose, "trials", lambda *_, **_more: tried)
     of_each = {id(t.state): others for t in tried} | {id(tried[0].state): left}
     asked.setattr(
         diagnose, "adequacy", lambda _, state, __: SimpleNamespace(left=of_each[id(state)])
@@ -255,7 +255,7 @@ def test_a_leader_that_its_own_sensors_refute_gives_way(asked, left, mended, oth
     assert {t.effect for t in found} == {*"abc"}
     if first == "b":
         assert confidences(found, 3.0)[0] > 0.95
-    asked.setattr(diagnose, "trials", lambda *_: tried[:1])
+    asked.setattr(diagnose, "trials", lambda *_, **_more: tried[:1])
     assert diagnose.ranked(None, None, {}) == tried[:1]
 
 
