@@ -14,7 +14,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.text import read_yaml
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.laws import Law, law_from_plain
-from dnanalyze.model.registry import catalogue, find
+from dnanalyze.model.registry import catalogue, described, find
 
 SCHEMA = "dnanalyze/model/1"
 _AT_25_C = {"temperature_c": 25.0, "exposure_s": 1.0}
@@ -176,6 +176,7 @@ def model_from_plain(
         Unknown keys, effects or parameters, values out of bounds.
     """
     known = catalogue() if known is None else known
+    made = {name: kind for name, kind in described().items() if name not in known}
     if not isinstance(raw, dict) or not isinstance(raw.get("effects"), list):
         raise InputError(f"{where}: not a model file; it needs 'effects', a list")
     extra = set(raw) - KEYS
@@ -187,7 +188,8 @@ def model_from_plain(
             if isinstance(item, str):
                 item = {item: {}}
             ((name, values),) = item.items()
-            effects.append(find(name, known).from_plain(values or {}))
+            kind = made.get(name) or find(name, known)
+            effects.append(kind.from_plain(values or {}))
         reference = _point("reference", raw.get("reference", _AT_25_C))
         pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
         own = tuple(_point("channel_references", r) for r in raw.get("channel_references", ()))

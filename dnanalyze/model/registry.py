@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import pkgutil
+import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import entry_points
@@ -63,6 +64,13 @@ def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
     return effects_by_name
 
 
+def described() -> dict[str, type[Effect]]:
+    """Effects that a model may hold but no diagnosis tries: `dnanalyze describe` makes them."""
+    from dnanalyze.model.composite.effect import CompositeEffect
+
+    return {CompositeEffect.name: CompositeEffect}
+
+
 def known_effects(
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     known: Mapping[str, type[Effect]] | None = None,
@@ -101,6 +109,7 @@ def _load_file(path: Path) -> dict[str, type[Effect]]:
     if spec is None or spec.loader is None or not path.is_file():
         raise InputError(f"--effects {path}: not a Python file")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look up annotations that are text there
     try:
         spec.loader.exec_module(module)
     except (KeyboardInterrupt, MemoryError):

@@ -16,14 +16,14 @@ Name = Annotated[
 
 def effects(name: Name = None, json: Json = None, effects: EffectFiles = None) -> None:
     """List the effects; with NAME: physics, formula, parameters, statistics, references."""
-    from dnanalyze.model.registry import find
+    from dnanalyze.model.registry import described, find
     from dnanalyze.report import documents
     from dnanalyze.report.terminal.effects import catalogue, effect
 
     session = Session("effects", json=json, effects=tuple(effects or ()))
     known = session.known()
     if name:
-        known = {name: find(name, known)}
+        known = {name: find(name, {**described(), **known})}
         effect(session.console, known[name])
     else:
         catalogue(session.console, known)
