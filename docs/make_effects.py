@@ -47,6 +47,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "hot_clusters": {"density": 1e-3},
     "hot_pixels": {"fraction": 5e-3},
     "offset_drift": {"step": 3.0},
+    "offset_gradient": {"x": 8.0, "y": 4.0, "xx": 3.0},
     "periodic_pattern": {"amplitude": 5.0},
     "persistence": {"amplitude": 0.1},
     "pixel_fpn": {"sigma": 4.0},
@@ -58,7 +59,14 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "temporal_denoise": {"share": 0.6},
     "quantization": {"step": 8},
 }
-WIDE = {"amp_glow", "cosmic_rays", "column_taps", "dark_gradient", "defect_lines"}
+WIDE = {
+    "amp_glow",
+    "cosmic_rays",
+    "column_taps",
+    "dark_gradient",
+    "defect_lines",
+    "offset_gradient",
+}
 CODES = {"digital_gain", "missing_codes", "quantization"}
 NEAR = {"convolved_lognormal", "cfa_mismatch", "crosstalk", "denoise", "dpc", "hot_clusters"}
 OVER_TIME = {

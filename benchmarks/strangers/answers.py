@@ -72,8 +72,10 @@ ANSWERS: dict[str, Answer] = {
         "a smooth random factor of the dark current: low spatial frequencies of the pattern",
     ),
     "sar_converter": Answer(("missing_codes",), "unequal code widths of a successive converter"),
+    "offset_plane": Answer(
+        ("offset_gradient",), "a tilt of the offset, without charge and its shot noise"
+    ),
     # no effect of the catalogue has these laws
-    "offset_plane": Answer((), "a tilt of the offset, without charge and its shot noise"),
     "edge_offset": Answer((), "offsets that rise towards the edges, without charge"),
     "quadrant_offsets": Answer((), "four quadrants, each with its offset and gain"),
     "transfer_tails": Answer((), "charge-transfer inefficiency: tails behind hot pixels"),

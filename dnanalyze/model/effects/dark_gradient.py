@@ -9,8 +9,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
-
-TERMS = ("x", "y", "xx", "yy", "xy")
+from dnanalyze.model.surface import TERMS, low_order
 
 
 @dataclass(frozen=True)
@@ -59,6 +58,8 @@ class DarkGradient(Effect):
         "flicker_fpn": "a random low-frequency field has orders above 2 as well (shading_mid)",
         "column_fpn": "column offsets vary from one column to the next",
         "row_fpn": "row offsets vary from one row to the next, and have no shot noise",
+        "offset_gradient": "an offset surface does not grow with temperature or exposure, and has "
+        "no shot noise",
     }
 
     x: float = parameter(0.0, "DN", -1e5, 1e5, "tilt along a row, rms over the field", "linear")
@@ -101,12 +102,7 @@ class DarkGradient(Effect):
         return (height * site.gain_ratio * share).astype(np.float32)
 
     def _map(self, site: Site) -> np.ndarray:
-        x, y, xx, yy, xy = (self.value(name, site.point) for name in TERMS)
-        across, wide = legendre(site.column_index, site.shape[1])
-        down, high = legendre(site.row_index, site.shape[0])
-        surface = (y * down + yy * high)[:, None] + x * across + xx * wide
-        if xy != 0.0:
-            surface += np.outer(xy * down, across)
+        surface = low_order([self.value(name, site.point) for name in TERMS], site)
         if self.form == "scaled":
             return np.maximum(1.0 + surface, 0.0).astype(np.float32)
         growth = site.thermal(self.value("ea_ev", site.point))
@@ -117,9 +113,3 @@ class DarkGradient(Effect):
         if self.form == "scaled" or self.wait != 0.0:
             return None  # a share of a signal that is not known here; a ramp beside a tilt
         return sum(self.value(n, point) ** 2 for n in TERMS)
-
-
-def legendre(index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """First and second Legendre polynomial of unit rms at the pixel centres of ``size`` pixels."""
-    x = (2.0 * np.asarray(index) + 1.0) / size - 1.0
-    return np.sqrt(3.0) * x, np.sqrt(5.0) * (1.5 * x * x - 0.5)

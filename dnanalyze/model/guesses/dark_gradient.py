@@ -10,16 +10,14 @@ import numpy as np
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.effects.dark_gradient import TERMS, DarkGradient, legendre
+from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import shows
+from dnanalyze.model.guesses.surfaces import LEAST_TERM, shading, surfaces
+from dnanalyze.model.surface import TERMS
 
 SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
 LEAST_SLOPE = 8.0  # standard errors of a slope
-LEAST_TERM = 4.0  # standard errors of a coefficient
-LEAST_SHADING = (
-    3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
-)
 
 
 def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
@@ -33,17 +31,11 @@ def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
 
 
 def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
-    names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
-    seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
-    if not (seen > LEAST_SHADING).any():
+    seen = shading(clues)
+    if seen is None:
         return []
     growth = hints.exposure_and_gain(clues)
-    raw = np.full((len(growth), len(TERMS)), np.nan)
-    errors = np.full(len(growth), np.nan)
-    for j in range(len(growth)):
-        blocks = curve(clues, "block_means", j)
-        if blocks is not None and min(blocks.shape) >= 3:
-            raw[j], errors[j] = surface(blocks)
+    raw, errors = surfaces(clues)
     fits = raw / growth[:, None]
     size = np.sqrt((fits**2).sum(1))
     fitted = hints.thermal_fit(clues, size, 0.63)
@@ -69,24 +61,6 @@ def _slopes(level: np.ndarray, fits: np.ndarray) -> np.ndarray | None:
         return None
     away = level[good] - level[good].mean()
     return np.clip(away @ fits[good] / (away @ away), -0.5, 0.5)
-
-
-def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
-    """Coefficients x, y, xx, yy, xy (DN rms) of the surface closest to the block means, and the
-    standard error of each.
-    """
-    rows, columns = blocks.shape
-    px, qx = legendre(np.arange(columns), columns)
-    py, qy = legendre(np.arange(rows), rows)
-    one_r, one_c = np.ones(rows), np.ones(columns)
-    basis = [
-        np.outer(one_r, one_c), np.outer(one_r, px), np.outer(py, one_c),
-        np.outer(one_r, qx), np.outer(qy, one_c), np.outer(py, px),
-    ]  # fmt: skip
-    design = np.stack([b.ravel() for b in basis], 1)
-    coefficients = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
-    rest = blocks.ravel() - design @ coefficients
-    return coefficients[1:], float(np.std(rest)) / math.sqrt(blocks.size)
 
 
 def _waits(clues: Clues) -> dict[str, float] | None:

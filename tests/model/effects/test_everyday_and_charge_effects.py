@@ -45,6 +45,7 @@ OTHERS = {
     "dpc",
     "denoise",
     "temporal_denoise",
+    "offset_gradient",
 }
 
 

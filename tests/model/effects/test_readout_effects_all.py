@@ -16,7 +16,7 @@ NAMES = (
     "column_fpn", "column_gain", "row_fpn", "row_noise", "column_noise", "flicker_fpn",
     "flicker_noise", "heavy_tailed_read_noise", "periodic_pattern", "offset_drift", "cfa_mismatch",
     "column_taps", "stuck_pixels", "defect_lines", "missing_codes", "digital_gain",
-    "black_clipping", "dpc", "denoise", "temporal_denoise",
+    "black_clipping", "dpc", "denoise", "temporal_denoise", "offset_gradient",
 )  # fmt: skip
 BASE = (Flat(20.0), ReadNoise(3.0))
 SHAPE = (96, 130)

@@ -1,0 +1,52 @@
+"""The low-order surface of the block means, setting by setting."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.guesses.evidence import curve
+from dnanalyze.model.surface import TERMS, legendre
+
+LEAST_TERM = 4.0  # standard errors of a coefficient
+LEAST_SHADING = (
+    3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
+)
+
+
+def shading(clues: Clues) -> np.ndarray | None:
+    """Size of the unexplained low-order shading, floors, (terms, settings); None: no sign."""
+    names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
+    seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
+    return seen if (seen > LEAST_SHADING).any() else None
+
+
+def surfaces(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients, DN rms, (settings, terms), and their standard errors; NaN without blocks."""
+    raw = np.full((len(clues.points), len(TERMS)), np.nan)
+    errors = np.full(len(clues.points), np.nan)
+    for j in range(len(clues.points)):
+        blocks = curve(clues, "block_means", j)
+        if blocks is not None and min(blocks.shape) >= 3:
+            raw[j], errors[j] = surface(blocks)
+    return raw, errors
+
+
+def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
+    """Coefficients x, y, xx, yy, xy (DN rms) of the surface closest to the block means, and the
+    standard error of each.
+    """
+    rows, columns = blocks.shape
+    px, qx = legendre(np.arange(columns), columns)
+    py, qy = legendre(np.arange(rows), rows)
+    one_r, one_c = np.ones(rows), np.ones(columns)
+    basis = [
+        np.outer(one_r, one_c), np.outer(one_r, px), np.outer(py, one_c),
+        np.outer(one_r, qx), np.outer(qy, one_c), np.outer(py, px),
+    ]  # fmt: skip
+    design = np.stack([b.ravel() for b in basis], 1)
+    coefficients = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
+    rest = blocks.ravel() - design @ coefficients
+    return coefficients[1:], float(np.std(rest)) / math.sqrt(blocks.size)
