@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -14,7 +15,11 @@ from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 
 @dataclass(frozen=True)
 class ColumnTaps(Effect):
-    """y += o_t, t = j mod P or one of P equal vertical strips; the rms over the taps is exact."""
+    """y += o_t, t = j mod P or one strip of several; the rms over the taps is exact.
+
+    Strips are equal and vertical, or begin where `begins` says, along columns or rows; the rms is
+    then over the lines.
+    """
 
     name: ClassVar[str] = "column_taps"
     stage: ClassVar[Stage] = Stage.LINE_READ
@@ -27,12 +32,16 @@ class ColumnTaps(Effect):
         "P, with lines at u = n/P of the spectrum, or steps at the seams. It is the same in every "
         "frame, independent of exposure, follows the analog gain and drifts slowly with the "
         "temperature of the electronics. A sequencer that is not locked to the frame starts at "
-        "another tap now and then, and the pattern moves by whole columns (`slip`). Remedy: "
+        "another tap now and then, and the pattern moves by whole columns (`slip`). The "
+        "amplifiers of a CCD may read parts of unequal width (`begins`), and the level may settle "
+        "exponentially beside an edge, as the video chain does after a step (`settle`). Remedy: "
         "subtract each tap's own black level, taken from its optically black pixels."
     )
     formula: ClassVar[str] = (
         "y_ij += o_((j + n slip) mod P), n the frame,  or  o_floor(j P / columns);  mean o = 0, "
-        "mean o^2 = sigma^2"
+        "mean o^2 = sigma^2;  or o_s, s the strip with begin_s <= j < begin_(s+1), mean and mean "
+        "square over the lines, with s_e (o_(s-1) - o_s) e^(-(j - begin_s)/l) after an edge and "
+        "s_e (o_(s+1) - o_s) e^(-(begin_(s+1) - 1 - j)/l) before one"
     )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (horizontal spectrogram)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
@@ -45,6 +54,7 @@ class ColumnTaps(Effect):
         "cfa_mismatch": "also differs from row to row: a line at (1/2,1/2) or (0,1/2)",
         "periodic_pattern": "a single sine whose frequency is no exact fraction n/P",
         "dark_gradient": "smooth, grows with exposure; strips have sharp seams",
+        "row_fpn": "every row has an offset of its own, not whole strips of rows",
     }
 
     sigma: float = parameter(0.5, "DN", 1e-4, 1e3, "rms of the offsets over the taps")
@@ -56,21 +66,46 @@ class ColumnTaps(Effect):
     slip: float = parameter(
         0.0, "column", 0.0, 15.0, "by which interleaved taps move from frame to frame", "held"
     )
+    begins: tuple[float, ...] = choice(
+        (), "line at which each strip after the first begins, as measured; equal strips where none"
+    )
+    axis: str = choice("columns", "lines that unequal strips are made of", "columns", "rows")
+    settle: float = parameter(
+        0.0, "1", -1.0, 1.0, "share s_e of the step left beside an edge of unequal strips", "linear"
+    )
+    length: float = parameter(8.0, "line", 0.3, 1e3, "lines l over which it settles by e")
+    side: str = choice("after", "side of an edge that settles", "after", "before", "both")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.levels and (len(self.levels) != self.taps or np.ptp(self.levels) == 0):
+        if self.begins and (
+            self.kind != "blocks" or self.begins[0] < 1 or not _rising(self.begins)
+        ):
             raise InputError(
-                f"column_taps.levels: {len(self.levels)} numbers for {self.taps} taps; "
+                f"column_taps.begins: {list(self.begins)} of kind {self.kind!r}; give rising "
+                "numbers of lines from 1 on, and kind blocks"
+            )
+        strips = len(self.begins) + 1 if self.begins else self.taps
+        if self.levels and (len(self.levels) != strips or np.ptp(self.levels) == 0):
+            raise InputError(
+                f"column_taps.levels: {len(self.levels)} numbers for {strips} taps; "
                 "give one a tap, not all alike, or none"
             )
 
+    def idle(self) -> tuple[str, ...]:
+        """The settling where there is none."""
+        return () if self.begins and self.settle != 0.0 else ("settle", "length")
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offset of its tap to every column."""
-        if self.levels:
-            offsets = np.array(self.levels, np.float32)
-        else:
-            offsets = site.silicon.child("taps").normal(Window(0, 1, 0, self.taps), self.taps)[0]
+        if self.begins:
+            size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+            if self.axis == "rows":
+                signal += (size * self._strips(site, site.shape[0])[site.row_index])[:, None]
+            else:
+                signal += size * self._strips(site, site.shape[1])[site.column_index]
+            return signal
+        offsets = self._levels(site, self.taps)
         offsets = offsets - offsets.mean()
         offsets /= np.sqrt(np.mean(offsets**2))
         if self.kind == "interleaved":
@@ -81,6 +116,40 @@ class ColumnTaps(Effect):
         signal += np.float32(self.value("sigma", site.point) * site.gain_ratio) * offsets[tap]
         return signal
 
+    def _levels(self, site: Site, count: int) -> np.ndarray:
+        """Level of each tap as named, or drawn once a sensor."""
+        if self.levels:
+            return np.array(self.levels, np.float32)
+        return site.silicon.child("taps").normal(Window(0, 1, 0, count), count)[0]
+
+    def _strips(self, site: Site, lines: int) -> np.ndarray:
+        """Offsets of all lines of the frame, float32; mean 0 and rms 1 before they settle."""
+        begins = np.array([0, *self.begins], int)
+        line = np.arange(lines)
+        strip = np.searchsorted(begins, line, side="right") - 1
+        level = self._levels(site, begins.size).astype(float)
+        level -= level[strip].mean()
+        # a window of the sensor may lie within one strip, at the mean then
+        level /= np.sqrt(np.mean(level[strip] ** 2)) or 1.0
+        offsets = level[strip]
+        share, length = self.value("settle", site.point), self.value("length", site.point)
+        step = np.diff(level)
+        if share and self.side != "before":
+            after = strip > 0
+            edge = strip[after] - 1
+            fall = np.exp(-(line[after] - begins[strip[after]]) / length)
+            offsets[after] -= share * step[edge] * fall
+        if share and self.side != "after":
+            before = strip < begins.size - 1
+            edge = strip[before]
+            fall = np.exp(-(begins[edge + 1] - 1 - line[before]) / length)
+            offsets[before] += share * step[edge] * fall
+        return offsets.astype(np.float32)
+
     def variance(self, point: OperatingPoint) -> float:
-        """sigma^2, DN^2."""
+        """sigma^2, DN^2, before anything settles."""
         return self.value("sigma", point) ** 2
+
+
+def _rising(numbers: tuple[float, ...]) -> bool:
+    return all(a < b for a, b in pairwise(numbers))

@@ -8,6 +8,7 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_taps import ColumnTaps
+from dnanalyze.model.guesses.change_points import equal_strips, strips
 from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 from dnanalyze.model.guesses.line_profile import line_profile, strip_profile
 from dnanalyze.model.laws import Law, TableLaw, value_at
@@ -15,18 +16,76 @@ from dnanalyze.model.laws import Law, TableLaw, value_at
 _PERIODS, _STRIPS = (2, 3, 4, 8), (2, 4, 8, 16)
 _SEAMS = ("column_taps_2", "column_taps_4", "column_taps_8", "shading_1_0", "shading_2_0",
           "shading_3_0")  # fmt: skip
+_ROW_SEAMS = ("shading_0_1", "shading_0_2", "shading_0_3")
 _PEAK = 14.0  # times the median: by chance in one of 1000 spectra of 1000 exponential modes
 NEARLY = 0.8  # share of what any number of taps explains
 
 
 def guess(effect: type[ColumnTaps], clues: Clues) -> list[Effect]:
-    """For each kind, the least number of taps that explains nearly all that any number does."""
-    layouts = [("interleaved", *_interleaved(clues)), ("blocks", _blocks(clues), 0.0)]
-    return [
+    """For each kind, the least number of taps that explains nearly all that any number does.
+
+    Strips whose edges stand out of the profile of the columns or rows come before equal ones.
+    """
+    unequal = [_unequal(effect, clues, axis) for axis in ("columns", "rows")]
+    layouts = [("interleaved", *_interleaved(clues))]
+    if unequal[0] is None:
+        layouts.append(("blocks", _blocks(clues), 0.0))
+    equal = [
         effect(bounded(effect, "sigma", float(np.std(o))), kind, o.size, _told(o), slip)  # type: ignore[arg-type]
         for kind, o, slip in layouts
         if o.size and np.ptp(o) > 0
     ]
+    return [*equal, *(found for found in unequal if found is not None)]
+
+
+def _unequal(effect: type[ColumnTaps], clues: Clues, axis: str) -> ColumnTaps | None:
+    """Strips of lines whose edges stand out of their profile; None where there are none."""
+    signs = _SEAMS if axis == "columns" else _ROW_SEAMS
+    if not shows(clues, (*signs, f"pattern_{axis}_0_0.02"), 0):
+        return None
+    places, means = line_profile(clues, axis)
+    if axis == "rows":
+        means = means + _of_halves(clues, places)
+    order = np.argsort(places)
+    places, means = places[order], means[order]
+    found = strips(means)
+    if found is None:
+        return None
+    widths = np.diff([0, *found.begins, means.size])
+    level = found.levels - np.average(found.levels, weights=widths)
+    sigma = bounded(effect, "sigma", float(np.sqrt(np.average(level**2, weights=widths))))
+    taps = equal_strips(found, means.size, _STRIPS) if means.size == clues.field[1] else None
+    if axis == "columns" and taps and not found.share:
+        inside = (np.arange(taps) + 0.5) * means.size / taps
+        each = level[np.searchsorted(found.begins, inside)]
+        return effect(sigma, "blocks", taps, _told(each))
+    return effect(
+        sigma,
+        "blocks",
+        levels=tuple(round(float(v), 4) for v in level / sigma),
+        begins=tuple(float(places[b]) for b in found.begins),
+        axis=axis,
+        settle=found.share,
+        length=bounded(effect, "length", found.length),
+        side=found.side,
+    )
+
+
+def _of_halves(clues: Clues, places: np.ndarray) -> np.ndarray:
+    """Mean level of the half of the field that each row lies in, DN.
+
+    The rows of a half are told about their own mean; the blocks of both have one origin.
+    """
+    levels = []
+    for setting in range(len(clues.points)):
+        blocks = curve(clues, "block_means", setting)
+        if blocks is not None and blocks.ndim == 2 and np.isfinite(blocks).all():
+            upper, lower = np.array_split(blocks.mean(axis=1), 2)
+            levels.append([upper.mean(), lower.mean()] - blocks.mean())
+    if not levels:
+        return np.zeros(places.size)
+    half = np.repeat([0, 1], [(places.size + 1) // 2, places.size // 2])
+    return np.asarray(np.median(levels, axis=0)[half])
 
 
 def _told(levels: np.ndarray) -> tuple[float, ...]:
@@ -94,19 +153,30 @@ def _blocks(clues: Clues) -> np.ndarray:
 
     Steps show in the columns, those of two wide taps as shading alone.
     """
-    strips = strip_profile(clues)
-    counts = [p for p in _STRIPS if strips.size >= 2 * p]
+    blocks = strip_profile(clues)
+    counts = [p for p in _STRIPS if blocks.size >= 2 * p]
     if not counts or not shows(clues, _SEAMS, 0):
         return np.empty(0)
     levels, share = {}, {}
     for taps in counts:
-        ends = np.linspace(0.0, taps, strips.size + 1)  # of the blocks, in taps
+        ends = np.linspace(0.0, taps, blocks.size + 1)  # of the blocks, in taps
         tap = np.arange(taps)[None, :]
         within = np.minimum(ends[1:, None], tap + 1) - np.maximum(ends[:-1, None], tap)
         member = np.clip(within, 0.0, None) / np.diff(ends)[:, None]
-        levels[taps] = np.linalg.lstsq(member, strips, rcond=None)[0]
-        share[taps] = 1.0 - float(np.var(strips - member @ levels[taps]) / np.var(strips))
-    return np.asarray(levels[_fewest(share)])
+        levels[taps] = np.linalg.lstsq(member, blocks, rcond=None)[0]
+        share[taps] = 1.0 - float(np.var(blocks - member @ levels[taps]) / np.var(blocks))
+    taps = _fewest(share)
+    return np.asarray(levels[taps]) if share[taps] > _of_curve(blocks, taps) else np.empty(0)
+
+
+def _of_curve(profile: np.ndarray, numbers: int) -> float:
+    """Share of a profile's variance that a polynomial of so many coefficients explains.
+
+    A smooth profile is no staircase: steps must explain more than a curve of as many numbers.
+    """
+    terms = np.polynomial.legendre.legvander(np.linspace(-1, 1, profile.size), numbers - 1)
+    left = profile - terms @ np.linalg.lstsq(terms, profile, rcond=None)[0]
+    return 1.0 - float(np.var(left) / np.var(profile))
 
 
 def _fewest(share: dict[int, float]) -> int:

@@ -103,3 +103,82 @@ def test_guess_sees_which_settings_slip_and_turns_the_others_to_agree():
     assert [effect.value("slip", p) for p in points] == [0.0, 1.0, 0.0]
     assert effect.sigma == pytest.approx(np.std(levels), rel=1e-6)
     assert sorted(effect.levels) == pytest.approx([-0.7071, -0.7071, 1.4142], abs=1e-3)
+
+
+def test_unequal_strips_have_the_stated_rms_over_the_columns():
+    effect = ColumnTaps(10.0, "blocks", levels=(1.0, -3.0, 0.0), begins=(62.0, 200.0))
+    line = added(effect, 1, (4, 350))[0, 0]
+    widths = [62, 138, 150]
+    level = np.array([1.0, -3.0, 0.0])
+    level -= np.average(level, weights=widths)
+    level *= 10.0 / np.sqrt(np.average(level**2, weights=widths))
+    np.testing.assert_allclose(line, np.repeat(level, widths), atol=1e-4)
+
+
+def test_strips_of_rows_are_those_of_columns_turned():
+    named = {"levels": (1.0, -1.0), "begins": (30.0,)}
+    rows = added(ColumnTaps(5.0, "blocks", axis="rows", **named), 1, (100, 40))[0]
+    columns = added(ColumnTaps(5.0, "blocks", **named), 1, (40, 100))[0]
+    np.testing.assert_allclose(rows, columns.T, atol=1e-4)
+
+
+@pytest.mark.parametrize("side", ["after", "before", "both"])
+def test_a_step_settles_exponentially_beside_its_edge(side):
+    named = {"levels": (1.0, 0.0), "begins": (40.0,)}
+    plain = added(ColumnTaps(5.0, "blocks", **named), 1, (4, 100))[0, 0]
+    settled = added(ColumnTaps(5.0, "blocks", settle=0.4, length=6.0, side=side, **named), 1,
+                    (4, 100))[0, 0]  # fmt: skip
+    step = plain[99] - plain[0]
+    wanted = np.zeros(100)
+    if side != "before":
+        wanted[40:] -= 0.4 * step * np.exp(-np.arange(60) / 6.0)
+    if side != "after":
+        wanted[39::-1] += 0.4 * step * np.exp(-np.arange(40) / 6.0)
+    np.testing.assert_allclose(settled - plain, wanted, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"begins": (5.0, 5.0)}, {"begins": (0.0,)}, {"begins": (4.0,), "kind": "interleaved"}],
+)
+def test_edges_that_make_no_strips_are_refused(wrong):
+    with pytest.raises(InputError, match=r"column_taps\.begins"):
+        ColumnTaps(2.0, **({"kind": "blocks"} | wrong))
+
+
+def bowl(n):
+    x = np.linspace(-1, 1, n)
+    return 6.0 * x**2 + 3.0 * x
+
+
+def test_guess_finds_one_step_of_unequal_strips_beside_a_bowl():
+    rng = np.random.default_rng(8)
+    profile = 20.0 * (np.arange(350) < 62) + bowl(350) + rng.standard_normal(350)
+    seen = Given((350, 350), off={"shading_1_0": 9.0}, profiles={"columns": [profile]})
+    (effect,) = ColumnTaps.guess(seen)
+    assert effect.begins == (62.0,)
+    # rms over the columns of a step h at a share p: h sqrt(p (1 - p)); the cubic beside it takes
+    # some of the step, whose standard error is then .4 DN
+    assert effect.sigma == pytest.approx(20.0 * np.sqrt(62 * 288) / 350, abs=5 * 0.4 * 0.4)
+
+
+def test_guess_finds_a_step_of_rows_at_the_seam_of_the_halves():
+    rng = np.random.default_rng(9)
+    level = np.repeat([0.0, 4.0], 128) + 0.3 * rng.standard_normal(256)
+    halves = np.concatenate([part - part.mean() for part in np.split(level, 2)])
+    blocks = np.repeat(level.reshape(16, 16).mean(axis=1)[:, None], 16, axis=1)
+    seen = Given(
+        off={"shading_0_1": 9.0}, profiles={"rows": [halves]}, curves={"block_means": [blocks]}
+    )
+    (effect,) = ColumnTaps.guess(seen)
+    assert (effect.axis, effect.begins) == ("rows", (128.0,))
+
+
+def test_guess_sees_no_strips_in_a_smooth_profile():
+    rng = np.random.default_rng(10)
+    line = bowl(256) + 4.0 * np.sin(np.arange(256) / 30.0) + 0.1 * rng.standard_normal(256)
+    blocks = np.repeat(line.reshape(16, 16).mean(axis=1)[None, :], 16, axis=0)
+    seen = Given(
+        off={"shading_1_0": 9.0}, profiles={"columns": [line]}, curves={"block_means": [blocks]}
+    )
+    assert ColumnTaps.guess(seen) == []

@@ -60,6 +60,12 @@ MODELS = {
         "flicker_fpn": {"rms": 0.1, "form": "scaled"},
         "offset_drift": {"step": 0.02, "form": "scaled"},
     },
+    "settling strips of rows": PAPER | {
+        "column_taps": {
+            "kind": "blocks", "levels": (2.0, -1.0, 0.0), "begins": (9.0, 20.0), "axis": "rows",
+            "settle": 0.5, "side": "both",
+        },
+    },
     "fades on the host": PAPER | {"persistence": {}, "dark_shot_noise": {}},
     "codes on the host": PAPER | {"missing_codes": {}, "black_clipping": {}},
 }  # fmt: skip
