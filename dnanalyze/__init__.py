@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from dnanalyze.checking.check import CheckResult, check
     from dnanalyze.checking.targets import load_targets
     from dnanalyze.comparator.compare import Comparison, compare
+    from dnanalyze.description.describe import Description, describe
     from dnanalyze.detection.detect import detect
     from dnanalyze.detection.results import Detection
     from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
@@ -48,6 +49,7 @@ __all__ = [
     "CaptureSet",
     "CheckResult",
     "Comparison",
+    "Description",
     "Detection",
     "Diagnosis",
     "Effect",
@@ -68,6 +70,7 @@ __all__ = [
     "check",
     "choice",
     "compare",
+    "describe",
     "detect",
     "diagnose",
     "dump_model",
@@ -89,6 +92,7 @@ _HOME = {
     "dnanalyze.checking.check": ("CheckResult", "check"),
     "dnanalyze.comparator.compare": ("Comparison", "compare"),
     "dnanalyze.checking.targets": ("load_targets",),
+    "dnanalyze.description.describe": ("Description", "describe"),
     "dnanalyze.detection.detect": ("detect",),
     "dnanalyze.detection.results": ("Detection",),
     "dnanalyze.diagnosis.diagnose": ("Diagnosis", "diagnose"),

@@ -83,3 +83,15 @@ def symbol(unit: str) -> str:
 def unit_text(unit: str) -> str:
     """What stands behind a number: a space and the unit, or nothing."""
     return f" {symbol(unit)}" if symbol(unit) else ""
+
+
+def with_error(value: Any, error: Any, unit: str = "") -> str:
+    """``1.23 ± 0.04 DN``, the error to two digits and the value to the same decimal place."""
+    tail = unit_text(unit)
+    if not (is_number(value) and is_number(error)) or error <= 0:
+        return number(value) + tail
+    places = 1 - math.floor(math.log10(error))
+    value, error, decimals = round(value, places), round(error, places), max(0, places)
+    if decimals > 6 or abs(value) >= 1e6:
+        return f"{number(value, 4)} ± {number(error, 2)}{tail}"
+    return f"{minus(f'{value:,.{decimals}f}')} ± {error:,.{decimals}f}{tail}"

@@ -126,6 +126,7 @@ ModelOut = Annotated[
     ),
 ]
 
+FILES = _FILES
 STEER = "When to stop"
 Exclude = Annotated[
     list[str] | None,

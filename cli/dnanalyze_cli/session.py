@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -257,10 +257,11 @@ class Session:
         page: Callable[[], str] | None = None,
         table: Callable[[], Any] | None = None,
         model: Callable[[], str] | None = None,
+        more: Mapping[Path, str] | None = None,
     ) -> None:
-        """Write what was asked for; everything is made before the first file appears."""
+        """Write what was asked for, and ``more`` files, all made before the first appears."""
         with self.progress("Writing the results"):
-            made = self._made(content, page, table, model)
+            made = [*self._made(content, page, table, model), *(more or {}).items()]
             write_together({path: text for path, text in made if path != STDOUT})
         for path, text in made:
             if path == STDOUT:

@@ -160,6 +160,33 @@ def diagnosis(where: str, result: Any) -> Document:
     )
 
 
+def description(where: str, result: Any, output: Path | None = None) -> Document:
+    """What no effect of the catalogue explains, in words and numbers."""
+    effect = result.effect
+    return document(
+        "describe",
+        where,
+        verdict=result.verdict,
+        headline=words.describe_headline(result),
+        description=result.text,
+        error_before=result.error_before,
+        error_after=result.error_after,
+        confidence=result.confidence,
+        after=result.after,
+        composite=None if effect is None else effect.to_plain(),
+        numbers=[_fields(n, "name", "value", "se", "unit", "in_model") for n in result.numbers],
+        evidence=result.evidence,
+        nearest=[_fields(n, "effect", "error_after", "why") for n in result.nearest],
+        removed=result.removed,
+        others=result.others,
+        next_capture=result.next_capture,
+        finished=result.finished,
+        effects=result.model.names,
+        model=output,
+        fitted=result.model.to_plain(),
+    )
+
+
 def refinement(
     where: str, result: Any, output: Path | None, headline: str | None = None
 ) -> Document:

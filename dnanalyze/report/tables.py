@@ -81,6 +81,12 @@ def candidates(result: Any) -> pd.DataFrame:
     return _frame(rows)
 
 
+def description(result: Any) -> pd.DataFrame:
+    """The numbers of a description."""
+    keys = ("name", "value", "se", "unit", "in_model")
+    return _frame([{k: getattr(n, k) for k in keys} for n in result.numbers])
+
+
 def laws(
     measured: Any, without: Collection[str] = ()
 ) -> tuple[list[str], list[tuple[str, list[Any], str]]]:

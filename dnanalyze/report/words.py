@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from dnanalyze.digits import is_number, minus, number, symbol, unit_text
+from dnanalyze.digits import is_number, minus, number, symbol, unit_text, with_error
 from dnanalyze.loaders.captures import OperatingPoint
 
 FAMILIES = {
@@ -27,18 +27,6 @@ FAMILIES = {
 def family_title(name: str) -> str:
     """Heading of a family of statistics."""
     return FAMILIES.get(name, name.replace("_", " ").capitalize())
-
-
-def with_error(value: Any, error: Any, unit: str = "") -> str:
-    """``1.23 ± 0.04 DN``, the error to two digits and the value to the same decimal place."""
-    tail = unit_text(unit)
-    if not (is_number(value) and is_number(error)) or error <= 0:
-        return number(value) + tail
-    places = 1 - math.floor(math.log10(error))
-    value, error, decimals = round(value, places), round(error, places), max(0, places)
-    if decimals > 6 or abs(value) >= 1e6:
-        return f"{number(value, 4)} ± {number(error, 2)}{tail}"
-    return f"{minus(f'{value:,.{decimals}f}')} ± {error:,.{decimals}f}{tail}"
 
 
 def celsius(value: Any) -> str:
@@ -257,6 +245,22 @@ def _diagnosed(found: Any) -> str:
     if best.leaves:
         return sentence(f"{text}, but it does not explain {statistics_named(best.leaves)}")
     return sentence(f"{text}, but these captures do not support it; not explained: {left}")
+
+
+def describe_headline(found: Any) -> str:
+    """The sentence of a description, and what the structure does to the model error."""
+    if not is_number(found.error_after):
+        return found.text
+    text = f"{found.text} With it {error_way(found.error_before, found.error_after)}"
+    text += f", confidence {percent(found.confidence)}"
+    if found.verdict == "possible":
+        return sentence(f"Possible, not supported by these captures: {text}")
+    text += (
+        "; the model is then adequate"
+        if found.after == "adequate"
+        else ("; another structure remains unexplained")
+    )
+    return sentence(text)
 
 
 def _timed_out(found: Any, others: Sequence[Any]) -> str:

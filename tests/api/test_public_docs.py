@@ -17,7 +17,14 @@ ROOT = Path(__file__).resolve().parents[2]
 LEFT_OUT = {"GL01", "ES01", "SA01", "SA04", "EX01"}
 OTHERS = {"dnanalyze.model.effect.Stage": {"PR01"}}
 RESULT = ("plot", "save", "summary", "to_dataframe", "to_dict")
-SLOW = {"add", "benchmark", "compare", "diagnose", "refine"}  # their examples simulate a lot
+SLOW = {
+    "add",
+    "benchmark",
+    "compare",
+    "describe",
+    "diagnose",
+    "refine",
+}  # their examples simulate a lot
 
 
 def public():

@@ -1,0 +1,1 @@
+"""What is in no catalogue: residual layers, words that estimate their structure, descriptions."""

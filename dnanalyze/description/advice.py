@@ -1,0 +1,31 @@
+"""Which captures would tell more of a structure."""
+
+from __future__ import annotations
+
+from dnanalyze.description.layers import Layers
+from dnanalyze.model.composite.effect import CompositeEffect
+
+MANY = 16  # frames from which time constants are told
+
+
+def more_captures(effect: CompositeEffect, seen: Layers) -> list[str]:
+    """Captures that would settle what these leave open."""
+    points = seen.points
+    told = []
+    if len({p.temperature_c for p in points}) < 3:
+        told.append("Three temperatures or more: they give the law over temperature.")
+    if len({p.exposure_s for p in points}) < 2:
+        told.append(
+            "A second exposure time at the warmest operating point: it distinguishes what grows "
+            "with the dark charge from what grows with the temperature alone."
+        )
+    if len({p.gain for p in points}) < 2 and effect.what == "level":
+        told.append(
+            "A second analog gain: the structure follows it where it is made before the amplifier."
+        )
+    if effect.when == "frame" and max(len(t.frames) for t in seen.taken) < MANY:
+        told.append(
+            f"{2 * MANY} frames at one operating point: they tell whether values persist from "
+            "frame to frame, and how they are distributed."
+        )
+    return told

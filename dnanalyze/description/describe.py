@@ -1,0 +1,347 @@
+"""Describe what no effect of the catalogue explains, add it, and judge the model with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from dnanalyze.description.advice import more_captures
+from dnanalyze.description.found import Estimate
+from dnanalyze.description.layers import Layers, chance, layers
+from dnanalyze.description.look import Look, look
+from dnanalyze.description.nearest import Nearest, nearest
+from dnanalyze.description.search import by_chance, searched
+from dnanalyze.description.words import sentence
+from dnanalyze.diagnosis.adequacy import FEW, adequacy
+from dnanalyze.diagnosis.confidence import STANDS_IN, confidence_of
+from dnanalyze.diagnosis.diagnose import missing
+from dnanalyze.diagnosis.evidence import evidence_for
+from dnanalyze.diagnosis.needless import needless
+from dnanalyze.diagnosis.trial import Trial, error_of, judged
+from dnanalyze.digits import number
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import with_seed
+from dnanalyze.fitting.from_part import fitted_in_time
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.located import located
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.model.composite.source import own_effect
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
+from dnanalyze.result import Result
+
+MOST = 2  # layers whose best structure is put into the model and refitted
+STEPS = 8  # of such a refit
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a structure: as its layer tells it with a standard error, and in the model."""
+
+    name: str
+    value: float
+    se: float
+    unit: str
+    in_model: float
+
+
+@dataclass(frozen=True, repr=False)
+class Description(Result):
+    """What no effect of the catalogue explains, in words and numbers.
+
+    Parameters
+    ----------
+    captures : str
+        Name of the captures.
+    verdict : str
+        "described", "possible" (the error does not fall, or the data do not support it), "nothing"
+        (no structure beyond chance) or "adequate" (the model leaves nothing to describe).
+    text : str
+        The sentence.
+    error_before, error_after : float
+        Model error without and with the structure; NaN where none was put in.
+    confidence : float
+        That it is there, as for an effect of the catalogue; NaN where none was put in.
+    after : str
+        "adequate" or "unexplained": the model with it.
+    effect : CompositeEffect or None
+        The structure, as its layer states it.
+    numbers : list of Number
+        Its numbers.
+    evidence : list of str
+        What it puts right.
+    nearest : list of Nearest
+        The nearest effects of the catalogue and why they fail.
+    removed : list of str
+        Effects that the model does without once it is in.
+    next_capture : list of str
+        What would tell more.
+    others : list of str
+        Sentences on further structures of the layers.
+    model : NoiseModel
+        With the structure, refitted; as it was where none is supported.
+    look : Look or None
+        What the figure shows.
+    finished : bool
+        Whether all was refitted in time.
+    capture_set : CaptureSet, optional
+        The measured frames.
+    """
+
+    captures: str
+    verdict: str
+    text: str
+    error_before: float
+    error_after: float
+    confidence: float
+    after: str
+    effect: CompositeEffect | None
+    numbers: list[Number]
+    evidence: list[str]
+    nearest: list[Nearest]
+    removed: list[str]
+    next_capture: list[str]
+    others: list[str]
+    model: NoiseModel
+    look: Look | None = None
+    finished: bool = True
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        return f"{self.captures}, {self.verdict}, model error {number(self.error_before)}"
+
+    def source(self) -> str:
+        """Python source of the structure as a user's own effect, with the numbers of the model.
+
+        Returns
+        -------
+        str
+            A file for ``--effects``, which draws the frames of the model to the last bit.
+
+        Raises
+        ------
+        InputError
+            Nothing was found.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> found = dnanalyze.describe(tiny(), budget=60)  # doctest: +SKIP
+        >>> print(found.source())  # doctest: +SKIP
+        """
+        made = self.model.get(CompositeEffect.name) or self.effect
+        if not isinstance(made, CompositeEffect):
+            raise InputError("describe: nothing was found that could be written as an effect")
+        return own_effect(made, self.text.split(":")[0])
+
+
+def describe(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    budget: float | None = None,
+    effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
+    held: Bench | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Description:
+    """Describe what no effect of the catalogue explains, and add it to a model.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        Dark frames.
+    model : NoiseModel, optional
+        What is known: the model that `refine` ends with. By default what every sensor has.
+    budget : float, optional
+        Seconds after which the refits end; what was found by then is returned.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    seed : int, optional
+        Seed of the simulated sensor; by default the model's.
+    known : mapping, optional
+        All effects by name: the former word for ``effects``.
+    held : Bench, optional
+        Statistics taken earlier.
+    tell : callable
+        Called with a line of progress.
+
+    Returns
+    -------
+    Description
+        The structure in words and numbers, and the model with it.
+
+    Raises
+    ------
+    InputError
+        The model has a composite effect already, or the captures are too small to halve.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> found = dnanalyze.describe(tiny(), budget=60)
+    >>> found.captures
+    'virtual sensor'
+    """
+    limit = TimeLimit.after(budget)
+    if model is not None and model.get(CompositeEffect.name) is not None:
+        raise InputError(
+            "model: it holds the effect 'composite' already; describe takes a model without it"
+        )
+    held = held or bench(design(captures))
+    if model is None:
+        from dnanalyze.fitting.fit import ordinary_start
+
+        model = ordinary_start(held)
+    begun = located(held, with_seed(held, model, seed) or model)
+    tell("fitting the model")
+    state = fitted_in_time(held.within(limit), begun)
+    if adequacy(held, state, FEW).adequate:
+        text = "Nothing to describe: no misfit of the model exceeds chance in these captures."
+        return replace(_without(captures, held, state, "adequate", text), after="adequate")
+    return described(captures, held, state, known_effects(effects, known), limit, tell)
+
+
+def described(
+    captures: CaptureSet,
+    held: Bench,
+    state: State,
+    known: Mapping[str, type[Effect]],
+    limit: TimeLimit,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Description:
+    """The description of what a fitted model leaves."""
+    tell("residual layers")
+    seen = layers(held.plan, state.model)
+    base = tuple(e for e in state.model.effects if e.name in (BASE, *EVERYDAY))
+    simulated = chance(held.plan, replace(state.model, effects=base))
+    tell("structures in the layers")
+    found = searched(seen, by_chance(simulated), state.model.reference)
+    if not found:
+        text = (
+            "No structure of the grammar exceeds chance in the residual layers: "
+            "what the model misses is not in the geometry of the frames."
+        )
+        return _without(captures, held, state, "nothing", text)
+    return _judged(captures, held, state, known, limit, tell, seen, found)
+
+
+def _judged(
+    captures: CaptureSet,
+    held: Bench,
+    state: State,
+    known: Mapping[str, type[Effect]],
+    limit: TimeLimit,
+    tell: Callable[[str], None],
+    seen: Layers,
+    found: list[Estimate],
+) -> Description:
+    """The structures put in and refitted, the best of them described."""
+    error, limited, finished = error_of(held, state), held.within(limit), True
+    tried: list[tuple[Estimate, Trial]] = []
+    try:
+        for one in _best_of_layers(found)[:MOST]:
+            tell(f"refitting with {one.effect.where}")
+            larger = state.model.with_effect(one.effect)
+            begun = start(limited, larger, knobs_of(larger), like=state)
+            ended = minimise(limited, begun, STEPS)
+            tried.append((one, judged(held, state, CompositeEffect.name, ended)))
+    except TimeUp:
+        finished = False
+    if not tried:
+        told = _without(captures, held, state, "possible", sentence(found[0], seen))
+        return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
+    best, trial = max(tried, key=lambda pair: pair[1].standing)
+    supported = missing(held, state, [trial])
+    kept = supported or trial
+    sure = confidence_of(kept, [kept], error)
+    verdict = "described" if supported is not None else "possible"
+    ended = kept.state
+    removed: list[str] = []
+    if supported is None:
+        sure *= STANDS_IN
+    elif not limit.over:
+        tell("effects that the model does without")
+        ended, removed = needless(held, ended)
+        removed = [name for name in removed if name != CompositeEffect.name]
+        if ended.model.get(CompositeEffect.name) is None:
+            ended, removed = kept.state, []
+    why = evidence_for(held, state, ended, CompositeEffect)
+    near: list[Nearest] = []
+    if not limit.over:
+        tell("nearest effects of the catalogue")
+        near = nearest(held, state, ended, best.effect, known)
+    left = adequacy(held, ended, FEW)
+    return Description(
+        captures.name,
+        verdict,
+        sentence(best, seen),
+        error,
+        error_of(held, ended),
+        sure,
+        "adequate" if left.adequate else "unexplained",
+        best.effect,
+        _numbers(best, ended.model),
+        why,
+        near,
+        removed,
+        more_captures(best.effect, seen),
+        [sentence(e, seen) for e in found if _layer(e) != _layer(best)][:2],
+        ended.model if supported is not None else state.model,
+        look(best, seen),
+        finished,
+        captures,
+    )
+
+
+def _layer(found: Estimate) -> tuple[bool, bool]:
+    """The residual layer that shows it: of the noise, of the fixed pattern or of single frames."""
+    return found.effect.what == "noise", found.effect.when == "fixed"
+
+
+def _best_of_layers(found: list[Estimate]) -> list[Estimate]:
+    """The best of every layer: the layer tells geometries apart, the statistics do not."""
+    made: dict[tuple[bool, bool], Estimate] = {}
+    for one in found:
+        made.setdefault(_layer(one), one)
+    return list(made.values())
+
+
+def _numbers(found: Estimate, model: NoiseModel) -> list[Number]:
+    """The numbers of a structure that have an error."""
+    made = model.get(CompositeEffect.name) or found.effect
+    infos = CompositeEffect.parameters()
+    return [
+        Number(
+            name,
+            float(getattr(found.effect, name)),
+            float(error),
+            infos[name].unit,
+            made.value(name, model.reference),
+        )
+        for name, error in found.errors.items()
+        if name in infos and np.isfinite(error)
+    ]
+
+
+def _without(
+    captures: CaptureSet, held: Bench, state: State, verdict: str, text: str
+) -> Description:
+    """A description without a structure in the model."""
+    error, nan = error_of(held, state), float("nan")
+    return Description(
+        captures.name, verdict, text, error, nan, nan, "unexplained", None, [], [], [], [], [], [],
+        state.model, capture_set=captures,
+    )  # fmt: skip

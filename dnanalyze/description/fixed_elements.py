@@ -1,0 +1,106 @@
+"""Fixed values of elements: diagonals, blocks of pixels, quadrants and halves."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.description.blocks import block_form, block_means
+from dnanalyze.description.found import Estimate, Sizes
+from dnanalyze.description.layers import Layer, Layers, together
+from dnanalyze.description.random_size import random_size
+from dnanalyze.model.composite.effect import CompositeEffect
+
+GRID = 16  # blocks a side, over which steps are told from shading
+
+
+def fixed_elements(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate]:
+    """Diagonals, blocks, quadrants and halves that the maps may show."""
+    layer = together(maps, growth)
+    found = [_diagonals(seen, maps, layer, slant) for slant in ("down", "up")]
+    form = block_form(seen, layer.map)
+    if form is not None:
+        found.append(_blocks(seen, maps, layer, form))
+    return found + _seams(seen, maps, growth)
+
+
+def _diagonals(seen: Layers, maps: list[Layer], layer: Layer, slant: str) -> Estimate:
+    """A value of every diagonal."""
+    number = seen.row - seen.column if slant == "down" else seen.row + seen.column
+    number = number - number.min()
+    count = np.bincount(number.ravel())
+    used = count >= 8
+
+    def means(m: Layer) -> np.ndarray:
+        rest = m.map - m.map.mean(axis=1, keepdims=True) - m.map.mean(axis=0) + m.map.mean()
+        return np.bincount(number.ravel(), rest.ravel())[used] / count[used]
+
+    *_, gain = random_size(means(layer), 1.0 / count[used])
+    sizes = [random_size(means(m), m.noise**2 / count[used])[:2] for m in maps]
+    effect = CompositeEffect(where="diagonal", slant=slant)
+    price = 2.0 * math.log(int(used.sum()))
+    return Estimate(effect, {}, gain, price, _squares(sizes), gain / layer.map.size)
+
+
+def _blocks(
+    seen: Layers, maps: list[Layer], layer: Layer, form: tuple[int, int, int, int]
+) -> Estimate:
+    """A value of every block."""
+    height, width, top, left = form
+    means, count = block_means(seen, layer.map, form)
+    *_, gain = random_size(means, 1.0 / count)
+    sizes = []
+    for m in maps:
+        value, number = block_means(seen, m.map, form)
+        sizes.append(random_size(value, m.noise**2 / number)[:2])
+    effect = CompositeEffect(where="block", height=height, width=width, top=top, left=left)
+    return Estimate(effect, {}, gain, 5.0 * math.log(means.size), _squares(sizes))
+
+
+def _seams(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate]:
+    """Steps between quadrants or halves, beyond what a surface of the second order explains."""
+    if min(maps[0].map.shape) < 4 * GRID or min(seen.window.shape) < 0.9 * min(seen.shape):
+        return []
+    rows, columns = (n // GRID for n in maps[0].map.shape)
+
+    def grid(m: np.ndarray) -> np.ndarray:
+        cut = m[: rows * GRID, : columns * GRID].reshape(GRID, rows, GRID, columns)
+        return np.asarray(cut.mean(axis=(1, 3))).ravel()
+
+    row, column = np.broadcast_arrays(seen.row + 0.0, seen.column + 0.0)
+    y, x = grid(row) / seen.shape[0] - 0.5, grid(column) / seen.shape[1] - 0.5
+    smooth = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    side_y, side_x = np.sign(y), np.sign(x)
+    steps = {
+        "rows": side_y[:, None],
+        "columns": side_x[:, None],
+        "quadrants": np.stack([side_y, side_x, side_y * side_x], axis=1),
+    }
+    found = []
+    layer = together(maps, growth)
+    for name, step in steps.items():
+        gain = 0.0
+        both = np.hstack([smooth, step])
+        data = grid(layer.map)
+        rest = data - smooth @ np.linalg.lstsq(smooth, data, rcond=None)[0]
+        left = data - both @ np.linalg.lstsq(both, data, rcond=None)[0]
+        noise = max(float(left @ left) / (data.size - both.shape[1]), 1.0 / (rows * columns))
+        gain = float(rest @ rest - left @ left) / noise
+        sizes = []
+        inverse = np.linalg.pinv(both.T @ both)[6:, 6:]
+        for m in maps:
+            value = np.linalg.lstsq(both, grid(m.map), rcond=None)[0][6:]
+            error = m.noise**2 / (rows * columns) * np.diag(inverse)
+            sizes.append(random_size(value, error)[:2])
+        given: dict[str, Any] = (
+            {"where": "quadrants"} if name == "quadrants" else {"where": "halves", "axis": name}
+        )
+        price = (1 + step.shape[1]) * math.log(data.size)
+        found.append(Estimate(CompositeEffect(**given), {}, gain, price, _squares(sizes)))
+    return found
+
+
+def _squares(sizes: list[tuple[float, float]]) -> Sizes:
+    return Sizes(np.array([s for s, _ in sizes]), np.array([e for _, e in sizes]), squares=True)

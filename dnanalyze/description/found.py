@@ -1,0 +1,153 @@
+"""What a word finds: an effect, its errors, what it explains; and the law of its size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How large a structure is at each operating point.
+
+    Parameters
+    ----------
+    values, errors : ndarray
+        Of the amplitude, or of its square, in DN.
+    squares : bool
+        Whether they are squares, as of random elements and of noise.
+    """
+
+    values: np.ndarray
+    errors: np.ndarray
+    squares: bool = False
+
+    @property
+    def amplitudes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitudes with standard errors, DN."""
+        if not self.squares:
+            return self.values, self.errors
+        size = np.sqrt(np.maximum(self.values, 0.0))
+        return size, self.errors / (2.0 * np.maximum(size, np.sqrt(self.errors) / 2.0))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A structure with its evidence.
+
+    Parameters
+    ----------
+    effect : CompositeEffect
+    errors : dict
+        Standard error by parameter.
+    explained : float
+        Twice the gain of the log likelihood of the layer.
+    price : float
+        What its numbers cost: ln n each, n the pixels or values that it is estimated from.
+    sizes : Sizes
+        Over the operating points.
+    share : float
+        Part of the residual variance of its layer that it explains.
+    """
+
+    effect: CompositeEffect
+    errors: dict[str, float]
+    explained: float
+    price: float
+    sizes: Sizes
+    share: float = 0.0
+    chance: float = field(default=0.0)
+
+    @property
+    def worth(self) -> float:
+        """What it explains beyond its price and beyond what chance explains."""
+        return self.explained - self.price - self.chance
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """What and where."""
+        return self.effect.what, self.effect.where
+
+
+def with_law(
+    found: Estimate, points: Sequence[OperatingPoint], dark: np.ndarray, reference: OperatingPoint
+) -> Estimate:
+    """The estimate with the law that its sizes follow over the operating points.
+
+    A constant, a share of the dark signal, or an Arrhenius law of its own: the least chi square
+    plus ln(operating points) a number.
+    """
+    values, errors = found.sizes.values, np.maximum(found.sizes.errors, 1e-12)
+    power = 2.0 if found.sizes.squares else 1.0
+    weight = 1.0 / errors**2
+    count = max(len(points), 2)
+
+    def scaled_to(growth: np.ndarray) -> tuple[float, float, float]:
+        shape = growth**power
+        total = float(np.sum(weight * shape**2))
+        size = float(np.sum(weight * shape * values)) / max(total, 1e-300)
+        chi = float(np.sum(weight * (values - size * shape) ** 2))
+        return size, 1.0 / math.sqrt(max(total, 1e-300)), chi
+
+    laws: list[tuple[float, CompositeEffect, dict[str, float]]] = []
+
+    def take(size: float, error: float, chi: float, numbers: int, **words: object) -> None:
+        if size <= 0:
+            return
+        amplitude = size ** (1.0 / power)
+        spread = error / power * amplitude / size
+        gains = words.get("what") == "gain"
+        name, least, most = ("gain", 1e-6, 10.0) if gains else ("amplitude", 1e-4, 1e4)
+        new = replace(found.effect, **{name: min(max(amplitude, least), most)}, **words)  # type: ignore[arg-type]
+        laws.append((chi + numbers * math.log(count), new, found.errors | {name: spread}))
+
+    ones = np.ones(len(points))
+    take(*scaled_to(ones), 1)
+    if len(points) > 1 and np.ptp(dark) > 0.1 * max(float(dark.max()), 1e-9):
+        if found.effect.what == "level":
+            take(*scaled_to(dark), 1, what="gain")
+        warm = [p.temperature_c for p in points]
+        if reference.temperature_c is not None and len({t for t in warm if t is not None}) > 2:
+            energies = np.linspace(-1.0, 2.0, 121)
+            tried = [scaled_to(_growth(points, reference, float(e))) for e in energies]
+            best = int(np.argmin([t[2] for t in tried]))
+            left = np.array([t[2] for t in tried]) - tried[best][2]
+            inside = energies[left < 1.0]
+            spread = max(float(np.ptp(inside)) / 2.0, 0.0125)
+            take(*tried[best], 2, law="thermal", ea_ev=float(energies[best]))
+            if laws and laws[-1][1].law == "thermal":
+                laws[-1][2]["ea_ev"] = spread
+    if not laws:
+        return replace(found, explained=0.0)
+    _, effect, told = min(laws, key=lambda x: x[0])
+    return replace(found, effect=effect, errors=told)
+
+
+def _growth(
+    points: Sequence[OperatingPoint], reference: OperatingPoint, ea_ev: float
+) -> np.ndarray:
+    """Arrhenius growth, with the exposure, from the reference to each point."""
+    at = reference.temperature_c
+    assert at is not None
+    return np.array(
+        [arrhenius(p.temperature_c, at, ea_ev) * p.exposure_over(reference) for p in points]
+    )
+
+
+def apparent_energy(points: Sequence[OperatingPoint], dark: np.ndarray) -> float | None:
+    """Activation energy of the dark signal between its extremes, eV."""
+    known = [(1.0 / (p.temperature_c + KELVIN), d) for p, d in zip(points, dark, strict=True)
+             if p.temperature_c is not None and d > 0]  # fmt: skip
+    if len(known) < 2:
+        return None
+    (cold, least), (warm, most) = max(known), min(known)
+    if cold == warm:
+        return None
+    return BOLTZMANN_EV * math.log(most / least) / (cold - warm)

@@ -1,0 +1,183 @@
+"""Residual layers over the operating points: fixed, temporal and variance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dnanalyze.fitting.design import Design
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
+from dnanalyze.model.laws import value_at
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+CLIP = 4.0  # robust standard deviations: of white noise .006 % lie beyond, hot pixels all
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A residual map at an operating point.
+
+    Parameters
+    ----------
+    map : ndarray
+        (rows, columns), DN, of mean about 0, hot pixels cut.
+    noise : float
+        Standard deviation of a pixel, DN, robust.
+    point : OperatingPoint
+        Where.
+    """
+
+    map: np.ndarray
+    noise: float
+    point: OperatingPoint
+
+
+@dataclass(frozen=True)
+class Taken:
+    """The frames of one operating point over a window.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+    frames : ndarray
+        (frames, rows, columns), float32, DN.
+    """
+
+    point: OperatingPoint
+    frames: np.ndarray
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """Mean frame, DN."""
+        return self.frames.mean(axis=0)
+
+    @property
+    def unclipped(self) -> np.ndarray:
+        """Frames less their pixel means, scaled to the variance of a frame."""
+        count = len(self.frames)
+        rest = self.frames - self.mean
+        rest *= np.float32(math.sqrt(count / (count - 1.0)))
+        return rest
+
+    @cached_property
+    def temporal(self) -> np.ndarray:
+        """The same with hot pixels cut."""
+        rest = self.unclipped
+        limit = np.float32(CLIP * robust(rest))
+        return np.clip(rest, -limit, limit, out=rest)
+
+    @cached_property
+    def noise(self) -> float:
+        """Temporal standard deviation of a pixel, DN, robust."""
+        return robust(self.temporal)
+
+    @cached_property
+    def fixed(self) -> Layer:
+        """The mean frame less its median."""
+        return self._fixed(self.mean)
+
+    def half(self, odd: int) -> Layer:
+        """The same of the even or of the odd frames."""
+        return self._fixed(self.frames[odd::2].mean(axis=0))
+
+    def _fixed(self, mean: np.ndarray) -> Layer:
+        rest = (mean - np.median(mean)).astype(float)
+        noise = robust(rest)
+        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, self.point)
+
+    @cached_property
+    def variance(self) -> Layer:
+        """The temporal variance of the pixels less its mean, DN^2."""
+        found = self.frames.var(axis=0, ddof=1, dtype=float)
+        middle, noise = float(np.median(found)), robust(found)
+        cut = np.minimum(found, middle + 6.0 * noise)
+        return Layer(cut - cut.mean(), float(cut.std()), self.point)
+
+
+@dataclass(frozen=True)
+class Layers:
+    """All operating points, and where they lie in the frame.
+
+    Parameters
+    ----------
+    taken : tuple of Taken
+    window : Window
+        Of the frame.
+    shape : tuple of int
+        Full frame.
+    dark : ndarray
+        Mean dark signal of the model, DN, one an operating point.
+    """
+
+    taken: tuple[Taken, ...]
+    window: Window
+    shape: tuple[int, int]
+    dark: np.ndarray
+
+    @property
+    def points(self) -> list[OperatingPoint]:
+        """Operating points in order."""
+        return [t.point for t in self.taken]
+
+    @property
+    def several(self) -> bool:
+        """Whether there are frames to compare."""
+        return all(len(t.frames) > 1 for t in self.taken)
+
+    @cached_property
+    def row(self) -> np.ndarray:
+        """Row numbers in the full frame, a column vector."""
+        return np.arange(self.window.top, self.window.bottom)[:, None]
+
+    @cached_property
+    def column(self) -> np.ndarray:
+        """Column numbers in the full frame, a row vector."""
+        return np.arange(self.window.left, self.window.right)[None, :]
+
+
+def robust(values: np.ndarray) -> float:
+    """Standard deviation by the quartiles of a sample of the values, never 0."""
+    flat = values.reshape(-1)
+    low, high = np.percentile(flat[:: max(1, flat.size // 200_000)], (25, 75))
+    return max(float(high - low) / 1.349, 1e-6)
+
+
+def layers(plan: Design, model: NoiseModel) -> Layers:
+    """The layers of captures."""
+    return _of(plan.captures, plan, model)
+
+
+def chance(plan: Design, model: NoiseModel) -> Layers:
+    """The same of a simulated sensor of the model: what a word finds there is chance."""
+    made = simulate(model, plan.shape, plan.settings, sensor=plan.captures.sensor)
+    return _of(made, plan, model)
+
+
+def _of(captures: CaptureSet, plan: Design, model: NoiseModel) -> Layers:
+    train, test = plan.windows
+    window = Window(train.top, test.bottom, train.left, train.right)
+    taken = tuple(
+        Taken(s.point, np.stack([f.read(window) for f in s.frames]).astype(np.float32))
+        for s in captures.settings
+    )
+    levels = [float(t.mean.mean()) for t in taken]
+    dark = [
+        max(level - value_at(model.pedestal, t.point), 0.0)
+        for level, t in zip(levels, taken, strict=True)
+    ]
+    return Layers(taken, window, plan.shape, np.array(dark))
+
+
+def together(maps: Sequence[Layer], growth: np.ndarray) -> Layer:
+    """The map that tells most of a pattern whose size grows so over the operating points."""
+    weight = [g / m.noise**2 for g, m in zip(growth, maps, strict=True)]
+    total = math.fsum(g * w for g, w in zip(growth, weight, strict=True))
+    made = sum(w * m.map for w, m in zip(weight, maps, strict=True)) / max(total, 1e-300)
+    assert isinstance(made, np.ndarray)
+    noise = robust(made)
+    return Layer(np.clip(made, -CLIP * noise, CLIP * noise) / noise, 1.0, maps[0].point)

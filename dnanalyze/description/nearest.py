@@ -1,0 +1,87 @@
+"""The nearest effects of the catalogue, and why they fail."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dnanalyze.diagnosis.evidence import evidence_against
+from dnanalyze.diagnosis.screening import prospects
+from dnanalyze.diagnosis.trial import error_of
+from dnanalyze.digits import number
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, minimise
+from dnanalyze.fitting.least_squares import start as begun_at
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.model.effect import Effect
+
+STEPS = 4
+# By geometry and time: what the catalogue has that leaves power at the same place.
+NEAR = {
+    ("wave", "fixed"): ("periodic_pattern", "cfa_mismatch"),
+    ("rings", "fixed"): ("periodic_pattern", "flicker_fpn"),
+    ("diagonal", "fixed"): ("flicker_fpn", "periodic_pattern"),
+    ("block", "fixed"): ("column_taps", "cfa_mismatch"),
+    ("quadrants", "fixed"): ("dark_gradient", "column_taps"),
+    ("halves", "fixed"): ("dark_gradient", "column_taps"),
+    ("surface", "frame"): ("offset_drift", "flicker_noise"),
+    ("quadrants", "frame"): ("offset_drift", "flicker_noise"),
+    ("halves", "frame"): ("offset_drift", "row_noise"),
+    ("blob", "frame"): ("flicker_noise", "cosmic_rays"),
+    ("block", "frame"): ("crosstalk", "denoise"),
+    ("column_segments", "frame"): ("column_noise", "rts"),
+    ("row_segments", "frame"): ("row_noise", "rts"),
+    ("row", "fixed"): ("row_noise", "heavy_tailed_read_noise"),
+    ("column", "fixed"): ("column_noise", "heavy_tailed_read_noise"),
+}
+NOISE = ("column_noise", "heavy_tailed_read_noise")
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """An effect of the catalogue instead of the structure.
+
+    Parameters
+    ----------
+    effect : str
+    error_after : float
+        Model error with it; NaN where it shows no sign or is in the model already.
+    why : str
+        Why it fails.
+    """
+
+    effect: str
+    error_after: float
+    why: str
+
+
+def nearest(
+    held: Bench,
+    state: State,
+    ended: State,
+    effect: CompositeEffect,
+    known: Mapping[str, type[Effect]],
+) -> list[Nearest]:
+    """Two effects, each refitted instead of the structure."""
+    names = (
+        NOISE
+        if effect.what == "noise" and effect.where in ("wave", "rings")
+        else NEAR.get((effect.where, effect.when), ())
+    )
+    nan = float("nan")
+    found = []
+    for name in [n for n in names if n in known]:
+        if state.model.get(name) is not None:
+            error = error_of(held, state)
+            found.append(Nearest(name, error, f"in the model already, at {number(error)}"))
+            continue
+        seen = prospects(held, state, {name: known[name]})
+        if not seen:
+            found.append(Nearest(name, nan, "no sign of it in the statistics"))
+            continue
+        begun = begun_at(held, seen[0].model, knobs_of(seen[0].model), like=state)
+        rival = minimise(held, begun, STEPS)
+        why = evidence_against(held, rival, ended, name, CompositeEffect.name)
+        found.append(Nearest(name, error_of(held, rival), why or "explains nearly as much"))
+    return found

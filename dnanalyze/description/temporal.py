@@ -1,0 +1,295 @@
+"""Structure that is new in every frame: surfaces, quadrants, spots, pairs and jumping lines."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.signal import fftconvolve
+
+from dnanalyze.description.blocks import block_form
+from dnanalyze.description.found import Estimate, Sizes
+from dnanalyze.description.layers import Layers
+from dnanalyze.description.random_size import random_size
+from dnanalyze.model.composite.effect import CompositeEffect
+
+GRID = 16  # blocks a side of the coarse frames
+TWO_LEVEL = 1.5  # fourth moment over the square of the second: 1 of two levels, 3 of a normal
+ENOUGH = 16  # values from which that ratio tells (sqrt(24 / 16) = 1.2 of a normal)
+JUMP = 5.0  # standard errors by which the mean bridge of a jumping line exceeds chance
+
+
+def temporal(seen: Layers) -> list[Estimate]:
+    """All that the temporal layer may show."""
+    if not seen.several:
+        return []
+    found = [*_pairs(seen), *_segments(seen)]
+    if min(seen.window.shape) >= 4 * GRID:
+        coarse = [_coarse(t.unclipped) for t in seen.taken]
+        pixels = math.prod(n // GRID for n in seen.window.shape)
+        noise = [t.noise**2 / pixels for t in seen.taken]
+        found += [_surface(seen, coarse, noise), *_parts(seen, coarse, noise)]
+        found.append(_spot(seen, coarse, noise))
+    return found
+
+
+def _coarse(frames: np.ndarray) -> np.ndarray:
+    """Means of GRID x GRID blocks, (frames, GRID, GRID)."""
+    rows, columns = (n // GRID for n in frames.shape[1:])
+    cut = frames[:, : rows * GRID, : columns * GRID]
+    return cut.reshape(len(frames), GRID, rows, GRID, columns).mean(axis=(2, 4), dtype=float)
+
+
+def _places(seen: Layers) -> tuple[np.ndarray, np.ndarray]:
+    """(y, x) of the blocks, from -1/2 to 1/2 over the frame."""
+    rows, columns = (n // GRID for n in seen.window.shape)
+    y = seen.window.top + (np.arange(GRID) + 0.5) * rows - 0.5
+    x = seen.window.left + (np.arange(GRID) + 0.5) * columns - 0.5
+    return np.meshgrid(y / seen.shape[0] - 0.5, x / seen.shape[1] - 0.5, indexing="ij")
+
+
+def _of_series(
+    series: list[np.ndarray], chance: list[float], unit: float
+) -> tuple[Sizes, float, np.ndarray]:
+    """Sizes, gain and all values over their spread, from amplitudes frame by frame.
+
+    ``unit``: what a value stands for, in amplitudes of the effect.
+    """
+    found = [random_size(s, c) for s, c in zip(series, chance, strict=True)]
+    frames = np.array([len(s) for s in series])
+    gain = float(np.sum([f[2] for f in found] * (frames - 1.0) / frames))
+    sizes = Sizes(
+        np.array([f[0] for f in found]) * unit**2,
+        np.array([f[1] for f in found]) * unit**2 * np.sqrt(frames / (frames - 1.0)),
+        squares=True,
+    )
+    shares = [
+        s / math.sqrt(max(f[0] + c, 1e-300)) for s, f, c in zip(series, found, chance, strict=True)
+    ]
+    return sizes, gain, np.concatenate([s.ravel() for s in shares])
+
+
+def _distribution(values: np.ndarray) -> str:
+    """Normal, or two levels, by the fourth moment."""
+    if values.size < ENOUGH:
+        return "normal"
+    ratio = float(np.mean(values**4) / np.mean(values**2) ** 2)
+    return "two_level" if ratio < TWO_LEVEL else "normal"
+
+
+def _surface(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Estimate:
+    """One low-order surface whose sign and size are new in every frame."""
+    flat = [c.reshape(len(c), -1) - c.mean(axis=(1, 2))[:, None] for c in coarse]
+    white = np.concatenate([f / math.sqrt(n) for f, n in zip(flat, noise, strict=True)])
+    shape = np.linalg.svd(white, full_matrices=False)[2][0]
+    y, x = (p.ravel() for p in _places(seen))
+    basis = np.stack([x, y, x * x, x * y, y * y], axis=1)
+    numbers = np.linalg.lstsq(basis - basis.mean(axis=0), shape, rcond=None)[0]
+    numbers = numbers / np.abs(numbers).max()
+    # what is within its error of 0 is 0: a coefficient of the shape has that of its values
+    numbers = np.where(np.abs(numbers) < 0.05, 0.0, np.round(numbers, 3))
+    made = (basis - basis.mean(axis=0)) @ numbers
+    made = made / made.std()
+    series = [f @ made / made.size for f in flat]
+    sizes, gain, values = _of_series(series, [n / made.size for n in noise], 1.0)
+    effect = CompositeEffect(
+        when="frame", where="surface", coefficients=tuple(float(v) for v in numbers),
+        distribution=_distribution(values),
+    )  # fmt: skip
+    return Estimate(effect, {}, gain, (5 + len(series)) * math.log(white.size), sizes)
+
+
+def _parts(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> list[Estimate]:
+    """Quadrants or halves that have a value each in every frame."""
+    if min(seen.window.shape) < 0.9 * min(seen.shape):
+        return []
+    y, x = _places(seen)
+    signs = {"rows": np.sign(y), "columns": np.sign(x), "both": np.sign(y * x)}
+    found = []
+    forms: list[tuple[dict[str, Any], list[str]]] = [
+        ({"where": "halves", "axis": "rows"}, ["rows"]),
+        ({"where": "halves", "axis": "columns"}, ["columns"]),
+        ({"where": "quadrants"}, ["rows", "columns", "both"]),
+    ]
+    for words, names in forms:
+        series = [
+            np.stack([(c * signs[n]).mean(axis=(1, 2)) for n in names], axis=1) for c in coarse
+        ]
+        # a contrast of k independent values of spread A has A / sqrt(k)
+        unit = math.sqrt(len(names) + 1)
+        sizes, gain, values = _of_series(series, [n / GRID**2 for n in noise], unit)
+        told = _distribution(values) if len(names) == 1 else "normal"
+        effect = CompositeEffect(when="frame", distribution=told, **words)
+        count = sum(s.size for s in series)
+        found.append(Estimate(effect, {}, gain, (1 + len(series)) * math.log(count * GRID), sizes))
+    return found
+
+
+def _spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Estimate:
+    """A Gaussian spot elsewhere in every frame, by a matched filter."""
+    step = math.sqrt(math.prod(n / GRID for n in seen.window.shape))
+    radii = np.geomspace(0.6, GRID / 4, 12)
+    frames = np.concatenate([c / math.sqrt(n) for c, n in zip(coarse, noise, strict=True)])
+    gains, heights = [], []
+    for radius in radii:
+        reach = np.arange(-GRID + 1, GRID)
+        line = np.exp(-0.5 * (reach / radius) ** 2)
+        template = np.outer(line, line)
+        weight = fftconvolve(np.ones((GRID, GRID)), template**2, mode="same")[None]
+        top = np.stack([fftconvolve(f, template, mode="same") for f in frames])
+        size = top / np.sqrt(weight)
+        sign = 1.0 if np.sum(size.max(axis=(1, 2))) > -np.sum(size.min(axis=(1, 2))) else -1.0
+        at = (sign * size).reshape(len(frames), -1).argmax(axis=1)
+        peaks = np.array([_top(sign * s, int(n)) for s, n in zip(size, at, strict=True)])
+        gains.append(float(np.sum(peaks**2)))
+        whole = np.broadcast_to(np.sqrt(weight), size.shape).reshape(len(frames), -1)
+        heights.append(sign * peaks / whole[np.arange(len(at)), at])
+    best = int(np.argmax(gains))
+    logs, error = np.log(radii), math.inf
+    place = logs[best]
+    if 0 < best < len(radii) - 1:
+        bend = gains[best - 1] - 2 * gains[best] + gains[best + 1]
+        if bend < 0:
+            off = 0.5 * (gains[best - 1] - gains[best + 1]) / bend
+            place += off * (logs[1] - logs[0])
+            error = math.sqrt(-2.0 / bend) * (logs[1] - logs[0])
+    # blocks widen a spot by their own variance; a template of another width sees another height
+    wide, used = math.exp(2.0 * place), radii[best] ** 2
+    true = max(wide - 1.0 / 12.0, 0.25 * wide)
+    taller = (wide + used) / (2.0 * wide) * wide / true
+    values, errors, begun = [], [], 0
+    for c, n in zip(coarse, noise, strict=True):
+        own = heights[best][begun : begun + len(c)] * math.sqrt(n)
+        begun += len(c)
+        # less the mean of the frames, which holds 1 / frames of every spot
+        own = own * taller * math.sqrt(len(c) / (len(c) - 1.0))
+        values.append(float(own.mean()))
+        errors.append(float(own.std(ddof=1)) / math.sqrt(len(c)))
+    sign = 1.0 if np.sum(values) > 0 else -1.0
+    radius = math.sqrt(true) * step
+    effect = CompositeEffect(when="frame", where="blob", radius=min(max(radius, 0.3), 1e6))
+    price = 3 * len(frames) * math.log(GRID * GRID)
+    sizes = Sizes(sign * np.array(values), np.maximum(errors, 1e-9))
+    if sign < 0:
+        price = math.inf  # dark spots: no effect has them
+    return Estimate(effect, {"radius": radius * error}, max(gains), price, sizes)
+
+
+def _top(field: np.ndarray, at: int) -> float:
+    """Height of a peak between the places of a lattice, by parabolas through its neighbours."""
+    i, j = divmod(at, field.shape[1])
+    height = float(field[i, j])
+    for line, n in ((field[:, j], i), (field[i], j)):
+        if 0 < n < line.size - 1:
+            slope, bend = (
+                float(line[n + 1] - line[n - 1]),
+                float(2 * line[n] - line[n + 1] - line[n - 1]),
+            )
+            height += slope**2 / (8.0 * bend) if bend > 0 else 0.0
+    return height
+
+
+def _pairs(seen: Layers) -> list[Estimate]:
+    """Pixels of a block that share a noise: all of them, or a diagonal of 2 x 2."""
+    stacks = [t.temporal / np.float32(t.noise) for t in seen.taken]
+    found = []
+    for mask, right in (("diagonal", 1), ("antidiagonal", -1)):
+        best: tuple[float, int, int] = (0.0, 0, 0)
+        tables = []
+        for stack in stacks:
+            one = stack[:, :-1, 1:] if right < 0 else stack[:, :-1, :-1]
+            other = stack[:, 1:, :-1] if right < 0 else stack[:, 1:, 1:]
+            product = np.einsum("fij,fij->ij", one, other) / len(stack)
+            tables.append([[float(product[a::2, b::2].mean()) for b in (0, 1)] for a in (0, 1)])
+        count = stacks[0][0, ::2, ::2].size
+        frames = np.array([len(s) - 1.0 for s in stacks])
+        weight = frames * count
+        table = np.tensordot(weight, np.array(tables), 1) / weight.sum()
+        error = 1.0 / math.sqrt(float(weight.sum()))
+        for a in (0, 1):
+            for b in (0, 1):
+                gain = (table[a, b] / error) ** 2 if table[a, b] > 0 else 0.0
+                rest = (np.sum(table**2) - table[a, b] ** 2) / error**2 - 3.0
+                if gain - max(rest, 0.0) > best[0]:
+                    best = gain - max(rest, 0.0), a, b
+        gain, a, b = best
+        if gain <= 0:
+            continue
+        sizes = Sizes(
+            np.array([t[a][b] * s.noise**2 for t, s in zip(tables, seen.taken, strict=True)]),
+            np.array([s.noise**2 / math.sqrt(w) for s, w in zip(seen.taken, weight, strict=True)]),
+            squares=True,
+        )
+        column = seen.window.left + b
+        effect = CompositeEffect(
+            when="frame", where="block", mask=mask, height=2, width=2,
+            top=(seen.window.top + a) % 2, left=column % 2,
+        )  # fmt: skip
+        price = 5.0 * math.log(float(weight.sum()))
+        found.append(Estimate(effect, {}, gain, price, sizes))
+    return found + _blocks(seen, stacks)
+
+
+def _blocks(seen: Layers, stacks: list[np.ndarray]) -> list[Estimate]:
+    """Whole blocks that share a noise."""
+    form = block_form(seen, np.concatenate(stacks))
+    if form is None:
+        return []
+    height, width, top, left = form
+    number = np.arange(stacks[0].shape[2] - 1) + seen.window.left + left
+    inner = number % width != width - 1
+    line = np.arange(stacks[0].shape[1] - 1) + seen.window.top + top
+    below = line % height != height - 1
+    values, errors, gain = [], [], 0.0
+    for stack, taken in zip(stacks, seen.taken, strict=True):
+        if width > 1:
+            products = (stack[:, :, 1:] * stack[:, :, :-1])[:, :, inner]
+        else:
+            products = (stack[:, 1:] * stack[:, :-1])[:, below]
+        count = products.size * (len(stack) - 1.0) / len(stack)
+        mean = float(products.mean())
+        gain += mean**2 * count
+        values.append(mean * taken.noise**2)
+        errors.append(taken.noise**2 / math.sqrt(count))
+    effect = CompositeEffect(
+        when="frame", where="block", height=height, width=width, top=top, left=left
+    )
+    sizes = Sizes(np.array(values), np.array(errors), squares=True)
+    return [Estimate(effect, {}, gain, 5.0 * math.log(stacks[0].size * len(stacks)), sizes)]
+
+
+def _segments(seen: Layers) -> list[Estimate]:
+    """Lines that jump between two levels within a frame: bridges of their running sums."""
+    found = []
+    for where, axis in (("column_segments", 1), ("row_segments", 2)):
+        scores, count = 0.0, 0
+        for t in seen.taken:
+            rest = t.temporal / np.float32(t.noise)
+            length = rest.shape[axis]
+            sums = np.cumsum(rest - rest.mean(axis=axis, keepdims=True), axis=axis)
+            scores = scores + np.sum(np.mean((sums / math.sqrt(length)) ** 2, axis=axis), axis=0)
+            count += len(rest) - 1
+        score = np.asarray(scores, float) / (count + len(seen.taken))
+        middle = float(np.median(score))
+        # a squared Brownian bridge has mean 1/6 and variance 1/45 (Cramer and von Mises)
+        error = max(math.sqrt(1 / 45 / count), 1.4826 * float(np.median(np.abs(score - middle))))
+        chosen = score > middle + JUMP * error
+        share = float(chosen.mean())
+        if not 0 < share < 0.5:
+            continue
+        gain = float(np.sum(((score[chosen] - middle) / error) ** 2))
+        values, errors = [], []
+        for t in seen.taken:
+            line = t.frames.var(axis=0, ddof=1, dtype=float).clip(0, (6 * t.noise) ** 2)
+            by_line = line.mean(axis=axis - 1)
+            values.append(float(by_line[chosen].mean() - np.median(by_line[~chosen])))
+            scatter = float(by_line.std()) if chosen.sum() < 2 else float(by_line[chosen].std())
+            errors.append(max(scatter / math.sqrt(chosen.sum()), 1e-9))
+        given: dict[str, Any] = {"where": where, "distribution": "two_level", "share": share}
+        effect = CompositeEffect(when="frame", **given)
+        price = (float(chosen.sum()) + 2.0) * math.log(chosen.size * count)
+        spread = math.sqrt(share * (1 - share) / chosen.size)
+        sizes = Sizes(np.array(values), np.array(errors), squares=True)
+        found.append(Estimate(effect, {"share": spread}, gain, price, sizes))
+    return found

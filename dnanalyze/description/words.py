@@ -1,0 +1,142 @@
+"""A structure in one sentence."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from dnanalyze.description.found import Estimate, apparent_energy
+from dnanalyze.description.layers import Layers
+from dnanalyze.digits import number, with_error
+from dnanalyze.model.composite.effect import CompositeEffect
+
+# What is known to look so; a geometry alone proves no cause.
+KNOWN = {
+    ("level", "rings", "fixed"): "growth striations of the silicon and rings of thin films look so",
+    ("level", "block", "frame"): "pixels that share an amplifier look so",
+    ("gain", "quadrants", "frame"): "an exposure time that jitters from quadrant to quadrant looks "
+    "so",
+    ("level", "column_segments", "frame"): "telegraph noise of column circuits looks so",
+}
+OPEN = "the geometry is determined, the cause is not"
+
+
+def sentence(found: Estimate, seen: Layers) -> str:
+    """Time, geometry, size, law, and what is known to look so."""
+    e = found.effect
+    text = ", ".join([_structure(e, found.errors), _size(e, found.errors), _law(found, seen)])
+    cause = KNOWN.get((e.what, e.where, e.when), OPEN)
+    return f"{text[0].upper()}{text[1:]}: {cause}."
+
+
+def _structure(e: CompositeEffect, errors: dict[str, float]) -> str:
+    """What, when and where."""
+    where = _geometry(e, errors)
+    if e.what == "noise":
+        lines = e.where in ("row", "column")
+        return f"additional noise in {where}" if lines else f"noise modulated as a {where}"
+    if (e.where == "blob" and e.when == "frame") or "segments" in e.where:
+        return where + ", at another place in every frame"
+    when = {
+        "fixed": "fixed",
+        "frame": "new in every frame",
+        "persisting": "persisting over some frames",
+        "drifting": "drifting over the frames",
+        "switching": "switching",
+    }[e.when]
+    whose = "relative changes of the dark signal: " if e.what == "gain" else ""
+    return f"{whose}fixed {where}" if e.when == "fixed" else f"{whose}{where}, {when}"
+
+
+def _told(effect: CompositeEffect, name: str, errors: dict[str, float], digits: int = 3) -> str:
+    value, error = float(getattr(effect, name)), errors.get(name)
+    return with_error(value, error) if error and math.isfinite(error) else number(value, digits)
+
+
+def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
+    if e.where == "rings":
+        centre = f"({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
+        apart = _told(e, "period", errors)
+        return f"rings, period {apart} px about row and column {centre}{_grows(e)}"
+    if e.where == "wave":
+        if abs(e.u) == abs(e.v) == 0.5:
+            return f"checkerboard of single pixels{_grows(e)}"
+        period = 1.0 / math.hypot(e.u, e.v)
+        spread = math.hypot(errors.get("u", 0.0), errors.get("v", 0.0)) * period**2 / math.sqrt(2.0)
+        way = _direction(e.u, e.v)
+        return f"plane wave, period {with_error(period, spread)} px {way}{_grows(e)}"
+    if e.where == "block":
+        pixels = {"all": "all their pixels", "diagonal": "the pixels of their falling diagonal",
+                  "antidiagonal": "the pixels of their rising diagonal"}[e.mask]  # fmt: skip
+        return f"values of blocks of {e.height} × {e.width} px, shared by {pixels}"
+    if e.where == "surface":
+        terms = ("x", "y", "x²", "xy", "y²")
+        parts = [f"{number(c)} {t}" for c, t in zip(e.coefficients, terms, strict=True) if c]
+        return f"surface {' + '.join(parts)} of random sign and size"
+    if e.where == "blob":
+        return f"spot of radius {_told(e, 'radius', errors)} px"
+    if e.where == "diagonal":
+        return (
+            f"values of the diagonals that {'fall' if e.slant == 'down' else 'rise'} to the right"
+        )
+    if e.where in ("row_segments", "column_segments"):
+        line = e.where.split("_")[0] + "s"
+        return f"jumps between two levels within {_percent(e, errors)} of the {line}"
+    if e.where in ("row", "column"):
+        few = f"{_percent(e, errors)} of the " if e.share < 1 else "values of the "
+        return f"{few}{e.where}s"
+    names = {"quadrants": "values of the four quadrants", "pixel": "values of the pixels",
+             "halves": f"values of the two halves of the {e.axis}",
+             "smooth": "clouds"}  # fmt: skip
+    return names[e.where]
+
+
+def _percent(e: CompositeEffect, errors: dict[str, float]) -> str:
+    return f"{with_error(100 * e.share, 100 * errors.get('share', 0.0))} %"
+
+
+def _grows(e: CompositeEffect) -> str:
+    side = {"down": "last row", "up": "first row", "right": "last column", "left": "first column"}
+    return f" that grows from 0 towards the {side[e.envelope]}" if e.envelope in side else ""
+
+
+def _direction(u: float, v: float) -> str:
+    if abs(v) < 0.02 * abs(u):
+        return "along the rows"
+    if abs(u) < 0.02 * abs(v):
+        return "along the columns"
+    return f"at {number(math.degrees(math.atan2(v, u)))}° to the rows"
+
+
+def _size(e: CompositeEffect, errors: dict[str, float]) -> str:
+    if e.what == "gain":
+        spread = 100.0 * errors.get("gain", 0.0)
+        return f"{with_error(100.0 * e.gain, spread)} % of it rms"
+    what = "height" if e.where == "blob" else "half a jump" if "segments" in e.where else "rms"
+    if e.what == "noise":
+        what = "additional noise"
+    return f"{_told(e, 'amplitude', errors)} DN {what}"
+
+
+def _law(found: Estimate, seen: Layers) -> str:
+    e = found.effect
+    if len(seen.points) < 2:
+        return "at the one operating point"
+    if e.what == "gain":
+        return "in proportion to the dark signal"
+    if e.law == "thermal":
+        own = apparent_energy(seen.points, seen.dark)
+        beside = f" (dark signal: {number(own, 2)} eV)" if own is not None else ""
+        return f"with an activation energy of {_told(e, 'ea_ev', found.errors)} eV{beside}"
+    varied = [name for name, values in (
+        ("temperature", [p.temperature_c for p in seen.points]),
+        ("exposure", [p.exposure_s for p in seen.points]),
+        ("gain", [p.gain for p in seen.points]),
+    ) if len(set(values)) > 1]  # fmt: skip
+    return f"the same at every {' and '.join(varied) or 'operating point'}"
+
+
+def amplitudes(found: Estimate) -> tuple[np.ndarray, np.ndarray]:
+    """Size at every operating point with its standard error, DN."""
+    return found.sizes.amplitudes

@@ -1,0 +1,63 @@
+"""`dnanalyze describe`: what it writes, and what it never overwrites."""
+
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import report_fakes as fakes
+import yaml
+from dnanalyze_cli.main import main
+
+from dnanalyze.loaders import write_captures
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "description"))
+from made_description import description
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return str(write_captures(fakes.captures(), tmp_path / "sensor"))
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    module = "dnanalyze.description.describe.describe"
+    monkeypatch.setattr(module, lambda captures, *_, **__: description(captures))
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
+    monkeypatch.setattr(
+        "dnanalyze.fitting.design.design", lambda captures: SimpleNamespace(pixels=0)
+    )
+
+
+def test_it_prints_and_writes_all_that_is_asked_for(folder, tmp_path, capsys):
+    out = {name: tmp_path / name for name in ("m.yaml", "own.py", "d.json", "d.html", "d.csv")}
+    code = main(
+        ["describe", folder, "-o", str(out["m.yaml"]), "--write", str(out["own.py"]), "--json",
+         str(out["d.json"]), "--report", str(out["d.html"]), "--csv", str(out["d.csv"])]
+    )  # fmt: skip
+    assert code == 0
+    assert "Fixed rings" in capsys.readouterr().out
+    assert json.loads(out["d.json"].read_text())["verdict"] == "described"
+    assert "composite" in str(yaml.safe_load(out["m.yaml"].read_text())["effects"])
+    assert "class RingsEffect(Effect)" in out["own.py"].read_text()
+    assert "Fixed rings" in out["d.html"].read_text()
+    assert out["d.csv"].read_text().startswith("name,value,se")
+
+
+def test_an_own_effect_file_is_overwritten_only_by_force(folder, tmp_path, capsys):
+    own = tmp_path / "own.py"
+    own.write_text("mine")
+    assert main(["describe", folder, "--write", str(own)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == f"dnanalyze: --write {own}: exists; name another file, or give --force"
+    assert own.read_text() == "mine"
+    assert main(["describe", folder, "--write", str(own), "--force"]) == 0
+    assert "RingsEffect" in own.read_text()
+
+
+def test_one_file_for_two_outputs_is_refused(folder, tmp_path, capsys):
+    same = str(tmp_path / "x.yaml")
+    assert main(["describe", folder, "--write", same, "-o", same]) == 2
+    assert "named for two outputs" in capsys.readouterr().err

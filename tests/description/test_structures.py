@@ -1,0 +1,173 @@
+"""Each word finds its structure with numbers within their errors, and nothing in white noise."""
+
+import math
+
+import numpy as np
+import pytest
+from made_layers import COLUMN, DARK, POINTS, READ, ROW, SHAPE, made
+
+from dnanalyze.description.search import by_chance, searched
+from dnanalyze.description.words import sentence
+from dnanalyze.loaders.captures import OperatingPoint
+
+REFERENCE = OperatingPoint(25.0, 1.0, 1.0)
+NULL = by_chance(made(seed=2))
+
+
+def best(layers):
+    return searched(layers, NULL, REFERENCE)[0]
+
+
+def near(found, sigmas=5.0, **truth):
+    for name, value in truth.items():
+        error = found.errors[name]
+        assert getattr(found.effect, name) == pytest.approx(value, abs=sigmas * error), name
+        assert 0 < error < 0.3 * max(abs(value), 1.0), name
+
+
+def test_white_noise_has_no_structure():
+    assert searched(made(seed=3), NULL, REFERENCE) == []
+
+
+def test_rings():
+    r = np.hypot(ROW - 170.0, COLUMN + 30.0)
+    pattern = math.sqrt(2) * np.cos(2 * math.pi * r / 11.3)
+    found = best(made(lambda n, f, rng: 0.9 * pattern))
+    assert (found.effect.where, found.effect.when, found.effect.law) == (
+        "rings", "fixed", "constant",
+    )  # fmt: skip
+    near(found, centre_y=170.0, centre_x=-30.0, period=11.3, amplitude=0.9)
+
+
+def test_a_checkerboard_that_grows_down_the_frame():
+    pattern = math.sqrt(3) * ROW / 127 * (-1.0) ** (ROW + COLUMN)
+    seen = made(lambda n, f, rng: 0.9 * pattern)
+    found = best(seen)
+    assert (found.effect.where, found.effect.envelope) == ("wave", "down")
+    near(found, amplitude=0.9)
+    assert "checkerboard of single pixels that grows from 0 towards the last row" in sentence(
+        found, seen
+    )
+
+
+def test_a_wave_with_an_energy_of_its_own():
+    from dnanalyze.model.laws import arrhenius
+
+    pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.083 * COLUMN + 0.041 * ROW))
+    grown = [0.3 * arrhenius(p.temperature_c, 25.0, 0.3) for p in POINTS]
+    found = best(made(lambda n, f, rng: grown[n] * pattern))
+    assert (found.effect.where, found.effect.law) == ("wave", "thermal")
+    near(found, u=0.083, v=0.041, ea_ev=0.3, amplitude=0.3)
+
+
+def test_noise_that_is_modulated_along_the_rows():
+    sigma = READ * (1 + 0.5 * np.cos(2 * math.pi * COLUMN / 21.0))
+    found = best(made(noise=sigma))
+    assert (found.effect.what, found.effect.where) == ("noise", "wave")
+    assert 1 / abs(found.effect.u) == pytest.approx(21.0, rel=5e-3)
+    # the first harmonic of sigma^2 (1 + d cos)^2 is 2 d sigma^2
+    assert found.effect.amplitude == pytest.approx(READ, rel=0.1)
+
+
+@pytest.mark.parametrize("slant", ["down", "up"])
+def test_diagonal_stripes(slant):
+    value = np.random.default_rng(7).standard_normal(300)
+    pattern = value[ROW - COLUMN + 140] if slant == "down" else value[ROW + COLUMN]
+    found = best(made(lambda n, f, rng: 0.8 * pattern))
+    assert (found.effect.where, found.effect.slant) == ("diagonal", slant)
+    near(found, amplitude=0.8)
+
+
+def test_blocks_of_pixels():
+    value = np.random.default_rng(7).standard_normal((40, 40))
+    pattern = value[(ROW + 2) // 4, (COLUMN + 1) // 5]
+    found = best(made(lambda n, f, rng: 0.8 * pattern))
+    e = found.effect
+    assert (e.where, e.height, e.width, e.top, e.left) == ("block", 4, 5, 2, 1)
+    near(found, amplitude=0.8)
+
+
+def test_halves_are_told_from_shading():
+    shade = 2.0 * (COLUMN / 128 - 0.5) + 1.0 * (ROW / 128 - 0.5) ** 2
+    step = np.sign(ROW - 63.5)
+    found = best(made(lambda n, f, rng: shade + 1.5 * step))
+    assert (found.effect.where, found.effect.axis) == ("halves", "rows")
+
+
+def test_quadrants_that_jitter_with_the_dark_signal():
+    quadrant = 2 * (ROW // 64) + COLUMN // 64
+    seen = made(lambda n, f, rng: 0.05 * DARK[n] * rng.standard_normal(4)[quadrant], frames=8)
+    found = best(seen)
+    e = found.effect
+    assert (e.what, e.when, e.where) == ("gain", "frame", "quadrants")
+    near(found, gain=0.05)
+    assert "in proportion to the dark signal" in sentence(found, seen)
+
+
+def test_a_saddle_of_random_size():
+    saddle = (COLUMN / 128 - 0.5) * (ROW / 128 - 0.5)
+    saddle = saddle / saddle.std()
+    found = best(made(lambda n, f, rng: 0.6 * rng.standard_normal() * saddle))
+    e = found.effect
+    assert (e.when, e.where) == ("frame", "surface")
+    assert abs(e.coefficients[3]) == 1.0
+    assert np.abs(np.delete(e.coefficients, 3)).max() < 0.2
+    near(found, amplitude=0.6)
+
+
+def test_a_spot_elsewhere_in_every_frame():
+    def spot(n, f, rng):
+        y, x = rng.uniform(0, 128, 2)
+        return 4.0 * np.exp(-0.5 * ((ROW - y) ** 2 + (COLUMN - x) ** 2) / 12.0**2)
+
+    found = best(made(spot))
+    assert (found.effect.when, found.effect.where) == ("frame", "blob")
+    assert found.effect.radius == pytest.approx(12.0, rel=0.15)
+    assert found.effect.amplitude == pytest.approx(4.0, rel=0.15)
+
+
+@pytest.mark.parametrize("mask", ["diagonal", "antidiagonal"])
+def test_pairs_of_pixels_that_share_a_noise(mask):
+    def pairs(n, f, rng):
+        shared = rng.standard_normal((66, 66))
+        chosen = ((COLUMN % 2) if mask == "diagonal" else (COLUMN + 1) % 2) == (ROW + 1) % 2
+        return 1.2 * chosen * shared[(ROW + 1) // 2, COLUMN // 2]
+
+    found = best(made(pairs))
+    e = found.effect
+    assert (e.when, e.where, e.mask, e.top, e.left) == ("frame", "block", mask, 1, 0)
+    near(found, amplitude=1.2)
+
+
+def test_columns_that_jump_within_a_frame():
+    jumping = np.zeros(128, bool)
+    jumping[[5, 40, 41, 77, 100, 120]] = True
+
+    def jumps(n, f, rng):
+        turn, start = rng.integers(0, 128, 128), rng.choice([-1.0, 1.0], 128)
+        return 3.0 * jumping * np.where(turn > ROW, start, -start)
+
+    found = best(made(jumps))
+    e = found.effect
+    assert (e.where, e.distribution) == ("column_segments", "two_level")
+    assert e.share == pytest.approx(6 / 128)
+    assert e.amplitude == pytest.approx(3.0, rel=0.15)
+
+
+def test_bands_of_noisy_rows():
+    sigma = np.full((128, 1), READ)
+    sigma[30:36] = math.hypot(READ, 1.5)
+    found = best(made(noise=sigma * np.ones(SHAPE)))
+    e = found.effect
+    assert (e.what, e.where, e.share) == ("noise", "row", 6 / 128)
+    near(found, amplitude=1.5)
+
+
+def test_one_operating_point_and_one_frame_are_enough_for_a_fixed_wave():
+    pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.11 * COLUMN))
+    one = {"frames": 1, "points": POINTS[:1], "dark": DARK[:1]}
+    seen = made(lambda n, f, rng: 1.0 * pattern, **one)
+    found = searched(seen, by_chance(made(seed=2, **one)), REFERENCE)[0]
+    assert found.effect.where == "wave"
+    near(found, amplitude=1.0)
+    assert "at the one operating point" in sentence(found, seen)
