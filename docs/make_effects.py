@@ -38,6 +38,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "cosmic_rays": {"rate": 4000.0, "energy": 600.0, "length": 6.0},
     "crosstalk": {"alpha": 0.08},
     "dark_gradient": {"x": 8.0, "y": 4.0, "xx": 3.0},
+    "dark_shading": {"rms": 0.3},
     "defect_lines": {"fraction": 0.02, "sigma": 15.0},
     "denoise": {"kind": "bilateral", "range": 8.0, "space": 1.0},
     "dpc": {"threshold": 10.0},
@@ -46,6 +47,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "heavy_tailed_read_noise": {"sigma": 3.0, "tail": -0.25},
     "hot_clusters": {"density": 1e-3},
     "hot_pixels": {"fraction": 5e-3},
+    "noisy_pixels": {"fraction": 0.03, "sigma": 20.0},
     "offset_drift": {"step": 3.0},
     "offset_gradient": {"x": 8.0, "y": 4.0, "xx": 3.0},
     "periodic_pattern": {"amplitude": 5.0},
@@ -64,6 +66,7 @@ WIDE = {
     "cosmic_rays",
     "column_taps",
     "dark_gradient",
+    "dark_shading",
     "defect_lines",
     "offset_gradient",
 }

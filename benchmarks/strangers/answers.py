@@ -49,7 +49,7 @@ ANSWERS: dict[str, Answer] = {
         "sigma differs from pixel to pixel: `spread` of read_noise, in one frame a heavy tail",
     ),
     "read_noise_populations": Answer(
-        ("heavy_tailed_read_noise", "rts"),
+        ("noisy_pixels", "rts"),
         "a few pixels with larger Gaussian noise; within one series telegraph noise of a fast "
         "trap looks the same",
     ),
@@ -68,8 +68,8 @@ ANSWERS: dict[str, Answer] = {
     "single_hits": Answer(("cosmic_rays",), "particles that hit one pixel each"),
     "anisotropic_crosstalk": Answer(("crosstalk",), "more along the rows than along the columns"),
     "dark_shading": Answer(
-        ("flicker_fpn", "dark_gradient"),
-        "a smooth random factor of the dark current: low spatial frequencies of the pattern",
+        ("dark_shading", "dark_gradient"),
+        "a smooth random factor of the dark current; a steep one is nearly a plane and a bowl",
     ),
     "sar_converter": Answer(("missing_codes",), "unequal code widths of a successive converter"),
     "offset_plane": Answer(

@@ -45,6 +45,7 @@ class FlickerFpn(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "column_fpn": "all of its power lies on the v = 0 axis and vanishes under the mask",
         "dark_gradient": "a few orders of shading only, and grows with exposure and temperature",
+        "dark_shading": "clouds of the dark current grow with exposure and temperature",
         "offset_gradient": "a plane and a bowl only: no power above order 2",
         "amp_glow": "falls off from a corner or an edge, grows with exposure",
         "flicker_noise": "new in every frame, smooth along rows only",

@@ -50,6 +50,7 @@ class HeavyTailedReadNoise(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "rts": "two levels in a few pixels, growing with temperature and exposure: the same "
         "pixels are noisy in every pair of frames (blink_repeat)",
+        "noisy_pixels": "the same pixels are noisy in every frame (blink_repeat)",
         "cosmic_rays": "upward only, in clusters, growing with exposure",
         "dark_shot_noise": "noisier in brighter pixels; the cold frames stay Gaussian",
         "hot_pixels": "vanish in differences of frames but for their shot noise",

@@ -53,6 +53,7 @@ class Rts(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "heavy_tailed_read_noise": ("heavy tails occur in all pixels; RTS in the same ones"),
         "read_noise": "where sigma differs from pixel to pixel, each pixel is Gaussian in time",
+        "noisy_pixels": "noisier pixels have no two levels, and no memory from frame to frame",
         "cosmic_rays": "a hit does not come back to the same pixel",
         "hot_pixels": "a hot pixel does not change between frames",
     }

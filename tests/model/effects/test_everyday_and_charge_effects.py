@@ -22,6 +22,7 @@ EFFECTS = {
     "cosmic_rays": {"rate": 2e4, "length": 12.0},
     "persistence": {"amplitude": 0.1},
     "crosstalk": {"alpha": 0.02},
+    "dark_shading": {"rms": 0.1},
 }
 TEMPORAL = {"convolved_lognormal", "dark_shot_noise", "read_noise", "rts", "cosmic_rays"}
 OTHERS = {
@@ -46,6 +47,7 @@ OTHERS = {
     "denoise",
     "temporal_denoise",
     "offset_gradient",
+    "noisy_pixels",
 }
 
 

@@ -1,0 +1,83 @@
+"""A smooth random shading of the dark current."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.loaders.captures import Window
+from dnanalyze.model import pink
+from dnanalyze.model.effect import Effect, Site, Stage, parameter
+
+
+@dataclass(frozen=True)
+class DarkShading(Effect):
+    """h (1 + rms f), f a random field of the silicon of power rho^-alpha, zero mean, unit rms."""
+
+    name: ClassVar[str] = "dark_shading"
+    stage: ClassVar[Stage] = Stage.CHARGE
+    varies: ClassVar[str] = "fixed"
+    summary: ClassVar[str] = "dark current that is unevenly spread over the field in smooth clouds"
+    physics: ClassVar[str] = (
+        "Doping, implant dose, thickness after thinning, stress and passivation vary slowly and "
+        "irregularly over a die, and the dark current of every pixel varies with them by some "
+        "percent. The result is a cloudy factor of the dark charge, the same in every frame: it "
+        "grows with exposure and temperature exactly as the dark signal does, and where the "
+        "signal is higher so are its shot noise and the scatter of the pixels. Its power falls "
+        "steeply with spatial frequency (exponent 2 to 4), so that block means show it and "
+        "neighbouring pixels hardly do. The mean dark signal does not change. Remedies: subtract "
+        "a dark frame scaled to exposure and temperature; a map of the dark current."
+    )
+    formula: ClassVar[str] = (
+        "h (1 + rms f); power of f over twice the field C rho^-alpha, rho in cycles/pixel; over "
+        "the field mean of f 0, mean of f^2 1; 1 + rms f not below 0"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "EMVA Standard 1288, release 4.0 (DSNU)",
+        "Baer, A model for dark current characterization and simulation, SPIE 6068 (2006)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "pattern_psd_0_0.01",
+        "pattern_psd_0.01_0.02",
+        "shading_mid",
+        "shading_0_1",
+        "shading_1_0",
+        "shading_1_1",
+        "noise_shading_1_0",
+        "noise_shading_0_1",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "dark_gradient": "a temperature map has the orders 1 and 2 alone (shading_mid)",
+        "flicker_fpn": "clouds of the offset do not grow with the dark signal",
+        "amp_glow": "fades from one corner or edge, and hardly grows with temperature",
+    }
+
+    rms: float = parameter(
+        0.1, "1", 1e-3, 0.5, "standard deviation over the field, as a share of the dark signal"
+    )
+    alpha: float = parameter(3.0, "1", 1.0, 4.0, "exponent of the power spectrum", "linear")
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Scale the dark charge."""
+        signal *= site.keep("map", lambda: self._map(site))
+        return signal
+
+    def _map(self, site: Site) -> np.ndarray:
+        field = site.share("field", lambda: self._field(site))[site.window.slices]
+        factor = 1.0 + self.value("rms", site.point) * field
+        return np.maximum(factor, 0.0).astype(np.float32)
+
+    def _field(self, site: Site) -> np.ndarray:
+        """Cut from twice the field: opposite borders of a die have nothing to do with each other,
+        those of a periodic field meet.
+        """
+        rows, columns = site.shape
+        whole = Window.whole((2 * rows, 2 * columns))
+        white = site.silicon.child("field").normal(whole, 2 * columns)
+        clouds = pink.field(white, self.value("alpha", site.point))[:rows, :columns]
+        clouds = clouds.astype(np.float64)
+        clouds -= clouds.mean()
+        clouds /= clouds.std()
+        return clouds.astype(np.float32)
