@@ -58,6 +58,15 @@ class Progress:
         if self.bars:
             self.bars.console.print(text, highlight=False)
 
+    @property
+    def first(self) -> Callable[[list[str]], None] | None:
+        """What a search calls with its first answer; None where nobody is watching."""
+        if not self.bars:
+            return None
+        from dnanalyze.report.words import first_answer
+
+        return lambda effects: self.note(first_answer(effects)) if effects else None
+
     def bench(self, captures: CaptureSet) -> Bench:
         """The captures read once, frame by frame in sight."""
         from dnanalyze.fitting.design import design

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as FilePath
@@ -11,6 +12,7 @@ from dnanalyze.diagnosis.confidence import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.diagnose import EVERY_SENSOR, Diagnosis, judge, missing
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_for
+from dnanalyze.diagnosis.first_answer import first_answer
 from dnanalyze.diagnosis.other_way import by_another_way
 from dnanalyze.diagnosis.path import Path, Step
 from dnanalyze.diagnosis.screening import prospects
@@ -125,6 +127,7 @@ def refine(
     tell: Callable[[Step], None] = lambda _: None,
     trying: Callable[[str], None] = lambda _: None,
     keep: Callable[[Refinement], None] = lambda _: None,
+    first: Callable[[list[str]], None] | None = None,
 ) -> Refinement:
     """Add the missing effects to a model until no further one is detectable.
 
@@ -157,6 +160,8 @@ def refine(
     keep : callable
         Called with the refinement as it is whenever its model stands complete; from any of these
         models one may go on.
+    first : callable, optional
+        Called with a first answer before the search, as in `diagnose`.
 
     Returns
     -------
@@ -183,8 +188,11 @@ def refine(
     known = known_effects(effects, known)
     most = most_effects if max_effects is None else max_effects
     begun = located(unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited))
-    state = fitted_in_time(held, begun)
     open_to = {n: e for n, e in known.items() if n not in exclude}
+    if first is not None:
+        with suppress(TimeUp):
+            first(first_answer(held, begun, open_to, exclude))
+    state = fitted_in_time(held, begun)
     so_far: list[Path] = []
 
     def kept(path: Path) -> None:

@@ -263,6 +263,14 @@ def describe_headline(found: Any) -> str:
     return sentence(text)
 
 
+def first_answer(effects: Sequence[str]) -> str:
+    """What first-order screening of a quarter of the field expects."""
+    return sentence(
+        "first answer, from a quarter of the field: first-order screening expects most of "
+        f"{listing(effects[:3])}; the search confirms or corrects it"
+    )
+
+
 def _timed_out(found: Any, others: Sequence[Any]) -> str:
     """What is known when the time is up."""
     text = "Not finished: the time limit ended the diagnosis "

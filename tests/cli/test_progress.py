@@ -1,5 +1,7 @@
 """What a user sees while a command works: frames as they are read, and one note on compiling."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import report_fakes as fakes
@@ -88,3 +90,14 @@ def test_a_phase_within_a_phase_shares_its_bar(monkeypatch):
         assert inner is outer
     with session.progress("Again") as later:
         assert later is not outer
+
+
+def test_the_first_answer_of_a_search_stays_in_the_terminal():
+    said = []
+    bars = SimpleNamespace(console=SimpleNamespace(print=lambda text, **_: said.append(text)))
+    watched_by = Progress(bars, 0).first
+    watched_by([])
+    watched_by(["rts", "dpc", "hot_pixels", "crosstalk"])
+    assert len(said) == 1
+    assert "rts, dpc and hot_pixels" in said[0]
+    assert Progress().first is None

@@ -35,6 +35,7 @@ def diagnose(options: ModelOptions, exclude: Exclude = None, budget: Budget = No
             known=known,
             held=held,
             tell=progress.trying,
+            first=progress.first,
         )
     show(session.console, found, diagnosis)
 

@@ -108,6 +108,7 @@ def refine(
                 ),
                 trying=progress.trying,
                 keep=keep,
+                first=progress.first,
             )
             if not result.timed_out:
                 progress.now("Standard errors of the parameters")

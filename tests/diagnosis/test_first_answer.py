@@ -1,0 +1,44 @@
+"""The first answer of a search, from a quarter of the field."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.diagnose import diagnose
+from dnanalyze.diagnosis.first_answer import first_answer
+from dnanalyze.diagnosis.refine import refine
+from dnanalyze.fitting.design import LARGE, design
+from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.model.registry import built_in
+
+FEW = {name: built_in()[name] for name in ("column_fpn", "row_noise")}
+
+
+def sensor(side, frames):
+    drawn = draw_sensor(np.random.default_rng(3))
+    return generate(drawn, {"column_fpn": "strong"}, (side, side), (25.0, 65.0), frames, 3)
+
+
+@pytest.fixture(scope="module")
+def large():
+    held = bench(design(sensor(512, 6)))
+    assert held.plan.pixels >= LARGE
+    return held
+
+
+def test_a_quarter_of_the_field_tells_the_hidden_effect(large):
+    assert first_answer(large, paper_start(large), FEW)[:1] == ["column_fpn"]
+
+
+def test_it_keeps_the_time_limit(large):
+    with pytest.raises(TimeUp):
+        first_answer(large.within(TimeLimit(0.0)), paper_start(large), FEW)
+
+
+@pytest.mark.parametrize("search", [diagnose, refine])
+def test_a_search_of_small_captures_has_none(search):
+    told = []
+    search(sensor(64, 3), known=FEW, budget=1e-6, first=told.append)
+    assert told == [[]]
