@@ -149,6 +149,15 @@ Budget = Annotated[
     ),
 ]
 
+NoDescribe = Annotated[
+    bool,
+    typer.Option(
+        "--no-describe",
+        rich_help_panel=STEER,
+        help="Do not describe what stays unexplained.",
+    ),
+]
+
 Options = TypeVar("Options")
 
 

@@ -221,8 +221,12 @@ def described(
     known: Mapping[str, type[Effect]],
     limit: TimeLimit,
     tell: Callable[[str], None] = lambda _: None,
+    rivals: bool = True,
 ) -> Description:
-    """The description of what a fitted model leaves."""
+    """The description of what a fitted model leaves.
+
+    ``rivals``: whether the nearest effects of the catalogue are refitted instead.
+    """
     tell("residual layers")
     seen = layers(held.plan, state.model)
     base = tuple(e for e in state.model.effects if e.name in (BASE, *EVERYDAY))
@@ -235,7 +239,8 @@ def described(
             "what the model misses is not in the geometry of the frames."
         )
         return _without(captures, held, state, "nothing", text)
-    return _judged(captures, held, state, known, limit, tell, seen, found)
+    near = known if rivals else {}
+    return _judged(captures, held, state, near, limit, tell, seen, found)
 
 
 def _judged(

@@ -86,7 +86,7 @@ def _surface(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Esti
     y, x = (p.ravel() for p in _places(seen))
     basis = np.stack([x, y, x * x, x * y, y * y], axis=1)
     numbers = np.linalg.lstsq(basis - basis.mean(axis=0), shape, rcond=None)[0]
-    numbers = numbers / np.abs(numbers).max()
+    numbers = numbers / numbers[np.abs(numbers).argmax()]
     # what is within its error of 0 is 0: a coefficient of the shape has that of its values
     numbers = np.where(np.abs(numbers) < 0.05, 0.0, np.round(numbers, 3))
     made = (basis - basis.mean(axis=0)) @ numbers

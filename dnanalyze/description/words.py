@@ -72,7 +72,11 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
         return f"values of blocks of {e.height} × {e.width} px, shared by {pixels}"
     if e.where == "surface":
         terms = ("x", "y", "x²", "xy", "y²")
-        parts = [f"{number(c)} {t}" for c, t in zip(e.coefficients, terms, strict=True) if c]
+        parts = [
+            t if c == 1 else f"{number(c)} {t}"
+            for c, t in zip(e.coefficients, terms, strict=True)
+            if c
+        ]
         return f"surface {' + '.join(parts)} of random sign and size"
     if e.where == "blob":
         return f"spot of radius {_told(e, 'radius', errors)} px"

@@ -61,3 +61,29 @@ def test_one_file_for_two_outputs_is_refused(folder, tmp_path, capsys):
     same = str(tmp_path / "x.yaml")
     assert main(["describe", folder, "--write", same, "-o", same]) == 2
     assert "named for two outputs" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["diagnose", "refine"])
+def test_what_stays_unexplained_is_described(command, folder, tmp_path, capsys, monkeypatch):
+    seen = []
+    found = {"diagnose": fakes.diagnosis("unexplained"), "refine": fakes.refinement()}[command]
+    found.verdict, found.state = "unexplained", object()
+    module = "diagnose" if command == "diagnose" else "refine"
+    monkeypatch.setattr(f"dnanalyze.diagnosis.{module}.{command}", lambda *_, **__: found)
+
+    def described(captures, *_, rivals):
+        seen.append(rivals)
+        return description(captures)
+
+    monkeypatch.setattr("dnanalyze.description.describe.described", described)
+    out = tmp_path / "d.json"
+    assert main([command, folder, "--json", str(out)]) == 0
+    assert seen == [False]
+    assert "Fixed rings" in capsys.readouterr().out
+    assert json.loads(out.read_text())["description"]["composite"]["where"] == "rings"
+    assert main([command, folder, "--json", str(out), "--no-describe"]) == 0
+    assert seen == [False]
+    assert "description" not in json.loads(out.read_text())
+    found.verdict = "missing"
+    assert main([command, folder]) == 0
+    assert seen == [False]

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from dnanalyze_cli.options import Budget, Exclude, ModelOptions, takes
+from dnanalyze_cli.options import Budget, Exclude, ModelOptions, NoDescribe, takes
 
 
 @takes(ModelOptions)
-def diagnose(options: ModelOptions, exclude: Exclude = None, budget: Budget = None) -> None:
+def diagnose(
+    options: ModelOptions,
+    exclude: Exclude = None,
+    budget: Budget = None,
+    no_describe: NoDescribe = False,
+) -> None:
     """Rank the effects that may be missing in a model, with the evidence for and against."""
     from dnanalyze.diagnosis.diagnose import diagnose as run
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables
     from dnanalyze.report.terminal.diagnosis import diagnosis as show
     from dnanalyze_cli import over_channels
+    from dnanalyze_cli.left_over import left_over
 
     session = options.session("diagnose")
     session.remaining(budget)
@@ -38,6 +44,7 @@ def diagnose(options: ModelOptions, exclude: Exclude = None, budget: Budget = No
             first=progress.first,
         )
     show(session.console, found, diagnosis)
+    more = {} if no_describe else left_over(session, found, held, diagnosis, known, budget)
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare
@@ -48,7 +55,7 @@ def diagnose(options: ModelOptions, exclude: Exclude = None, budget: Budget = No
         return diagnose_page(found, diagnosis, comparison)
 
     session.write(
-        documents.diagnosis(options.captures, diagnosis),
+        documents.diagnosis(options.captures, diagnosis) | more,
         page,
         lambda: tables.candidates(diagnosis),
     )

@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.options import STEER, Budget, Exclude, ModelOptions, ModelOut, takes
+from dnanalyze_cli.options import (
+    STEER,
+    Budget,
+    Exclude,
+    ModelOptions,
+    ModelOut,
+    NoDescribe,
+    takes,
+)
 
 
 @takes(ModelOptions)
@@ -35,6 +43,7 @@ def refine(
         ),
     ] = None,
     budget: Budget = None,
+    no_describe: NoDescribe = False,
 ) -> None:
     """Diagnose and add until nothing more is missing; the model error at each step.
 
@@ -50,6 +59,7 @@ def refine(
     from dnanalyze.report.terminal.refinement import refinement as show
     from dnanalyze_cli import over_channels
     from dnanalyze_cli.going_on import command_line, kept_when_stopped
+    from dnanalyze_cli.left_over import left_over
 
     session = options.session("refine", output=output)
     session.remaining(budget)
@@ -114,6 +124,7 @@ def refine(
                 progress.now("Standard errors of the parameters")
                 _ = result.parameters
         show(session.console, found, result)
+        more = {} if no_describe else left_over(session, found, held, result, known, budget)
         if output is None:
             not_kept(session.console)
 
@@ -125,7 +136,7 @@ def refine(
             return refine_page(found, result, comparison)
 
         session.write(
-            documents.refinement(captures, result, output),
+            documents.refinement(captures, result, output) | more,
             page,
             lambda: tables.steps(result),
             lambda: dump_model(result.model),

@@ -24,6 +24,14 @@ def description(console: Console, captures: Any, result: Any) -> None:
     points(console, "Recommended captures", result.next_capture)
 
 
+def in_short(console: Console, result: Any) -> None:
+    """The sentence alone, and how to go on with it."""
+    points(console, "Structure", [words.describe_headline(result)])
+    if result.effect is not None:
+        console.print("`dnanalyze describe` adds it to the model.", style="dim")
+        console.print()
+
+
 def number_rows(result: Any) -> list[tuple[str, str, str, str]]:
     """Name, value with standard error, unit, value in the model."""
     return [

@@ -1,0 +1,59 @@
+"""What stays unexplained at the end of a diagnosis or a refinement, described."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from dnanalyze.fitting.predictor import Bench
+    from dnanalyze.loaders.captures import CaptureSet
+    from dnanalyze.model.effect import Effect
+    from dnanalyze_cli.session import Session
+
+MOST = 30.0  # s for its refits; the search itself is bounded by the pixels that a fit looks at
+
+
+def left_over(
+    session: Session,
+    captures: CaptureSet,
+    held: Bench,
+    result: Any,
+    known: dict[str, type[Effect]],
+    budget: float | None,
+) -> dict[str, Any]:
+    """Print the description and give its document under "description"; {} where there is none.
+
+    Parameters
+    ----------
+    session : Session
+    captures : CaptureSet
+    held : Bench
+        The statistics that the model was fitted to.
+    result : Diagnosis or Refinement
+        Only a finished one whose verdict is "unexplained" is described.
+    known : dict
+        Effects by name.
+    budget : float or None
+        Seconds of the whole command.
+    """
+    from dnanalyze.model.composite.effect import CompositeEffect
+
+    over = budget is not None and (session.remaining(budget) or 0.0) < 1.0
+    done = result.verdict == "unexplained" and result.finished and not over
+    if not done or result.model.get(CompositeEffect.name) is not None:
+        return {}
+    from dnanalyze.description.describe import described
+    from dnanalyze.fitting.knobs import knobs_of
+    from dnanalyze.fitting.least_squares import start
+    from dnanalyze.fitting.time_limit import TimeLimit
+    from dnanalyze.report import documents
+    from dnanalyze.report.terminal.description import in_short
+
+    left = min(MOST, session.remaining(budget) or MOST)
+    with session.progress("Describing what stays unexplained") as progress:
+        state = getattr(result, "state", None)
+        state = state or start(held, result.model, knobs_of(result.model))
+        limit = TimeLimit.after(left)
+        found = described(captures, held, state, known, limit, progress.now, rivals=False)
+    in_short(session.console, found)
+    return {"description": documents.description(captures.name, found)}
