@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
 QUARTILE = 0.6744898  # of the standard normal distribution
 
 
 @dataclass(frozen=True)
 class HeavyTailedReadNoise(Effect):
-    """y += sigma Q(p), Q the Tukey-lambda quantile function scaled to a Gaussian's quartiles."""
+    """y += sigma Q(p), Q the quantile function of Tukey's lambda or Student's t distribution,
+    scaled to a Gaussian's quartiles.
+    """
 
     name: ClassVar[str] = "heavy_tailed_read_noise"
     stage: ClassVar[Stage] = Stage.PIXEL_READ
@@ -30,18 +33,21 @@ class HeavyTailedReadNoise(Effect):
         "the source follower whose switching, or whose 1/f noise, is many times larger. Over the "
         "whole frame the noise then has symmetric heavy tails, described by the Tukey-lambda "
         "distribution: lambda = 0.14 is nearly Gaussian, 0 is logistic, −0.2 has tails like "
-        "Student's t with 5 degrees of freedom (nu = -1/lambda). It belongs to the readout: no "
+        "Student's t with 5 degrees of freedom (nu = -1/lambda); Student's t itself, where the "
+        "variance of Gaussian noise differs from read to read (`form`), has the same far tails and "
+        "a rounder core. It belongs to the readout: no "
         "growth with exposure, hardly any with temperature, and it follows the analog gain. It "
         "adds to read_noise. Remedy: multiple or correlated sampling, buried channel transistors; "
         "medians instead of means over frames."
     )
     formula: ClassVar[str] = (
         "y += sigma q(p) / s;  q(p) = (p^lambda - (1-p)^lambda) / lambda, s = q(0.75) / 0.6745, p "
-        "uniform"
+        "uniform; or q(p) the quantile of Student's t with nu degrees of freedom"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Wei, Fu, Yang, Huang, A physics-based noise formation model for extreme low-light raw "
         "denoising (ELD), CVPR 2020 (Tukey-lambda)",
+        "Student, Biometrika 6 (1908) 1 (t distribution: Gaussian of inverse-gamma variance)",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "temporal_kurtosis", "temporal_q0.999", "temporal_q0.001", "temporal_q0.99",
@@ -62,9 +68,22 @@ class HeavyTailedReadNoise(Effect):
     tail: float = parameter(
         -0.15, "1", -0.45, 0.14, "lambda: 0.14 Gaussian, 0 logistic, -1/nu Student's t", "linear"
     )
+    form: str = choice("tukey", "distribution", "tukey", "student")
+    freedom: float = parameter(
+        5.0, "1", 2.1, 30.0, "degrees of freedom nu of Student's t; 30 is nearly Gaussian"
+    )
+
+    def idle(self) -> tuple[str, ...]:
+        """The number of the other distribution."""
+        return ("tail",) if self.form == "student" else ("freedom",)
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Add the noise: a Gaussian field bent into shape, so it moves smoothly with ``tail``."""
+        """Add the noise: a Gaussian field bent into shape, so it moves smoothly with its tail."""
+        sigma = self.value("sigma", site.point) * site.gain_ratio
+        if self.form == "student":
+            freedom = self.value("freedom", site.point)
+            signal += np.float32(sigma / student_scale(freedom)) * student(site.normal(), freedom)
+            return signal
         tail = self.value("tail", site.point)
         scale = self.value("sigma", site.point) * site.gain_ratio / robust_scale(tail)
         signal += np.float32(scale) * bent(site.normal(), tail)
@@ -75,7 +94,11 @@ class HeavyTailedReadNoise(Effect):
         return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
 
     def variance(self, point: OperatingPoint) -> float:
-        """Variance of the Tukey-lambda distribution, DN^2."""
+        """Variance of the Tukey-lambda distribution, or nu / (nu - 2) of Student's t, DN^2."""
+        if self.form == "student":
+            freedom = self.value("freedom", point)
+            scale = self.value("sigma", point) / student_scale(freedom)
+            return scale**2 * freedom / (freedom - 2.0)
         tail = self.value("tail", point)
         return (self.value("sigma", point) / robust_scale(tail)) ** 2 * tukey_variance(tail)
 
@@ -96,6 +119,50 @@ def bent(z: np.ndarray, tail: float) -> np.ndarray:
     else:
         size = (np.exp(tail * near) - np.exp(tail * far)) / tail
     return np.copysign(size, z).astype(np.float32)
+
+
+def student(z: np.ndarray, freedom: float) -> np.ndarray:
+    """Standard normal deviates to Student's t deviates, by way of their probability."""
+    from scipy.special import ndtr
+
+    z = np.asarray(z, np.float64)
+    size = _student_at(np.log(ndtr(-np.abs(z))), freedom)
+    return np.copysign(size, z).astype(np.float32)
+
+
+def student_quantile(p: float, freedom: float) -> float:
+    """Quantile of Student's t distribution, p from 1/2 to 1."""
+    return float(_student_at(np.array(math.log1p(-p)), freedom))
+
+
+def student_scale(freedom: float) -> float:
+    """Quartile of Student's t distribution over that of the standard normal."""
+    return student_quantile(0.75, freedom) / QUARTILE
+
+
+def _student_at(log_p: np.ndarray, freedom: float) -> np.ndarray:
+    """Student's t deviate that a share p of all exceed, p up to 1/2; to 1e-5, or 1e-6 near 0."""
+    y, minus_log = _student_table(float(freedom))
+    return np.asarray(math.sqrt(freedom) * np.sinh(np.interp(-log_p, minus_log, y)))
+
+
+@lru_cache(maxsize=64)
+def _student_table(nu: float) -> tuple[np.ndarray, np.ndarray]:
+    """y = asinh(t / sqrt(nu)) and minus the log of the probability beyond it.
+
+    The density in y is c sqrt(nu) cosh(y)^-nu, c = G((nu + 1)/2) / (sqrt(nu pi) G(nu/2)). It is
+    summed from the tail, where it is c sqrt(nu) (2 e^-y)^nu, by the trapezium rule with its end
+    correction; to probabilities of 1e-11, below those of 32-bit deviates.
+    """
+    end = math.log(2.0) + 26.0 / nu
+    y = np.linspace(0.0, end, 8192)
+    constant = math.lgamma((nu + 1) / 2) - math.lgamma(nu / 2) - 0.5 * math.log(math.pi)
+    density = np.exp(constant - nu * np.log(np.cosh(y)))
+    step = y[1]
+    slope = -nu * np.tanh(y) * density
+    parts = step / 2 * (density[1:] + density[:-1]) - step**2 / 12 * (slope[1:] - slope[:-1])
+    beyond = np.append(np.cumsum(parts[::-1])[::-1], 0.0) + density[-1] / nu
+    return y, -np.log(beyond / beyond[0] / 2.0)
 
 
 def robust_scale(tail: float) -> float:

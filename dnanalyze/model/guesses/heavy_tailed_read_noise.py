@@ -10,13 +10,15 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.heavy_tailed_read_noise import (
     HeavyTailedReadNoise,
     robust_scale,
+    student_quantile,
+    student_scale,
 )
 from dnanalyze.model.guesses.evidence import shows, typical_positive
 
 
 def guess(effect: type[HeavyTailedReadNoise], clues: Clues) -> list[Effect]:
     """The 99.9 % quantile over the core gives the tail if all of the noise is of this kind;
-    else a heavier tail beside Gaussian noise makes it.
+    else a heavier tail beside Gaussian noise makes it. Student's t with the same quantile last.
 
     Of the quietest setting, for there dark current has least noise of its own; and of all.
     """
@@ -31,10 +33,13 @@ def guess(effect: type[HeavyTailedReadNoise], clues: Clues) -> list[Effect]:
     noise = typical_positive(core) or 1.0
     whole, part = (bounded(effect, "sigma", share * noise) for share in (0.9, 0.5))
     guesses: list[Effect] = [effect(whole, tail), effect(part, bounded(effect, "tail", tail - 0.2))]
+    freedom, size = _freedom_of(typical_positive(ratio) or 4.5), whole
     good = np.isfinite(ratio) & (core > 0)
     if good.any():
         i = int(np.argmin(np.where(good, core, np.inf)))
-        guesses.insert(0, effect(bounded(effect, "sigma", 0.9 * core[i]), _tail_of(ratio[i])))
+        size, freedom = bounded(effect, "sigma", 0.9 * core[i]), _freedom_of(ratio[i])
+        guesses.insert(0, effect(size, _tail_of(ratio[i])))
+    guesses.append(effect(size, form="student", freedom=freedom))
     return list(dict.fromkeys(guesses))
 
 
@@ -43,3 +48,10 @@ def _tail_of(ratio: float) -> float:
     tails = np.linspace(-0.4, 0.1, 101)
     reach = [(0.999**t - 0.001**t) / t / robust_scale(t) if t else 0.0 for t in tails + 1e-9]
     return float(tails[int(np.argmin(np.abs(np.array(reach) - ratio)))])
+
+
+def _freedom_of(ratio: float) -> float:
+    """Degrees of freedom whose 99.9 % quantile is so many robust standard deviations."""
+    freedoms = np.geomspace(2.1, 30.0, 60)
+    reach = [student_quantile(0.999, nu) / student_scale(nu) for nu in freedoms]
+    return float(freedoms[int(np.argmin(np.abs(np.array(reach) - ratio)))])

@@ -1,10 +1,15 @@
 import numpy as np
 import pytest
 from readout_bench import POINT, Given, added
-from scipy.stats import norm, tukeylambda
+from scipy.stats import norm, t, tukeylambda
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effects.heavy_tailed_read_noise import HeavyTailedReadNoise, bent
+from dnanalyze.model.effects.heavy_tailed_read_noise import (
+    QUARTILE,
+    HeavyTailedReadNoise,
+    bent,
+    student,
+)
 
 SHAPE = (256, 256)
 
@@ -53,10 +58,14 @@ def test_guess_reads_the_tail_off_the_quantile():
         seen={"temporal_noise_core": 2.0, "temporal_q0.999": 2.0 * ratio},
         off={"temporal_kurtosis": 30.0},
     )
-    alone, beside = HeavyTailedReadNoise.guess(clues)
+    alone, beside, student = HeavyTailedReadNoise.guess(clues)
     assert alone.tail == pytest.approx(tail, abs=0.01)
     assert beside.tail < alone.tail
     assert beside.sigma < alone.sigma < 2.0
+    # a quantile of t / quartile at 99.9 % of 6.8 is that of 5.0 degrees of freedom or so
+    reach = QUARTILE * t.ppf(0.999, student.freedom) / t.ppf(0.75, student.freedom)
+    assert student.form == "student"
+    assert reach == pytest.approx(ratio, rel=0.05)  # a grid of factors of 1.05
     assert HeavyTailedReadNoise.guess(Given(off={"temporal_kurtosis": -9.0})) == []
 
 
@@ -70,7 +79,7 @@ def test_the_quietest_setting_is_asked_first():
         },
         off={"temporal_kurtosis": 30.0},
     )
-    quiet, typical, _ = HeavyTailedReadNoise.guess(clues)
+    quiet, typical, *_ = HeavyTailedReadNoise.guess(clues)
     assert quiet.sigma == pytest.approx(0.45)
     assert typical.tail < quiet.tail - 0.05
 
@@ -81,3 +90,26 @@ def test_each_deviate_is_exact_in_single_precision(tail):
     p = norm.cdf(z.astype(float))
     exact = tukeylambda.ppf(p, tail) if tail else np.log(p) - norm.logsf(z.astype(float))
     np.testing.assert_allclose(bent(z, tail), exact, rtol=2.0**-23)
+
+
+@pytest.mark.parametrize("freedom", [2.1, 5.0, 30.0])
+def test_student_deviates_have_their_exact_quantiles(freedom):
+    z = np.array([-6.2, -2.0, -0.01, 0.01, 0.7, 3.0, 6.2], np.float32)
+    exact = np.sign(z) * t.isf(norm.sf(np.abs(z.astype(float))), freedom)
+    np.testing.assert_allclose(student(z, freedom), exact, rtol=1e-5, atol=2e-6)
+
+
+@pytest.mark.parametrize("freedom", [4.0, 8.0, 30.0])
+def test_student_noise_has_the_stated_quartile_and_variance(freedom):
+    effect = HeavyTailedReadNoise(2.0, form="student", freedom=freedom)
+    x = added(effect, count=4, shape=SHAPE)
+    scale = 2.0 * QUARTILE / t.ppf(0.75, freedom)
+    assert effect.variance(POINT) == pytest.approx(scale**2 * freedom / (freedom - 2), rel=1e-5)
+    for p in (0.01, 0.25, 0.5, 0.75, 0.99):
+        q = t.ppf(p, freedom)
+        se = np.sqrt(p * (1 - p) / x.size) / t.pdf(q, freedom) * scale
+        assert np.quantile(x, p) == pytest.approx(q * scale, abs=5 * se)
+    if freedom > 4.0:
+        kurtosis = 3.0 + 6.0 / (freedom - 4.0)
+        error = 5 * np.sqrt((kurtosis - 1) / x.size)
+        assert x.var() == pytest.approx(effect.variance(POINT), rel=error)

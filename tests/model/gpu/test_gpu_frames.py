@@ -60,6 +60,7 @@ MODELS = {
         "flicker_fpn": {"rms": 0.1, "form": "scaled"},
         "offset_drift": {"step": 0.02, "form": "scaled"},
     },
+    "Student's t": {"heavy_tailed_read_noise": {"form": "student", "freedom": 3.0}},
     "settling strips of rows": PAPER | {
         "column_taps": {
             "kind": "blocks", "levels": (2.0, -1.0, 0.0), "begins": (9.0, 20.0), "axis": "rows",
