@@ -11,18 +11,18 @@ from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.counted_steps import counted_steps
 from dnanalyze.model.guesses.evidence import SIGN, curve, shows
-
-FAR = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
-FEWEST = 20  # hot pixels that show how they are spread
-NARROW = 0.4  # quartile distance over median; 1.6 where amplitudes are exponential
+from dnanalyze.model.guesses.single_peak import single_peak
 
 
 def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
-    """The spacing of the peaks, setting by setting; few or many atoms a pixel."""
+    """The spacing of the peaks, setting by setting; few or many atoms a pixel.
+
+    Of rare atoms two peaks must be seen: one alone is of hot pixels that are alike.
+    """
     guesses = _counted(effect, clues)
-    rare = _single_peak(clues)
-    if rare is not None:
-        guesses += _grown(effect, clues, rare[0], [rare[1]])
+    rare = single_peak(clues)
+    if rare is not None and rare.second:
+        guesses += _grown(effect, clues, rare.amplitude, [rare.share])
     if shows(clues, ("pattern_steps",)):
         z = np.nan_to_num(clues.z("pattern_steps"))
         spacing = np.asarray(clues.measured("pattern_step_dn"), float)
@@ -53,30 +53,3 @@ def _grown(
         return []
     step, ea = fitted
     return [effect(**clip(effect, step=step, mean_number=n, ea_ev=ea)) for n in numbers]
-
-
-def _single_peak(clues: Clues) -> tuple[np.ndarray, float] | None:
-    """Amplitude, DN, one a setting, and share of hot pixels that are all about equally hot.
-
-    Where atoms are rare nearly all such pixels hold one: a single peak far above the core, and no
-    spacing to be seen. Hot pixels of other origin spread over a decade.
-    """
-    if not shows(clues, [f"hot_count_{k}" for k in (5, 8, 16)]):
-        return None
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
-    amplitude, shares = np.full(sigma.size, np.nan), []
-    for setting in range(sigma.size):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        if x is None or n is None or not np.isfinite(sigma[setting]):
-            continue
-        summed = np.cumsum(n)
-        x = x - np.interp(0.5 * summed[-1], summed, x)
-        hot = x > FAR * sigma[setting]
-        count = np.cumsum(n[hot])
-        if not hot.any() or count[-1] < FEWEST:
-            continue
-        low, middle, high = np.interp(np.array([0.25, 0.5, 0.75]) * count[-1], count, x[hot])
-        if high - low < NARROW * middle:
-            amplitude[setting] = middle
-            shares.append(float(count[-1] / summed[-1]))
-    return (amplitude, max(shares)) if shares else None

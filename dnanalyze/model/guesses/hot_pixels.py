@@ -2,15 +2,35 @@
 
 from __future__ import annotations
 
+from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import shows
-from dnanalyze.model.guesses.hot_counts import hot_signals
+from dnanalyze.model.guesses.hot_counts import USUAL, hot_signals
+from dnanalyze.model.guesses.single_peak import single_peak
 
 
 def guess(effect: type[HotPixels], clues: Clues) -> list[Effect]:
-    """What the counts over thresholds tell, of all settings together and of each."""
+    """What the counts over thresholds tell, of all settings together and of each; before it the
+    narrow peak of pixels that are alike, where one is seen.
+    """
     if not shows(clues, [n for n in effect.fingerprint if n != "hot_repeat"]):
         return []
+    return [*_narrow(effect, clues), *_spread(effect, clues)]
+
+
+def _narrow(effect: type[HotPixels], clues: Clues) -> list[Effect]:
+    peak = single_peak(clues)
+    if peak is None or peak.second:
+        return []
+    fitted = hints.thermal_fit(clues, peak.amplitude / hints.exposure_and_gain(clues), USUAL)
+    if fitted is None:
+        return []
+    numbers = {"fraction": peak.share, "scale": fitted[0], "ea_ev": fitted[1], "width": peak.width}
+    return [effect(**clip(effect, **numbers), law="narrow")]
+
+
+def _spread(effect: type[HotPixels], clues: Clues) -> list[Effect]:
     return [e for hot in hot_signals(clues) for e in effect.of_hot_signal(hot)]

@@ -365,14 +365,17 @@ def test_a_relative_of_blinking_pixels_has_the_same_second_and_fourth_moment():
     assert (back.fraction, back.amplitude) == pytest.approx((0.03, 5.0))
 
 
-@pytest.mark.parametrize(("spread", "found"), [(0.02, True), (1.0, False)])
-def test_rare_atoms_are_guessed_from_their_single_peak(spread, found):
+@pytest.mark.parametrize(
+    ("spread", "doubled", "found"), [(0.02, 40, "steps"), (0.02, 0, "alike"), (1.0, 0, "spread")]
+)
+def test_rare_atoms_are_guessed_from_two_peaks_and_pixels_alike_from_one(spread, doubled, found):
     points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
     rng = np.random.default_rng(5)
     bins, counts = [], []
     for p in points:
         core = rng.normal(0, 2.0, 100_000)
         hot = 200 * arrhenius(p.temperature_c, 25.0, 0.37) * np.exp(rng.normal(0, spread, 800))
+        hot[:doubled] *= 2
         n, edges = np.histogram(np.concatenate([core, hot]), 4000)
         bins.append((edges[1:] + edges[:-1]) / 2)
         counts.append(n)
@@ -383,10 +386,17 @@ def test_rare_atoms_are_guessed_from_their_single_peak(spread, found):
         curves={"pattern_hist_x": bins, "pattern_hist_n": counts},
     )
     guesses = DarkCurrentSteps.guess(clues)
-    assert bool(guesses) == found
+    assert bool(guesses) == (found == "steps")
     for g in guesses:
         assert g.step == pytest.approx(200, rel=0.02)
         assert g.mean_number == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))
+    narrow = [g for g in HotPixels.guess(clues) if g.law == "narrow"]
+    assert bool(narrow) == (found == "alike")
+    for g in narrow:
+        assert (g.scale, g.ea_ev) == pytest.approx((200, 0.37), rel=0.02)
+        assert g.fraction == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))
+        # of 800 normal ones a quartile distance is known to 4 %; the core adds to it
+        assert g.width == pytest.approx(0.02, abs=0.01)
 
 
 @pytest.mark.parametrize("tail", [0.2, 0.7])
@@ -444,7 +454,33 @@ def test_of_a_heavy_tail_the_exponential_law_of_the_same_median_is_told(tail):
 
 
 def test_a_heavier_relative_is_as_strong_at_a_tenth_of_the_hot_pixels():
-    (other,) = HotPixels(0.01, 30.0).relatives()
-    assert other.relatives() == [] == list(other.idle())
+    other, power = HotPixels(0.01, 30.0).relatives()
+    assert other.relatives() == power.relatives() == []
+    assert list(other.idle()) == list(power.idle()) == ["width"]
+    assert power.scale * 10.0**power.tail == pytest.approx(30.0 * np.log(10.0))
     law = stats.genpareto(other.tail, 0, other.scale)
     assert law.isf(0.1) == pytest.approx(stats.expon(0, 30.0).isf(0.1), rel=1e-6)
+
+
+def test_rates_of_a_power_law_are_pareto_from_the_least_on():
+    effect = HotPixels(0.02, 5.0, tail=0.4, law="power")
+    hot = frames(effect, SHAPE, 1)[0]
+    rate = hot[hot > 0]
+    assert abs(rate.size - N * 0.02) < 5 * np.sqrt(N * 0.02)
+    law = stats.pareto(1 / 0.4, scale=5.0)
+    assert stats.kstest(rate, law.cdf).pvalue > 1e-6
+    p = 0.02
+    assert effect.variance(HERE) == pytest.approx(p * law.moment(2) - (p * law.mean()) ** 2)
+    median = effect.hot_signal(HERE).scale * np.log(2.0)
+    assert median == pytest.approx(law.median(), rel=1e-6)
+
+
+def test_rates_of_a_narrow_peak_are_normal_about_it():
+    effect = HotPixels(0.02, 50.0, law="narrow", width=0.1)
+    hot = frames(effect, SHAPE, 1)[0]
+    rate = hot[hot > 0]
+    assert abs(rate.size - N * 0.02) < 5 * np.sqrt(N * 0.02)
+    assert stats.kstest(rate, stats.norm(50.0, 5.0).cdf).pvalue > 1e-6
+    p = 0.02
+    assert effect.variance(HERE) == pytest.approx(p * (2500 + 25) - (p * 50) ** 2)
+    assert effect.idle() == ("tail",)
