@@ -16,7 +16,8 @@ from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 
 def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     """The step from the spread of frame means, K frames of a walk having step^2 (K^2-1)/6K; a
-    transient where the first frame stands apart in the same direction in most settings.
+    transient where the first frame stands apart in the same direction in most settings. Offsets
+    that are new in each frame instead, where successive frames differ as those do.
     """
     if not shows(clues, effect.fingerprint):
         return []
@@ -27,6 +28,9 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     frames = max(frames, 2)
     step = math.sqrt(typical_positive(spread2) * 6.0 * frames / (frames**2 - 1.0))
     guesses: list[Effect] = [effect(bounded(effect, "step", step))]
+    if _are_white(means):
+        white = bounded(effect, "white", math.sqrt(typical_positive(spread2)))
+        guesses.insert(0, effect(effect.parameters()["step"].lower, white=white))
     jumps = np.array([_jump(m) for m in means if m is not None and len(m) >= 4])
     if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
         small = bounded(effect, "step", 0.1 * step)
@@ -37,6 +41,19 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
         start = share / (1.0 - math.exp(-1.0 / effect.settling))
         guesses.append(effect(step, bounded(effect, "transient", start), form="scaled"))
     return guesses
+
+
+def _are_white(means: Sequence[np.ndarray | None]) -> bool:
+    """Whether frame means are rather independent than a walk, over all settings.
+
+    The mean square difference of successive frames over their variance (von Neumann, Ann. Math.
+    Stat. 12 (1941) 367) is 2 where they are independent and 6 / (K + 1) for a walk of K frames.
+    They are taken as independent where it is nearer to 2; fewer than three frames tell nothing.
+    """
+    told = [m for m in means if m is not None and len(m) >= 3]
+    differences = sum(float(np.mean(np.diff(m) ** 2)) for m in told)
+    middle = sum((1.0 + 3.0 / (len(m) + 1)) * float(np.var(m, ddof=1)) for m in told)
+    return differences > middle
 
 
 def _share(level: np.ndarray, means: Sequence[np.ndarray | None]) -> float | None:

@@ -45,8 +45,34 @@ def test_guess_of_the_step_and_of_a_transient():
     clues.curves["frame_means"] = [np.array([70.0, 64.1, 64.0, 63.9, 64.0, 64.1])]
     first = OffsetDrift.guess(clues)[0]
     assert first.transient == pytest.approx(6.0, abs=0.1)
-    assert first.idle() == ()
-    assert OffsetDrift(0.1).idle() == ("transient", "settling")
+    assert first.idle() == ("white",)
+    assert OffsetDrift(0.1).idle() == ("transient", "settling", "white")
+
+
+def test_white_offsets_have_the_stated_variance_and_no_memory():
+    b = levels(OffsetDrift(1e-5, white=0.5))
+    assert b.var() == pytest.approx(0.25, rel=5 * np.sqrt(2 / b.size))
+    assert abs(np.corrcoef(b[1:], b[:-1])[0, 1]) < 5 / np.sqrt(b.size)
+    share = frames(Ramp(), OffsetDrift(1e-5, white=0.1, form="scaled"), count=2)
+    shift = np.mean(share[1] - share[0]) / np.mean(frames(Ramp(), count=1) - 64.0)
+    assert 1e-3 < abs(shift) < 0.1 * 5 * np.sqrt(2)
+
+
+@pytest.mark.parametrize("white", [True, False])
+def test_guess_tells_white_offsets_from_a_walk_by_successive_frames(white):
+    rng = np.random.default_rng(7)
+    points = tuple(OperatingPoint(t, 1.0) for t in range(0, 80, 10))
+    steps = rng.normal(0, 0.4, (8, 8))
+    means = steps if white else np.cumsum(steps, axis=1)
+    clues = Given(
+        points=points, seen={"drift": means.std(axis=1, ddof=1)}, model={"drift": 0.0},
+        off={"drift": 9.0}, curves={"frame_means": list(64 + means)},
+    )  # fmt: skip
+    found = OffsetDrift.guess(clues)[0]
+    assert bool(found.white) == white
+    # a median of 8 standard deviations of 8 frames: 1.25 / sqrt(2 x 7 x 8) of 12 %
+    if white:
+        assert found.white == pytest.approx(0.4, rel=5 * 0.12)
 
 
 def test_a_cooling_chip_moves_the_dark_signal_by_a_share():
