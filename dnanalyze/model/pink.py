@@ -57,7 +57,7 @@ def _multiplicity(shape: tuple[int, int]) -> np.ndarray:
     return times
 
 
-def raster_weights(count: int, alpha: float) -> np.ndarray:
+def raster_weights(count: int, alpha: float, cutoff: float = 0.0) -> np.ndarray:
     """Amplitudes of the modes f = k / count, k = 1 ... count // 2, for `raster`, float32.
 
     Parameters
@@ -66,8 +66,13 @@ def raster_weights(count: int, alpha: float) -> np.ndarray:
         Pixel periods in a frame.
     alpha : float
         Exponent of the power spectrum.
+    cutoff : float
+        Frequency below which it is flat, cycles a pixel period.
     """
-    weight = np.arange(1, count // 2 + 1) ** (-alpha / 2.0)
+    number = np.arange(1, count // 2 + 1)
+    if cutoff * count > 1.0:
+        number = np.maximum(number, cutoff * count)
+    weight = number ** (-alpha / 2.0)
     return (weight / (2.0 * np.sqrt(np.sum(weight * weight)))).astype(np.float32)
 
 

@@ -27,12 +27,15 @@ class FlickerNoise(Effect):
         "gives noise whose power falls as 1/f^alpha in time, alpha near 1. Pixels are read row "
         "after row, so time runs along the row: neighbours in a row are correlated, and successive "
         "rows drift together as soft horizontal bands. It depends on the readout, not on exposure, "
-        "follows the analog gain and hardly the temperature. Remedy: faster double sampling, "
+        "follows the analog gain and hardly the temperature. Correlated double sampling or a clamp "
+        "takes the slow part (`cutoff`); chains for odd and even columns have noise of their own "
+        "(`chains`). Remedy: faster double sampling, "
         "reference pixels read along with the image, subtraction of row means of black pixels for "
         "the part slower than a row."
     )
     formula: ClassVar[str] = (
-        "S(f) = C f^-alpha, f = k/(rows x columns) of the raster; sum of S over f = rms^2"
+        "S(f) = C f^-alpha, f = k/(rows x columns) of the raster; sum of S over f = rms^2; "
+        "S = C f_c^-alpha below f_c; with several chains so for each, in its own pixel periods"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Rauscher, Teledyne H1RG, H2RG and H4RG noise generator (NGHXRG), PASP 127, 1144 (2015)",
@@ -52,21 +55,42 @@ class FlickerNoise(Effect):
     rms: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation over a frame")
     alpha: float = parameter(1.0, "1", 0.3, 2.5, "exponent of the power spectrum", "linear")
     overhead: int = choice(0, "pixel periods between two rows")
+    cutoff: float = parameter(
+        0.0, "c/px", 0.0, 0.5, "frequency f_c along the raster below which it is white", "linear"
+    )
+    chains: int = choice(1, "chains that read every so many columns, each with its noise", 1, 2, 4)
+
+    def idle(self) -> tuple[str, ...]:
+        """A cutoff that is not there."""
+        return ("cutoff",) if self.cutoff == 0.0 else ()
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the noise of this frame."""
         period = site.shape[1] + max(0, int(self.overhead))
         whole = Window(0, site.shape[0], 0, period)
-        alpha = self.value("alpha", site.point)
+        alpha, cutoff = self.value("alpha", site.point), self.value("cutoff", site.point)
+
+        def made(white: np.ndarray, level: float) -> np.ndarray:
+            weights = site.share(
+                f"weights {white.size}", lambda: pink.raster_weights(white.size, alpha, cutoff)
+            )
+            return pink.raster(white, weights, level)
 
         def make() -> np.ndarray:
             if site.window == whole:
                 white = site.normal("raster")
             else:
                 white = site.moment.child("raster").normal(whole, period)
-            weights = site.share("weights", lambda: pink.raster_weights(white.size, alpha))
-            level = float(site.moment.child("level").normal(Window(0, 1, 0, 1), 1)[0, 0])
-            return pink.raster(white, weights, level)
+            count = self.chains
+            levels = site.moment.child("level").normal(Window(0, 1, 0, count), count)[0]
+            if count == 1:
+                return made(white, float(levels[0]))
+            white = np.asarray(white)
+            frame = np.empty(white.shape, np.float32)
+            for chain in range(count):
+                columns = np.s_[:, chain::count]
+                frame[columns] = made(white[columns], float(levels[chain]))
+            return frame
 
         rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
         signal += rms * site.share(f"raster {site.frame}", make)[site.window.slices]

@@ -64,6 +64,7 @@ MODELS = {
     "hot pixels of a power law": PAPER | {"hot_pixels": {"law": "power", "tail": 0.8}},
     "hot pixels alike": PAPER | {"hot_pixels": {"law": "narrow", "width": 0.2}},
     "white offsets": PAPER | {"offset_drift": {"white": 2.0}},
+    "two chains of 1/f noise": PAPER | {"flicker_noise": {"chains": 2, "cutoff": 0.02}},
     "settling strips of rows": PAPER | {
         "column_taps": {
             "kind": "blocks", "levels": (2.0, -1.0, 0.0), "begins": (9.0, 20.0), "axis": "rows",
