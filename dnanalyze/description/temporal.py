@@ -6,15 +6,14 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.signal import fftconvolve
 
 from dnanalyze.description.blocks import block_form
 from dnanalyze.description.found import Estimate, Sizes
 from dnanalyze.description.layers import Layers
 from dnanalyze.description.random_size import random_size
+from dnanalyze.description.spots import GRID, spot
 from dnanalyze.model.composite.effect import CompositeEffect
 
-GRID = 16  # blocks a side of the coarse frames
 TWO_LEVEL = 1.5  # fourth moment over the square of the second: 1 of two levels, 3 of a normal
 ENOUGH = 16  # values from which that ratio tells (sqrt(24 / 16) = 1.2 of a normal)
 JUMP = 5.0  # standard errors by which the mean bridge of a jumping line exceeds chance
@@ -30,7 +29,7 @@ def temporal(seen: Layers) -> list[Estimate]:
         pixels = math.prod(n // GRID for n in seen.window.shape)
         noise = [t.noise**2 / pixels for t in seen.taken]
         found += [_surface(seen, coarse, noise), *_parts(seen, coarse, noise)]
-        found.append(_spot(seen, coarse, noise))
+        found.append(spot(seen, coarse, noise))
     return found
 
 
@@ -124,70 +123,6 @@ def _parts(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> list[E
         count = sum(s.size for s in series)
         found.append(Estimate(effect, {}, gain, (1 + len(series)) * math.log(count * GRID), sizes))
     return found
-
-
-def _spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Estimate:
-    """A Gaussian spot elsewhere in every frame, by a matched filter."""
-    step = math.sqrt(math.prod(n / GRID for n in seen.window.shape))
-    radii = np.geomspace(0.6, GRID / 4, 12)
-    frames = np.concatenate([c / math.sqrt(n) for c, n in zip(coarse, noise, strict=True)])
-    gains, heights = [], []
-    for radius in radii:
-        reach = np.arange(-GRID + 1, GRID)
-        line = np.exp(-0.5 * (reach / radius) ** 2)
-        template = np.outer(line, line)
-        weight = fftconvolve(np.ones((GRID, GRID)), template**2, mode="same")[None]
-        top = np.stack([fftconvolve(f, template, mode="same") for f in frames])
-        size = top / np.sqrt(weight)
-        sign = 1.0 if np.sum(size.max(axis=(1, 2))) > -np.sum(size.min(axis=(1, 2))) else -1.0
-        at = (sign * size).reshape(len(frames), -1).argmax(axis=1)
-        peaks = np.array([_top(sign * s, int(n)) for s, n in zip(size, at, strict=True)])
-        gains.append(float(np.sum(peaks**2)))
-        whole = np.broadcast_to(np.sqrt(weight), size.shape).reshape(len(frames), -1)
-        heights.append(sign * peaks / whole[np.arange(len(at)), at])
-    best = int(np.argmax(gains))
-    logs, error = np.log(radii), math.inf
-    place = logs[best]
-    if 0 < best < len(radii) - 1:
-        bend = gains[best - 1] - 2 * gains[best] + gains[best + 1]
-        if bend < 0:
-            off = 0.5 * (gains[best - 1] - gains[best + 1]) / bend
-            place += off * (logs[1] - logs[0])
-            error = math.sqrt(-2.0 / bend) * (logs[1] - logs[0])
-    # blocks widen a spot by their own variance; a template of another width sees another height
-    wide, used = math.exp(2.0 * place), radii[best] ** 2
-    true = max(wide - 1.0 / 12.0, 0.25 * wide)
-    taller = (wide + used) / (2.0 * wide) * wide / true
-    values, errors, begun = [], [], 0
-    for c, n in zip(coarse, noise, strict=True):
-        own = heights[best][begun : begun + len(c)] * math.sqrt(n)
-        begun += len(c)
-        # less the mean of the frames, which holds 1 / frames of every spot
-        own = own * taller * math.sqrt(len(c) / (len(c) - 1.0))
-        values.append(float(own.mean()))
-        errors.append(float(own.std(ddof=1)) / math.sqrt(len(c)))
-    sign = 1.0 if np.sum(values) > 0 else -1.0
-    radius = math.sqrt(true) * step
-    effect = CompositeEffect(when="frame", where="blob", radius=min(max(radius, 0.3), 1e6))
-    price = 3 * len(frames) * math.log(GRID * GRID)
-    sizes = Sizes(sign * np.array(values), np.maximum(errors, 1e-9))
-    if sign < 0:
-        price = math.inf  # dark spots: no effect has them
-    return Estimate(effect, {"radius": radius * error}, max(gains), price, sizes)
-
-
-def _top(field: np.ndarray, at: int) -> float:
-    """Height of a peak between the places of a lattice, by parabolas through its neighbours."""
-    i, j = divmod(at, field.shape[1])
-    height = float(field[i, j])
-    for line, n in ((field[:, j], i), (field[i], j)):
-        if 0 < n < line.size - 1:
-            slope, bend = (
-                float(line[n + 1] - line[n - 1]),
-                float(2 * line[n] - line[n + 1] - line[n - 1]),
-            )
-            height += slope**2 / (8.0 * bend) if bend > 0 else 0.0
-    return height
 
 
 def _pairs(seen: Layers) -> list[Estimate]:
