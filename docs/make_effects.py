@@ -57,6 +57,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "row_fpn": {"sigma": 3.0},
     "row_noise": {"sigma": 3.0},
     "rts": {"fraction": 0.03, "amplitude": 40.0, "amplitudes": "fixed"},
+    "scaled_lines": {"fraction": 0.03, "sigma": 1.0},
     "stuck_pixels": {"fraction": 1e-3, "code": 140.0},
     "temporal_denoise": {"share": 0.6},
     "quantization": {"step": 8},
@@ -69,6 +70,7 @@ WIDE = {
     "dark_shading",
     "defect_lines",
     "offset_gradient",
+    "scaled_lines",
 }
 CODES = {"digital_gain", "missing_codes", "quantization"}
 NEAR = {"convolved_lognormal", "cfa_mismatch", "crosstalk", "denoise", "dpc", "hot_clusters"}

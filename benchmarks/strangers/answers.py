@@ -59,7 +59,7 @@ ANSWERS: dict[str, Answer] = {
     ),
     "amplifier_segments": Answer(("column_taps",), "vertical strips, each with its offset"),
     "dead_columns": Answer(
-        ("defect_lines", "column_gain"), "columns that collect no charge, read as usual"
+        ("scaled_lines",), "columns that collect no charge, read as usual"
     ),
     "dead_pixels": Answer(
         ("stuck_pixels",), "pixels that collect no charge; they keep their read noise"

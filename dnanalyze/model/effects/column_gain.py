@@ -37,6 +37,7 @@ class ColumnGain(Effect):
     )
     fingerprint: ClassVar[tuple[str, ...]] = named("pattern_columns", reversed(LINE_BANDS))
     confused_with: ClassVar[dict[str, str]] = {
+        "scaled_lines": "a few lines far off the others, not a normal distribution of all",
         "column_fpn": "stripes of the same strength at every temperature and exposure",
         "dark_gradient": "also grows with the signal, but is smooth: power below 0.02 cycles/pixel",
     }

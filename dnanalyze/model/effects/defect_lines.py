@@ -41,6 +41,8 @@ class DefectLines(Effect):
         "column_fpn": "all columns scatter, with a Gaussian distribution",
         "row_fpn": "all rows scatter, with a Gaussian distribution",
         "column_taps": "a regular period, or wide strips",
+        "scaled_lines": "lines whose dark charge is scaled: their offset grows with exposure and "
+        "temperature",
         "hot_clusters": "short runs of pixels, not whole lines",
     }
 
@@ -59,12 +61,12 @@ class DefectLines(Effect):
         for name, value in (("begins", self.begins), ("ends", self.ends)):
             if value and len(value) != len(self.lines):
                 raise InputError(
-                    f"defect_lines.{name}: {len(value)} numbers for {len(self.lines)} lines; give "
+                    f"{self.name}.{name}: {len(value)} numbers for {len(self.lines)} lines; give "
                     "one a line, or none"
                 )
         if len(self.lines) != len(self.offsets) or (self.offsets and not any(self.offsets)):
             raise InputError(
-                f"defect_lines.offsets: {len(self.offsets)} numbers for {len(self.lines)} lines; "
+                f"{self.name}.offsets: {len(self.offsets)} numbers for {len(self.lines)} lines; "
                 "give one a line, not all 0"
             )
 
@@ -85,14 +87,29 @@ class DefectLines(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the lines in the window."""
-        size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        signal += self.pattern(site, self.value("sigma", site.point) * site.gain_ratio)
+        return signal
+
+    def pattern(self, site: Site, rms: float) -> np.ndarray:
+        """What the lines add in the window, float32; rms over the lines as given.
+
+        Parameters
+        ----------
+        site : Site
+        rms : float
+            In the unit of the result.
+
+        Returns
+        -------
+        ndarray
+            Of a shape that spreads over (rows, columns).
+        """
+        size = np.float32(rms)
         if self.begins or self.ends:
-            signal += size * site.keep("parts", lambda: self._parts(site))
-            return signal
+            return np.asarray(size * site.keep("parts", lambda: self._parts(site)))
         by_column = self.axis == "columns"
         offsets = size * (self._named(site) if self.lines else self._drawn(site))
-        signal += offsets[site.column_index] if by_column else offsets[site.row_index][:, None]
-        return signal
+        return offsets[site.column_index] if by_column else offsets[site.row_index][:, None]
 
     def _relative(self) -> np.ndarray:
         """Offset of each named line; rms 1."""
