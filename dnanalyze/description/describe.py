@@ -12,7 +12,7 @@ from dnanalyze.description.advice import more_captures
 from dnanalyze.description.found import Estimate
 from dnanalyze.description.layers import Layers, chance, layers
 from dnanalyze.description.look import Look, look
-from dnanalyze.description.nearest import Nearest, nearest
+from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
 from dnanalyze.diagnosis.adequacy import FEW, adequacy
@@ -288,11 +288,16 @@ def _judged(
     if not limit.over:
         tell("nearest effects of the catalogue")
         near = nearest(held, state, ended, best.effect, known)
+    text = sentence(best, seen)
+    rival = as_good(near, error_of(held, ended))
+    if rival is not None:
+        supported, verdict, sure = None, "possible", min(sure, STANDS_IN)
+        text = f"{text[:-1]}; {rival} of the catalogue explains as much, add it first."
     left = adequacy(held, ended, FEW)
     return Description(
         captures.name,
         verdict,
-        sentence(best, seen),
+        text,
         error,
         error_of(held, ended),
         sure,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from dnanalyze.comparator.error import LUCK
 from dnanalyze.diagnosis.evidence import evidence_against
 from dnanalyze.diagnosis.screening import prospects
 from dnanalyze.diagnosis.trial import error_of
@@ -19,7 +20,7 @@ from dnanalyze.model.effect import Effect
 STEPS = 4
 # By geometry and time: what the catalogue has that leaves power at the same place.
 NEAR = {
-    ("wave", "fixed"): ("periodic_pattern", "cfa_mismatch"),
+    ("wave", "fixed"): ("periodic_pattern", "cfa_mismatch", "column_taps"),
     ("rings", "fixed"): ("periodic_pattern", "flicker_fpn"),
     ("diagonal", "fixed"): ("flicker_fpn", "periodic_pattern"),
     ("block", "fixed"): ("column_taps", "cfa_mismatch"),
@@ -56,6 +57,12 @@ class Nearest:
     why: str
 
 
+def as_good(near: Sequence[Nearest], error: float) -> str | None:
+    """The effect of the catalogue with which the error is as low; its name is preferred."""
+    close = [n for n in near if n.error_after <= (1.0 + LUCK) * error]
+    return min(close, key=lambda n: n.error_after).effect if close else None
+
+
 def nearest(
     held: Bench,
     state: State,
@@ -63,7 +70,7 @@ def nearest(
     effect: CompositeEffect,
     known: Mapping[str, type[Effect]],
 ) -> list[Nearest]:
-    """Two effects, each refitted instead of the structure."""
+    """A few effects, each refitted instead of the structure."""
     names = (
         NOISE
         if effect.what == "noise" and effect.where in ("wave", "rings")

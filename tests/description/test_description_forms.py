@@ -66,3 +66,12 @@ def test_a_model_with_a_composite_effect_is_refused():
 
     with pytest.raises(InputError, match="holds the effect 'composite' already"):
         dnanalyze.describe(tiny(), NoiseModel((EFFECT,), 64.0))
+
+
+def test_an_effect_of_the_catalogue_that_explains_as_much_is_preferred():
+    from dnanalyze.description.nearest import Nearest, as_good
+
+    near = [Nearest("cfa_mismatch", 0.91, ""), Nearest("column_taps", math.nan, "")]
+    assert as_good(near, 0.9) == "cfa_mismatch"
+    assert as_good(near, 0.7) is None
+    assert as_good([], 0.9) is None
