@@ -60,6 +60,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "scaled_lines": {"fraction": 0.03, "sigma": 1.0},
     "stuck_pixels": {"fraction": 1e-3, "code": 140.0},
     "temporal_denoise": {"share": 0.6},
+    "transfer_tails": {"loss": 0.3, "tau": 3.0},
     "quantization": {"step": 8},
 }
 WIDE = {
@@ -73,7 +74,15 @@ WIDE = {
     "scaled_lines",
 }
 CODES = {"digital_gain", "missing_codes", "quantization"}
-NEAR = {"convolved_lognormal", "cfa_mismatch", "crosstalk", "denoise", "dpc", "hot_clusters"}
+NEAR = {
+    "convolved_lognormal",
+    "cfa_mismatch",
+    "crosstalk",
+    "denoise",
+    "dpc",
+    "hot_clusters",
+    "transfer_tails",
+}
 OVER_TIME = {
     "offset_drift": "frame mean [DN]",
     "rts": "strongest RTS pixel [DN]",

@@ -75,10 +75,12 @@ ANSWERS: dict[str, Answer] = {
     "offset_plane": Answer(
         ("offset_gradient",), "a tilt of the offset, without charge and its shot noise"
     ),
+    "transfer_tails": Answer(
+        ("transfer_tails",), "charge-transfer inefficiency: tails behind hot pixels"
+    ),
     # no effect of the catalogue has these laws
     "edge_offset": Answer((), "offsets that rise towards the edges, without charge"),
     "quadrant_offsets": Answer((), "four quadrants, each with its offset and gain"),
-    "transfer_tails": Answer((), "charge-transfer inefficiency: tails behind hot pixels"),
     "multiplication": Answer((), "an electron-multiplying register's excess noise"),
     "noise_at_edges": Answer((), "read noise that rises towards the edges"),
     "channel_noise": Answer((), "read noise that differs between interleaved channels"),

@@ -48,6 +48,7 @@ class Crosstalk(Effect):
         "pattern_corr_11",
     )
     confused_with: ClassVar[dict[str, str]] = {
+        "transfer_tails": "deferred charge goes to one side alone",
         "convolved_lognormal": (
             "the kernel of Wang 2025 distributes the fixed pattern only; crosstalk the shot noise "
             "too"

@@ -51,6 +51,7 @@ class HotClusters(HotTail):
         "pattern_psd_0.04_0.08",
     )
     confused_with: ClassVar[dict[str, str]] = {
+        "transfer_tails": "tails of deferred charge lie on one side of every hot pixel",
         "scaled_lines": "whole lines, not short runs of pixels",
         "hot_pixels": "single defects have hot neighbours only by chance",
         "crosstalk": "a halo by crosstalk has the same relative height around every hot pixel",

@@ -55,6 +55,8 @@ class ReadNoise(Effect):
         "heavy_tailed_read_noise": (
             "the temporal kurtosis of single pixels is 0 for Gaussian read noise"
         ),
+        "transfer_tails": "deferred charge correlates the noise of the charge, not that of cold "
+        "frames",
         "noisy_pixels": "a second population of pixels, not a log-normal spread of all",
         "rts": "an RTS pixel returns to the same two levels; its squared differences repeat",
         "quantization": "rounding adds 1/12 DN² and leaves integer codes",

@@ -23,6 +23,7 @@ EFFECTS = {
     "persistence": {"amplitude": 0.1},
     "crosstalk": {"alpha": 0.02},
     "dark_shading": {"rms": 0.1},
+    "transfer_tails": {"loss": 0.1},
     "scaled_lines": {"fraction": 0.05, "sigma": 0.5},
 }
 TEMPORAL = {"convolved_lognormal", "dark_shot_noise", "read_noise", "rts", "cosmic_rays"}

@@ -15,7 +15,7 @@ from dnanalyze.model.simulator import Simulator
 
 SHAPE = (37, 61)
 POINT = OperatingPoint(45.0, 0.1, 1.0)
-ON_HOST = {"denoise", "dpc", "missing_codes", "persistence", "temporal_denoise"}
+ON_HOST = {"denoise", "dpc", "missing_codes", "persistence", "temporal_denoise", "transfer_tails"}
 TEN = (
     "convolved_lognormal", "dark_shot_noise", "hot_pixels", "pixel_fpn", "crosstalk",
     "read_noise", "row_noise", "column_fpn", "rts", "quantization",

@@ -1,0 +1,88 @@
+"""Charge that is left behind on its way through a CCD and comes with later pixels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
+
+REACH = 5.0  # tail lengths after which the rest of a tail, 0.7 %, is put into its last pixel
+TOWARDS = {"down": (0, 1), "up": (0, -1), "right": (1, 1), "left": (1, -1)}  # axis, sign
+
+
+@dataclass(frozen=True)
+class TransferTails(Effect):
+    """y_n = (1 - l) x_n + l (1 - a) sum over k of a^(k-1) x_(n-k), a = e^(-1/tau)."""
+
+    name: ClassVar[str] = "transfer_tails"
+    stage: ClassVar[Stage] = Stage.COUPLING
+    varies: ClassVar[str] = "fixed"
+    placing: ClassVar[Placing] = Placing.ANYWHERE
+    summary: ClassVar[str] = "tails of deferred charge behind bright pixels of a CCD"
+    physics: ClassVar[str] = (
+        "In a CCD charge is moved from pixel to pixel to the output. Traps, many of them after "
+        "radiation damage, hold a share of each packet and release it some transfers later: it "
+        "arrives with the pixels that are read after its own. Hot pixels, tracks and sources "
+        "then have a tail on one side, along the columns (parallel transfer) or the rows (serial "
+        "transfer), which fades exponentially. Noise of the charge is shared as well, so that "
+        "neighbours along this axis alone are correlated in time; read noise is not. The share "
+        "is that of a packet in the mean over the field; it grows with the number of transfers, "
+        "which is left out here. Remedies: a background of charge that keeps the traps full, "
+        "slower or faster clocks, annealing, a correction by the known tail."
+    )
+    formula: ClassVar[str] = (
+        "y_n = (1 - l) x_n + l (1 - a) (x_(n-1) + a x_(n-2) + ...), a = e^(-1/tau), n in the "
+        "direction of the tail; no charge comes from outside of the field"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Janesick, Scientific Charge-Coupled Devices, SPIE Press (2001)",
+        "Massey et al., Pixel-based correction for charge transfer inefficiency, MNRAS 401 (2010)",
+    )
+    fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_corr_01",
+        "temporal_corr_10",
+        "pattern_corr_01",
+        "pattern_corr_10",
+        "temporal_row_lag1",
+        "temporal_column_lag1",
+        "hot_halo",
+    )
+    confused_with: ClassVar[dict[str, str]] = {
+        "crosstalk": "crosstalk goes to all four sides, deferred charge to one",
+        "read_noise": "noise that is read one after the other (serial) is correlated in cold "
+        "frames as well, and leaves the pattern alone",
+        "hot_clusters": "clusters have no direction, and leave the noise uncorrelated",
+    }
+
+    loss: float = parameter(0.05, "1", 1e-4, 0.6, "share l of a pixel's charge that is deferred")
+    tau: float = parameter(1.0, "pixel", 0.1, 12.0, "length of the tail: a = e^(-1/tau)")
+    towards: str = choice("down", "side of a pixel on which its tail lies", *TOWARDS)
+
+    def margin(self) -> int:
+        """Pixels of a tail."""
+        longest = max(getattr(self.tau, "values", None) or (getattr(self.tau, "value", self.tau),))
+        return math.ceil(REACH * longest)
+
+    def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
+        """Defer the charge; the sum runs in one order everywhere, so windows agree."""
+        loss, tau = (self.value(name, site.point) for name in ("loss", "tau"))
+        weights = deferred(tau, math.ceil(REACH * tau)) * loss
+        axis, sign = TOWARDS[self.towards]
+        # the tail runs along the last axis, from first to last
+        source = np.moveaxis(signal, axis, 0)[::sign]
+        moved = np.float32(1.0 - loss) * source
+        for lag, weight in enumerate(weights[: len(source) - 1], start=1):
+            moved[lag:] += np.float32(weight) * source[:-lag]
+        return np.ascontiguousarray(np.moveaxis(moved[::sign], 0, axis))
+
+
+def deferred(tau: float, count: int) -> np.ndarray:
+    """Shares of the deferred charge in the ``count`` pixels behind; their sum is 1."""
+    fade = math.exp(-1.0 / tau)
+    shares: np.ndarray = (1.0 - fade) * fade ** np.arange(count)
+    shares[-1] += fade**count
+    return shares
