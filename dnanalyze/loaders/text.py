@@ -74,6 +74,10 @@ def read_yaml(path: Path) -> Any:
         mark = getattr(error, "problem_mark", None)
         place = f" (line {mark.line + 1})" if mark else ""
         problem = getattr(error, "problem", None) or str(error)[:80] or type(error).__name__
+        if (
+            "maximum nesting depth" in problem
+        ):  # the parser looks ahead, and its limit is above ours
+            raise _too_deep(path, mark.line if mark else 0) from error
         raise InputError(f"{path}: is not YAML{place}: {' '.join(problem.split())}") from error
 
 
@@ -83,11 +87,14 @@ def _check_tokens(path: Path, text: str) -> None:
     for token in yaml.scan(text, _Loader):
         depth += isinstance(token, _OPENS) - isinstance(token, _CLOSES)
         if depth > MAX_DEPTH:
-            line = token.start_mark.line + 1
-            raise InputError(
-                f"{path}: is nested more than {MAX_DEPTH} deep (line {line}); it is damaged"
-            )
+            raise _too_deep(path, token.start_mark.line)
         if isinstance(token, yaml.AliasToken):
             raise InputError(f"{path}: YAML aliases (*name) are not accepted; write the value out")
         if isinstance(token, yaml.ScalarToken) and len(token.value) > MAX_VALUE:
             raise InputError(f"{path}: has a value of more than {MAX_VALUE} characters; shorten it")
+
+
+def _too_deep(path: Path, line: int) -> InputError:
+    return InputError(
+        f"{path}: is nested more than {MAX_DEPTH} deep (line {line + 1}); it is damaged"
+    )
