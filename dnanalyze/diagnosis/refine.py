@@ -213,7 +213,7 @@ def refine(
     if found.verdict == "unexplained" and walk.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
     if found.verdict == "unexplained":
-        steps = [_doubted(s) for s in steps]
+        steps = [doubted(s) for s in steps]
     state = path.state
     return Refinement(
         captures.name, steps, state.model.names, found.verdict, state.model, found, held, state,
@@ -245,8 +245,8 @@ def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
     )  # fmt: skip
 
 
-def _doubted(step: Step) -> Step:
-    """Something stays unexplained at the end, for which the effect may stand in."""
+def doubted(step: Step) -> Step:
+    """The step with half its confidence: what stays unexplained, the effect may stand in for."""
     if step.confidence is None:
         return step
     return replace(step, confidence=step.confidence * STANDS_IN)

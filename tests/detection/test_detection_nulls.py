@@ -200,6 +200,7 @@ def test_saturated_neighbours_are_no_copies_of_one_another():
     assert replaced(frames, 1.0, 3.0).own[RULES.index("copy of a neighbour")] == 0
 
 
+@pytest.mark.slow
 def test_p_values_of_rows_and_chords_hold_for_the_largest_of_many():
     """Of 400 images of white noise 4 are expected below .01; chords overlap, so fewer."""
     rng = np.random.default_rng(11)

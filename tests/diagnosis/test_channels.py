@@ -18,6 +18,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 
 
+@pytest.mark.slow
 def test_an_effect_hidden_in_one_channel_is_named_there_only():
     captures = hdr_sensor.captures(rows={"lcg_long": 1.5})
     result = refine_channels(captures)

@@ -91,7 +91,7 @@ def with_a_bad_row(captures: CaptureSet, row: int, offset: float) -> CaptureSet:
     return replace(captures, settings=tuple(settings))
 
 
-@pytest.mark.parametrize("row", [40, 150])
+@pytest.mark.parametrize("row", [pytest.param(40, marks=pytest.mark.slow), 150])
 def test_one_bad_row_is_named_whichever_half_it_lies_in(row):
     sensor = draw_sensor(np.random.default_rng(11))
     plain = generate(sensor, {}, (192, 192), frames=4, seed=3)

@@ -1,13 +1,12 @@
 """Completing a model on a sensor of the independent generator, step by step."""
 
-import importlib
 import math
-from dataclasses import replace
 
 import pytest
 
 from dnanalyze.diagnosis.confidence import STANDS_IN
-from dnanalyze.diagnosis.refine import add, refine
+from dnanalyze.diagnosis.path import Step
+from dnanalyze.diagnosis.refine import add, doubted, refine
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, EVERYDAY
 
@@ -42,8 +41,8 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
     assert idle.steps[-1].confidence < 0.5
 
 
-def test_it_stops_where_it_is_told(striped, known):
-    first = refine(striped, known=known, most_effects=0)
+def test_it_stops_where_it_is_told(striped, known, ordinary):
+    first = ordinary
     assert first.verdict == "missing"
     assert "row_fpn" not in first.effects
     without = refine(striped, first.model, known=known, exclude=["row_fpn"], until_error=0.01)
@@ -52,16 +51,9 @@ def test_it_stops_where_it_is_told(striped, known):
     assert len(enough.steps) == 1
 
 
-def test_what_stays_unexplained_halves_the_confidence_of_what_was_added(
-    striped, known, monkeypatch
-):
-    plain = refine(striped, known=known)
-    open_end = replace(plain.diagnosis, verdict="unexplained")
-    monkeypatch.setattr(importlib.import_module("dnanalyze.diagnosis.refine"), "judge",
-                        lambda *_, **__: open_end)  # fmt: skip
-    doubted = refine(striped, known=known)
-    assert plain.verdict == "adequate"
-    assert [s.added for s in doubted.steps] == [s.added for s in plain.steps]
-    sure, unsure = plain.steps[-1].confidence, doubted.steps[-1].confidence
-    assert unsure == pytest.approx(STANDS_IN * sure)
-    assert doubted.steps[0].confidence is None
+def test_what_stays_unexplained_halves_the_confidence_of_what_was_added():
+    sure = doubted(Step("row_fpn", 0.9, 0.98, ["why"], ["row_noise"]))
+    assert sure.confidence == pytest.approx(STANDS_IN * 0.98)
+    assert (sure.added, sure.error, sure.confused_with) == ("row_fpn", 0.9, ["row_noise"])
+    begun = Step(None, 2.0)
+    assert doubted(begun) is begun

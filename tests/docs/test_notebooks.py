@@ -9,6 +9,7 @@ import pytest
 NOTEBOOKS = sorted((tree.DOCS / "notebooks").glob("*.ipynb"))
 
 
+@pytest.mark.slow  # .ci/run runs them
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path):
     pytest.importorskip("nbclient", reason="needs the extra test")

@@ -29,13 +29,14 @@ def percentile(found: Fit, pulls: dict[str, float]) -> float:
     return float(fisher.cdf(scaled, count, REPLICATES - count))
 
 
-@pytest.mark.parametrize("seed", ["fixed", "redrawn"])
+@pytest.mark.parametrize("seed", ["fixed", pytest.param("redrawn", marks=pytest.mark.slow)])
 def test_all_parameters_together_lie_within_their_errors(seed):
     pulls, found = fit_pulls.one(seed, 1001, (64, 96), 3, REPLICATES)
     assert found.undetermined == []
     assert 1e-4 < percentile(found, pulls) < 1 - 1e-4
 
 
+@pytest.mark.slow
 def test_the_model_s_own_random_numbers_hardly_matter():
     # Two fits of one series share the measured sensor; they differ by their 25 simulated ones, 2/25
     # of the variance of one sensor against the 26/25 that are quoted: .28 of the error. 5 sigma.

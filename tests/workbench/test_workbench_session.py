@@ -35,6 +35,13 @@ def test_without_a_model_the_wang_2025_model_is_fitted(folder, fitted):
     made.close()
 
 
+def test_the_error_is_that_of_compare(session, folder):
+    session.add("row_noise").over.wait(300)
+    own = compare(dnanalyze.load(str(folder)), session.present.model).error
+    assert session.present.error == pytest.approx(own, rel=1e-6)
+
+
+@pytest.mark.slow  # .ci/run runs it
 def test_the_error_is_that_of_compare_and_of_the_copied_commands(
     session, folder, tmp_path, monkeypatch
 ):
