@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.analyze import analyze_windows
+from dnanalyze.analyzers.analyze import NAMES, analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.compare import table
 from dnanalyze.comparator.error import family_errors, pooled
@@ -28,6 +28,7 @@ from dnanalyze.model.simulate import simulate
 SIDE = 128  # pixels of a preview's window; 3 frames of 5 operating points take about .09 s of CPU
 FRAMES = 3  # of each operating point; 2 at least for temporal noise, 3 for its correlation
 MEMORY = 64 << 20  # bytes of fields kept for previews
+WHOLE_FIELD = "shading"  # family of which a window says nothing
 
 
 @dataclass(frozen=True)
@@ -126,19 +127,17 @@ class Preview:
     def _statistics(self, model: NoiseModel) -> Statistics:
         sensor = self.bench.plan.captures.sensor
         made = simulate(model, sensor.shape, self.settings, "preview", sensor, self._memo)
-        return analyze_windows(made, [self.window], workers=1, errors=False)[0]
+        told = [name for name in NAMES if name != WHOLE_FIELD]
+        return analyze_windows(made, [self.window], workers=1, errors=False, families=told)[0]
 
     def _coordinates(self, made: Statistics) -> np.ndarray:
-        """Statistics of the window on the target's scales; NaN for those it does not tell.
-
-        Shading is taken over the whole field: a window says nothing of it.
-        """
+        """Statistics of the window on the target's scales; NaN for those it does not tell."""
         out = np.full(len(self.bench.test.keys), np.nan)
         points = list(dict.fromkeys(s.point for s in made.settings))
         for setting in made.settings:
             where = points.index(setting.point), setting.plane
             for i, name, scale in self.bench.test.places.get(where, ()):
-                if name in setting.values and self.bench.test.families[i] != "shading":
+                if name in setting.values and self.bench.test.families[i] != WHOLE_FIELD:
                     out[i] = scale.coordinate(setting.values[name].value)
         return out
 

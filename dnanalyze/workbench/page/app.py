@@ -42,10 +42,14 @@ def page(
     """
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
-    bar = TopBar(context, query)
-    failures = Failures(context)  # its curve is drawn before the images of the sensor are made
-    sensor, model = Sensor(context), Model(context)
-    missing, history = Missing(context), HistoryPane(context)
+    bar, failures = TopBar(context, query), Failures(context)
+    later: dict[str, Callable[[Context], Any]] = {
+        "sensor": Sensor,
+        "model": Model,
+        "missing": Missing,
+        "history": HistoryPane,
+    }
+    areas = {"bar": bar.view, "fails": failures.view} | {name: _pane() for name in later}
 
     def tell(what: str) -> None:
         if what == "evaluation":
@@ -56,20 +60,22 @@ def page(
         context.back(lambda: tell(what))
 
     def begin() -> None:
+        for name, kind in later.items():  # half of the time that a page takes: painted first
+            areas[name].append(kind(context).view)
         session.listeners.append(listener)
         _all(context)
         begun()
 
     pn.state.onload(begin)  # a change of panes is lost before the browser has the document
     pn.state.on_session_destroyed(lambda _: _forget(session, listener))
-    areas = {
-        bar.view: "bar", sensor.view: "sensor", failures.view: "fails", model.view: "model",
-        missing.view: "missing", history.view: "history",
-    }  # fmt: skip
-    for pane, area in areas.items():
+    for area, pane in areas.items():
         pane.styles = {**pane.styles, "grid-area": area, "min-width": "0", "min-height": "0"}
-    whole = pn.Column(*areas, sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
-    return whole
+    return pn.Column(*areas.values(), sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
+
+
+def _pane() -> Any:
+    """What a pane is put into once the browser has the page."""
+    return pn.Column(sizing_mode="stretch_both", margin=0)
 
 
 class Address(JSComponent):

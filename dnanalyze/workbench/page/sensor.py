@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import OrderedDict
 from typing import Any
 
@@ -34,6 +35,7 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
+LIVE_S = 0.4  # least time between frames while a slider moves: curve and error come first
 MARGINS = 38, 70  # of an image's figure around the image: axes, title and colour bar
 WIDTH, HEIGHT = 158, 176  # of an image side by side at most, screen pixels
 ALONE = 350  # width and height of an image alone at most
@@ -51,6 +53,7 @@ class Sensor:
         self.shape = self.captures.sensor.shape
         self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
         self._latest = Latest(context.back)
+        self._asked_s = -math.inf
         self._timer: Any = None
         style = [inner(p)]
         settings = self.captures.settings
@@ -192,7 +195,8 @@ class Sensor:
     def update(self, what: str) -> None:
         """Draw what has changed."""
         live = self.kind.value == "frame" and math.prod(self.shape) <= LARGE
-        if what == "evaluation" or (what == "preview" and live):
+        due = time.monotonic() - self._asked_s > LIVE_S
+        if what == "evaluation" or (what == "preview" and live and due):
             self._changed()
 
     def _moved(self, attr: str, old: float, new: float) -> None:
@@ -219,6 +223,7 @@ class Sensor:
         scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
         window = self._window(scale)
         self._blink()
+        self._asked_s = time.monotonic()
         self._latest.ask(
             lambda: self._images(view, window, model, preview),
             lambda x: self._show(x, view, window, scale),
