@@ -121,8 +121,8 @@ def by_generator(rows: Sequence[Row]) -> list[list[str]]:
 
 HEAD = (
     "generator", "right name first", "outside: unexplained", "ordinary: nothing added",
-    "false, confidence >= .9", "detect right", "error before", "after", "seconds", "CPU s", "most s",
-    "failed",
+    "false, confidence >= .9", "detect right", "error before", "after", "seconds", "CPU s",
+    "most s", "failed",
 )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Lists of numbers as they are typed."""
+"""Numbers as they are typed."""
 
 from __future__ import annotations
 
@@ -41,3 +41,17 @@ def numbers(option: str, text: str | None, field: str) -> list[float]:
 def celsius(option: str, text: str | None) -> list[float]:
     """Temperatures, C; see `numbers`."""
     return numbers(option, text, "temperature_c")
+
+
+def rows_and_columns(text: str) -> tuple[int, int]:
+    """The two numbers of ``1080x1920``.
+
+    Raises
+    ------
+    InputError
+        Not so written.
+    """
+    rows, _, columns = text.lower().partition("x")
+    if not (rows.isdecimal() and columns.isdecimal() and len(text) < 20):
+        raise InputError(f"--shape {text}: not ROWSxCOLUMNS, such as 1080x1920")
+    return int(rows), int(columns)

@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.numbers import celsius
+from dnanalyze_cli.numbers import celsius, rows_and_columns
 from dnanalyze_cli.options import EffectFiles, Quiet
 from dnanalyze_cli.session import Session
 
-FORMATS = ("csv", "json", "numpy", "torch", "yaml")
+FORMATS = ("csv", "getframes", "json", "numpy", "pyxel", "torch", "yaml")
+MOST = 100_000  # rows or columns of another program's detector
 
 
 def export(
@@ -32,8 +33,11 @@ def export(
         str,
         typer.Option(
             "--format",
+            "--to",
             help="csv, json: parameters over temperature; numpy: one file with dark_frames(); "
-            "torch: the same with a transform; yaml: the model file, of what is read back.",
+            "torch: the same with a transform; yaml: the model file, of what is read back; "
+            "getframes: a camera preset (TOML); pyxel: a pipeline (YAML), as far as their models "
+            "go.",
         ),
     ] = "json",
     temperatures: Annotated[
@@ -41,14 +45,23 @@ def export(
         typer.Option(
             "--temperatures",
             metavar="C,C,...",
-            help="Where tables state the parameters; default: the model's own.",
+            help="Where tables state the parameters, or the one at which pyxel and getframes "
+            "state the dark current; default: the model's own.",
         ),
     ] = None,
+    shape: Annotated[
+        str,
+        typer.Option(
+            "--shape", metavar="ROWSxCOLUMNS", help="Of a detector of getframes or pyxel."
+        ),
+    ] = "512x512",
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a model as a table, NumPy function or PyTorch transform; frames: see simulate."""
+    """Write a model as a table, NumPy function, PyTorch transform, or for another simulator."""
+    from dnanalyze.model.export.getframes_camera import getframes_preset
     from dnanalyze.model.export.numpy_code import numpy_source, read_source, torch_source
+    from dnanalyze.model.export.pyxel_pipeline import pyxel_pipeline
     from dnanalyze.model.export.table import read_table, to_csv, to_json
     from dnanalyze.model.noise_model import dump_model, load_model
 
@@ -60,6 +73,18 @@ def export(
     reader = {".csv": read_table, ".json": read_table, ".py": read_source}
     own = reader.get(model.suffix.lower(), load_model)(model, session.known())
     points = celsius("--temperatures", temperatures)
+    if format in ("getframes", "pyxel"):
+        if len(points) > 1:
+            raise InputError(f"--temperatures {temperatures}: {format} takes one temperature")
+        size = rows_and_columns(shape)
+        if not all(1 <= n <= MOST for n in size):
+            raise InputError(f"--shape {shape}: valid: 1 to {MOST} rows and columns")
+        translate = getframes_preset if format == "getframes" else pyxel_pipeline
+        made = translate(own, size, points[0] if points else None)
+        session.write({}, model=lambda: made.text)
+        for what in made.lost:
+            session.say(f"note: {format} does not express {what}")
+        return
     text = {
         "csv": lambda: to_csv(own, points),
         "json": lambda: to_json(own, points),

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.numbers import celsius, numbers
+from dnanalyze_cli.numbers import celsius, numbers, rows_and_columns
 from dnanalyze_cli.options import Config, EffectFiles, Json, Quiet, Tolerance
 from dnanalyze_cli.session import Session
 
@@ -125,7 +125,7 @@ def simulate(
     if seed is not None:
         own = replace(own, seed=seed)
     pattern = session.load(config, tolerance_c) if like else None
-    size = _shape(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
+    size = rows_and_columns(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
     channels = channel.split(",") if channel else (pattern.channels if pattern else [])
     if channels or pattern is not None:
         require(own, channels)
@@ -142,13 +142,6 @@ def simulate(
         write_captures(made, folder, format, progress=tick)
     written(session.console, made, out, format)
     session.write(documents.simulation(made, out, format, model, own.seed, like))
-
-
-def _shape(text: str) -> tuple[int, int]:
-    rows, _, columns = text.lower().partition("x")
-    if not (rows.isdecimal() and columns.isdecimal() and len(text) < 20):
-        raise InputError(f"--shape {text}: not ROWSxCOLUMNS, such as 1080x1920")
-    return int(rows), int(columns)
 
 
 def _check_size(shape: tuple[int, int], frames: int) -> None:

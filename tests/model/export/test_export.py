@@ -235,4 +235,4 @@ def test_the_command(tmp_path, capsys):
         assert main(again) == 0
         assert back.read_text() == (tmp_path / "M.yaml").read_text()
     assert main(["export", str(back), "--format", "xlsx", "-o", str(tmp_path / "x")]) == 2
-    assert "valid: csv, json, numpy, torch, yaml" in capsys.readouterr().err
+    assert "valid: csv, getframes, json, numpy, pyxel, torch, yaml" in capsys.readouterr().err
