@@ -268,7 +268,7 @@ def _judged(
     if not tried:
         told = _without(captures, held, state, "possible", sentence(found[0], seen))
         return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
-    best, trial = max(tried, key=lambda pair: pair[1].standing)
+    best, trial = max(tried, key=lambda pair: pair[1].evidence)
     supported = missing(held, state, [trial])
     kept = supported or trial
     sure = confidence_of(kept, [kept], error)

@@ -8,7 +8,7 @@ import numpy as np
 
 from dnanalyze.comparator.error import LUCK
 from dnanalyze.diagnosis.deviance import DEFLATION
-from dnanalyze.diagnosis.trial import Trial
+from dnanalyze.diagnosis.trial import Trial, standings
 
 # "Nothing is missing" is credited with a gain that noise does not reach, in proportion to the
 # misfit that is left. Where nothing, or nothing more, was missing in 60 virtual sensors, 19
@@ -41,9 +41,9 @@ def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
     ndarray
         (candidates + 1,), sums to 1.
     """
-    known = [(t.standing if lowers(t, error) else min(t.standing, 0.0)) / t.spread for t in trials]
-    known.append(NOTHING)
-    excess = np.array(known) - max(known)
+    worse = [not lowers(t, error) for t in trials]
+    known = np.append(np.where(worse, np.minimum(s := standings(trials), 0.0), s), NOTHING)
+    excess = known - known.max()
     weight = np.exp(excess / (2.0 * DEFLATION))
     return weight / weight.sum()
 
@@ -56,7 +56,7 @@ def confidence_of(found: Trial, trials: Sequence[Trial], error: float) -> float:
     """
     others = [t for t in trials if t is not found and not apart(found, t)]
     sure = float(confidences([found, *others], error)[0])
-    hardly = found.spread > 1.0 and error - found.error < HARDLY * (error - 1.0)
+    hardly = not found.tolerable and error - found.error < HARDLY * (error - 1.0)
     return min(sure, STANDS_IN) if hardly else sure
 
 
@@ -81,7 +81,7 @@ def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
     """
     lesser = min(found.gain, found.fitted_gain) / found.spread
     enough = found.evidence > max(NOTHING, least) * found.spread
-    witnesses = found.spread == 1.0 and lesser > WITNESS and found.evidence > NOTHING
+    witnesses = found.tolerable and lesser > WITNESS and found.evidence > NOTHING * found.spread
     return (enough or witnesses) and lesser > NOTHING / 4 and lowers(found, error)
 
 

@@ -46,7 +46,7 @@ def _by_name(names: np.ndarray, *z: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def dispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
-    """Misfit per statistic that an effect leaves where it changes the fit; 1 where tolerable.
+    """Misfit per statistic that an effect leaves where it changes the fit, at least 1.
 
     While more than one effect is missing, differences of gain measure how a candidate bends around
     what is still wrong, and count for less (the overdispersion of a quasi-likelihood). What is
@@ -66,4 +66,4 @@ def dispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> floa
     moved = np.abs(was - now)
     there = float(np.sum(moved * now / count) / np.sum(moved)) if moved.any() else np.inf
     left = min(there, float(now.sum() / names.size))
-    return left if left > TOLERABLE**2 else 1.0
+    return max(1.0, left)

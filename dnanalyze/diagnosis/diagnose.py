@@ -31,12 +31,22 @@ from dnanalyze.diagnosis.confidence import (
     rivals,
     significant,
 )
+from dnanalyze.diagnosis.deviance import DEFLATION
 from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
 from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
 from dnanalyze.diagnosis.first_answer import first_answer
 from dnanalyze.diagnosis.leftover import leftover
 from dnanalyze.diagnosis.spread_law import spread_law, told
-from dnanalyze.diagnosis.trial import STEPS, SoFar, Trial, candidates_of, error_of, judged, trials
+from dnanalyze.diagnosis.trial import (
+    STEPS,
+    SoFar,
+    Trial,
+    by_standing,
+    candidates_of,
+    error_of,
+    judged,
+    trials,
+)
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
@@ -244,7 +254,7 @@ def unfinished(
     Others may explain as much or more: the confidence is that of one that may stand in for them.
     """
     error = error_of(held, state)
-    tried = sorted({t.effect: t for t in so_far.trials}.values(), key=lambda t: -t.standing)
+    tried = by_standing({t.effect: t for t in so_far.trials}.values())
     candidates = [
         Candidate(
             t.effect,
@@ -332,7 +342,7 @@ def ranked(
     """
     tried = trials(held, state, known, tell, so_far=so_far)
     close = rivals(tried[0], tried) if tried else []
-    if not close or tried[0].spread > 1.0:
+    if not close or not tried[0].tolerable:
         return tried
     leader, left = tried[0], adequacy(held, tried[0].state, FEW).left
     near = (t for t in tried[1:] if left and t.effect in close)
@@ -340,9 +350,10 @@ def ranked(
     mender = next((t for t in menders if not leaves(held, t.state)), None)
     if mender is None:
         return tried
-    less = leader.standing - mender.standing + CERTAIN
+    odds = 2.0 * DEFLATION * (leader.log_odds - mender.log_odds)
+    less = leader.evidence - mender.evidence + odds + CERTAIN
     refuted = replace(leader, gain=leader.gain - less, fitted_gain=leader.fitted_gain - less)
-    return sorted([refuted, *tried[1:]], key=lambda t: -t.standing)
+    return by_standing([refuted, *tried[1:]])
 
 
 def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:

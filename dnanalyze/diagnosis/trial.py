@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.deviance import DEFLATION, deviance, dispersion, falls
+from dnanalyze.diagnosis.deviance import DEFLATION, TOLERABLE, deviance, dispersion, falls
 from dnanalyze.diagnosis.in_its_place import in_its_place
 from dnanalyze.diagnosis.refit import FAR, SURE, refitted
 from dnanalyze.diagnosis.screening import LEAST, Prospect, much_left, prospects
@@ -82,12 +82,44 @@ class Trial:
         return (self.gain + self.fitted_gain) / 2.0
 
     @property
-    def standing(self) -> float:
-        """Evidence and what is known before the data speak, by which rivals are ranked."""
+    def tolerable(self) -> bool:
+        """Whether the statistics that it changes are left as near as a model called adequate."""
+        return self.spread <= TOLERABLE**2
+
+    @property
+    def log_odds(self) -> float:
+        """Logarithm of the prior odds of the effect."""
         model = self.state.model
         effect = model.get(self.effect)
-        odds = 1.0 if effect is None else effect.odds(model.names)
-        return self.evidence + 2.0 * DEFLATION * self.spread * math.log(odds)
+        return 0.0 if effect is None else math.log(effect.odds(model.names))
+
+
+def standings(trials: Sequence[Trial]) -> np.ndarray:
+    """Evidence and prior odds in units of one overdispersion, by which rivals are ranked.
+
+    The overdispersion is that of the candidate with most evidence, for all of them, as quasi-AIC
+    takes it from the model that fits best (Burnham and Anderson 2002, section 2.5): a scale of its
+    own for each candidate would rank them otherwise than their deviances do.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+
+    Returns
+    -------
+    ndarray
+        (trials,), twice log likelihood ratios but for the correlation of the statistics.
+    """
+    if not trials:
+        return np.empty(0)
+    common = max(trials, key=lambda t: t.evidence).spread
+    return np.array([t.evidence / common + 2.0 * DEFLATION * t.log_odds for t in trials])
+
+
+def by_standing(trials: Iterable[Trial]) -> list[Trial]:
+    """The likeliest first."""
+    trials = list(trials)
+    return [trials[i] for i in np.argsort(-standings(trials), kind="stable")]
 
 
 @dataclass
@@ -158,7 +190,7 @@ def trials(
         _from_leader(bench, state, known, best, iterations)
         _polish(bench, state, best)
     complete = (replace(t, others=others.get(t.effect, ())) for t in best.values())
-    return sorted(complete, key=lambda t: -t.standing)
+    return by_standing(complete)
 
 
 def _tried_again(
@@ -171,7 +203,7 @@ def _tried_again(
 ) -> None:
     """Rivals from other guesses that promised much, where the leader leaves wrong what it moves."""
     leader = max(best.values(), key=lambda t: t.evidence)
-    if leader.spread == 1.0:
+    if leader.tolerable:
         return
     for effect in [e for e in others if e != leader.effect]:
         promising = [p for p in others[effect] if p.promise > least]

@@ -20,7 +20,7 @@ from dnanalyze.diagnosis.confidence import (
     significant,
 )
 from dnanalyze.diagnosis.diagnose import UNDONE
-from dnanalyze.diagnosis.trial import Trial
+from dnanalyze.diagnosis.trial import Trial, by_standing
 from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
@@ -58,8 +58,14 @@ def test_what_is_still_wrong_makes_gains_count_for_less():
     unsure = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2, 4.0)], 3.0)[0]
     assert sure > 0.99
     assert unsure < 0.9
-    clean = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)], 3.0)
-    assert clean[1] > clean[0]  # b leaves nothing wrong with what it touches
+
+
+def test_confidence_ranks_as_the_trials_are_ranked():
+    """One overdispersion for all: that of the candidate with most evidence."""
+    most, other = made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)
+    assert [t.effect for t in by_standing([other, most])] == ["a", "b"]
+    chances = confidences([most, other], 3.0)
+    assert chances[0] / chances[1] == pytest.approx(np.exp((300.0 - 200.0) / 4.0 / 16.0))
 
 
 @pytest.mark.parametrize(
@@ -88,7 +94,7 @@ def test_what_few_sensors_have_needs_its_odds_in_evidence(rare, odds, spread):
     few, hot = (of(e, 200.0 * spread, spread) for e in (rare, HotPixels()))
     chances = confidences([few, hot], 3.0)
     assert chances[1] / chances[0] == pytest.approx(odds)
-    assert hot.standing == hot.evidence > few.standing
+    assert [t.effect for t in by_standing([few, hot])] == ["hot_pixels", rare.name]
     sure = of(rare, 400.0 * spread, spread)
     assert confidences([sure, hot], 3.0)[0] > 0.99  # spacings that are seen speak for themselves
 
@@ -297,7 +303,7 @@ def test_the_model_without_it_is_fitted_as_well_as_with_it(asked, gain, fell, ag
         (2.0, 300.0, 1.0, 2.0, False),
         (2.0, 300.0, 3.0, 150.0, False),  # beyond chance, but not beyond what is left
         (2.0, 0.9 * CERTAIN, 1.0, 150.0, False),
-        (2.0, 300.0, 1.5, 40.0, False),  # certain, though it puts right what is left
+        (2.0, 300.0, 2.0, 40.0, False),  # certain, though it puts right what is left
     ],
 )
 def test_where_the_halves_disagree_the_average_sensor_decides(
