@@ -367,4 +367,6 @@ def _saturated(acc: Accumulated) -> dict[str, str]:
     )
     if not seen.most:
         return {}
-    return {SATURATION: f"clipped or saturated: {seen.words()}; the trends leave this setting out"}
+    return {
+        SATURATION: f"clipped or saturated: {seen.words()}; excluded from the laws over temperature"
+    }

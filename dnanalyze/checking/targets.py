@@ -165,7 +165,7 @@ class Targets(BaseModel):
         )  # fmt: skip
         if not kept:
             valid = ", ".join(sorted(str(n) for n in named))
-            raise InputError(f"no target holds at channel {name!r}; they name {valid}")
+            raise InputError(f"no target applies to channel {name!r}; they name {valid}")
         return self.model_copy(update={"targets": kept})
 
 

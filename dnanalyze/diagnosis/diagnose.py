@@ -54,7 +54,9 @@ from dnanalyze.result import Result
 
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
-EVERY_SENSOR = "every sensor has it: put in together with the others of its kind, without asking"
+EVERY_SENSOR = (
+    "baseline effect, present in every sensor: added with the other baseline effects, untested"
+)
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
 
 

@@ -311,7 +311,7 @@ def add(
     name, known = effect, known_effects(effects, known)
     kind = find(name, known)
     if model is not None and model.get(name) is not None:
-        raise InputError(f"{name}: the model holds it already; `dnanalyze fit --model` refits it")
+        raise InputError(f"{name}: it is already in the model; `dnanalyze fit --model` refits it")
     held = held or bench(design(captures))
     model = with_seed(held, model, seed)
     if model is None:

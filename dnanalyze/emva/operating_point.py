@@ -69,7 +69,7 @@ def _noise(setting: SettingStatistics, bad: str, gain: Quantity) -> Iterable[Qua
     read = reading(setting)
     step = code_step(setting)
     if read.variance <= 0:
-        text = "the frames are alike, or differ by the drift of whole frames alone"
+        text = "the frames are equal, or differ only by the drift of whole frames"
         return unknown(kinds.NOISE, text), unknown(kinds.NOISE_E, text)
     noise = math.sqrt(read.variance)
     relative = setting.values["temporal_noise"].se  # of a logarithm

@@ -55,7 +55,7 @@ class DarkGradient(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "amp_glow": "a glow fades from one corner or edge and hardly depends on temperature",
-        "dark_shading": "random clouds have orders above 2 as well (shading_mid)",
+        "dark_shading": "random shading has orders above 2 as well (shading_mid)",
         "flicker_fpn": "a random low-frequency field has orders above 2 as well (shading_mid)",
         "column_fpn": "column offsets vary from one column to the next",
         "row_fpn": "row offsets vary from one row to the next, and have no shot noise",

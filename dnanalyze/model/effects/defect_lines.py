@@ -50,11 +50,17 @@ class DefectLines(Effect):
     sigma: float = parameter(3.0, "DN", 1e-3, 1e4, "rms of their offsets")
     axis: str = choice("columns", "which lines", "columns", "rows")
     lines: tuple[float, ...] = choice(
-        (), "their numbers, as measured; a share at random places where there are none"
+        (), "numbers of the lines, as measured; if empty, lines at random positions"
     )
-    offsets: tuple[float, ...] = choice((), "their offsets in proportion, one a line")
-    begins: tuple[float, ...] = choice((), "pixel of each at which it begins; the first")
-    ends: tuple[float, ...] = choice((), "pixel after its end; the last")
+    offsets: tuple[float, ...] = choice(
+        (), ("relative size of the deviation of each line, in the order of lines")
+    )
+    begins: tuple[float, ...] = choice(
+        (), ("first pixel of each defective part; if empty, the first of the line")
+    )
+    ends: tuple[float, ...] = choice(
+        (), ("pixel after each defective part; if empty, the end of the line")
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -20,20 +20,22 @@ class Dpc(Effect):
     stage: ClassVar[Stage] = Stage.CORRECTION
     varies: ClassVar[str] = "digital"
     placing: ClassVar[Placing] = Placing.ANYWHERE
-    summary: ClassVar[str] = "Defect-pixel correction: hot pixels are hidden in the 'raw' data."
+    summary: ClassVar[str] = (
+        "Defect-pixel correction: hot pixels are replaced in frames declared as raw."
+    )
     physics: ClassVar[str] = (
-        "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction "
-        "compares every pixel with its neighbours in each frame: kind 'excess' replaces it by "
-        "their median (or mean) where it exceeds the largest of them by more than a threshold, "
-        "'median' where it stands above their median by more than that, 'clamp' caps it at the "
-        "largest neighbour (the 'star eater' of astronomers), 'ratio' replaces it where "
-        "its net signal is a multiple of the largest neighbour's, 'multiple' where it is one of "
-        "their median's. A 'static' correction replaces the pixels of a list made in the factory, "
-        "hot or not. The true tail of the dark current is cut, the more the hotter the sensor, so "
-        "the dark signal looks better than it is and faint stars vanish. In a mosaic the "
-        "neighbours are those of the same colour (spacing 2). "
-        "Remedy: switch it off (a register, a raw mode), or model it; the tail above the "
-        "threshold cannot be recovered from corrected frames."
+        "Many sensors and cameras hide hot pixels before the file is written. A dynamic "
+        "correction compares every pixel with its neighbours in each frame: kind 'excess' "
+        "replaces it by their median (or mean) where it exceeds the largest of them by more "
+        "than a threshold, 'median' where it stands above their median by more than that, "
+        "'clamp' caps it at the largest neighbour (the 'star eater' of astronomers), 'ratio' "
+        "replaces it where its net signal is a multiple of the largest neighbour's, "
+        "'multiple' where it is one of their median's. A 'static' correction replaces the "
+        "pixels of a list made in the factory, hot or not. The true tail of the dark current "
+        "is cut, the more the hotter the sensor, so the dark signal is underestimated and "
+        "faint stars are removed. In a mosaic the neighbours are those of the same colour "
+        "(spacing 2). Remedy: switch it off (a register, a raw mode), or model it; the tail "
+        "above the threshold cannot be recovered from corrected frames."
     )
     formula: ClassVar[str] = (
         "excess: y -> m where y > max8 + threshold; median: y -> m where y > m + threshold; "

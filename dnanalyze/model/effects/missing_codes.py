@@ -28,7 +28,7 @@ class MissingCodes(Effect):
     varies: ClassVar[str] = "digital"
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
-        "Some codes occur too often, others hardly ever (differential non-linearity)."
+        "Some codes occur too often, others too rarely (differential nonlinearity)."
     )
     physics: ClassVar[str] = (
         "A converter's decision levels are not evenly spaced. A code whose step is wider by d "
