@@ -265,9 +265,7 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
         )
         floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
         if item.floors is not None and floor is None:
-            raise InputError(
-                f"{where}: floors needs floor, what two captures of one sensor differ by"
-            )
+            raise InputError(f"{where}: floors needs floor, the reproducibility standard deviation")
         limits = _limits(item, info.scale, reference, floor)
         reason = "" if own else setting.missing.get(item.statistic, NOT_DETERMINED)
         yield _made(item, setting, own.value if own else math.nan, reference, limits, reason, floor)

@@ -114,7 +114,7 @@ class Target(BaseModel):
         if self.error is not None and (self.relative is not None or self.at != At()):
             raise ValueError("an error is over all operating points; give min or max, without at")
         if self.parameter is not None and self.relative is not None and self.measured is None:
-            raise ValueError("relative to what? give measured, the parameter's nominal value")
+            raise ValueError("relative needs measured, the parameter's nominal value")
         return self
 
     @property

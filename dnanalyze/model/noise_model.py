@@ -50,7 +50,7 @@ class NoiseModel:
         names = self.names
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"model: effect {name!r} stands twice; each may stand once")
+                raise InputError(f"model: effect {name!r} is listed twice; each may be listed once")
 
     @property
     def names(self) -> list[str]:

@@ -22,11 +22,11 @@ class DefectLines(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Single columns or rows that stand out from all others."
     physics: ClassVar[str] = (
-        "A leaking column line, a defect in a column's converter or a broken row driver shifts one "
-        "whole line, many times further than lines scatter otherwise. In a CCD a trap or a bright "
-        "defect that is clocked through makes a bright or dark column, from its own row on. The "
-        "offset is fixed, commonly independent of exposure, and follows the analog gain. Remedy: "
-        "a map of bad lines; interpolation across them."
+        "A leaking column line, a defect in a column's converter or a broken row driver "
+        "shifts one whole line by many times the standard deviation of the other lines. In a "
+        "CCD a trap or a bright defect that is clocked through makes a bright or dark column, "
+        "from its own row on. The offset is fixed, commonly independent of exposure, and "
+        "follows the analog gain. Remedy: a map of bad lines; interpolation across them."
     )
     formula: ClassVar[str] = (
         "y_ij += o_j on the lines named, each from its begin to its end, or on round(fraction x "
