@@ -87,7 +87,7 @@ class BenchmarkResult(Result):
     rankings : list of Ranking
         One a criterion and temperature.
     notes : list of str
-        What to know before believing it.
+        Notes that affect the interpretation.
     """
 
     sensors: list[SensorRecord]
@@ -118,7 +118,7 @@ def benchmark(
     quick : bool
         Leave the refinement out.
     temperatures : sequence of float
-        The former word for ``at``.
+        The former name of ``at``.
     tell : callable
         Called with a line of progress.
 

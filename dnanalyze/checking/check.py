@@ -110,7 +110,7 @@ class CheckResult(Result):
     captures : str
         The folder.
     simulation : str
-        What was held: the model file or the folder of simulated frames.
+        What was checked: the model file or the folder of simulated frames.
     checks : list of Check
         In the order of the targets.
     false_failures : float or None

@@ -56,7 +56,7 @@ class Number:
 
 @dataclass(frozen=True, repr=False)
 class Description(Result):
-    """What no effect of the catalogue explains, in words and numbers.
+    """Structure of the residual that no effect of the catalogue explains, in words and numbers.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Description(Result):
         Name of the captures.
     verdict : str
         "described", "possible" (the error does not fall, or the data do not support it), "nothing"
-        (no structure beyond chance) or "adequate" (the model leaves nothing to describe).
+        (no structure beyond chance) or "adequate" (no residual exceeds chance).
     text : str
         The sentence.
     error_before, error_after : float
@@ -92,7 +92,7 @@ class Description(Result):
     look : Look or None
         What the figure shows.
     finished : bool
-        Whether all was refitted in time.
+        False where the time limit ended the refits.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -156,7 +156,7 @@ def describe(
     held: Bench | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Description:
-    """Describe what no effect of the catalogue explains, and add it to a model.
+    """Describe the residual that no effect of the catalogue explains; add it to a model.
 
     Parameters
     ----------
@@ -165,13 +165,13 @@ def describe(
     model : NoiseModel, optional
         The model that `refine` ends with; by default the baseline model.
     budget : float, optional
-        Seconds after which the refits end; what was found by then is returned.
+        Seconds after which the refits end; the best result so far is returned.
     effects : sequence of path, or mapping
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
     known : mapping, optional
-        All effects by name: the former word for ``effects``.
+        All effects by name: the former name of ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable

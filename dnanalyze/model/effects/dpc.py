@@ -53,7 +53,7 @@ class Dpc(Effect):
         "temporal_pmax8", "hot_count_16", "hot_count_32",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
-        "denoise": "changes pixels that are not outliers too: the cold frames lose high frequencies, "
+        "denoise": "changes pixels that are not outliers too: cold frames lose high frequencies, "
         "minima are as rare as maxima",
         "crosstalk": "distributes every hot pixel by the same share; none is cut",
         "hot_pixels": "the opposite: a tail beyond the model's, isolated pixels kept",
