@@ -56,7 +56,7 @@ def test_nothing_is_written_of_nothing():
     from dataclasses import replace
 
     nothing = replace(description(), effect=None, model=NoiseModel(()), error_after=math.nan)
-    with pytest.raises(InputError, match="nothing was found"):
+    with pytest.raises(InputError, match="there is no structure"):
         nothing.source()
     assert nothing.to_dict()["error_after"] is None
 
