@@ -91,7 +91,7 @@ OVER_TIME = {
 }
 GROUPS = {
     "Base": (BASE,),
-    "In every sensor": EVERYDAY,
+    "Baseline effects": EVERYDAY,
     "Charge": (Stage.CHARGE, Stage.COUPLING),
     "Readout": (Stage.PIXEL_READ, Stage.LINE_READ),
     "Digital": (

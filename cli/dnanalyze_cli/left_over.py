@@ -50,7 +50,7 @@ def left_over(
     from dnanalyze.report.terminal.description import in_short
 
     left = min(MOST, session.remaining(budget) or MOST)
-    with session.progress("Describing what stays unexplained") as progress:
+    with session.progress("Describing the unexplained residual") as progress:
         state = getattr(result, "state", None)
         state = state or start(held, result.model, knobs_of(result.model))
         limit = TimeLimit.after(left)

@@ -154,7 +154,7 @@ NoDescribe = Annotated[
     typer.Option(
         "--no-describe",
         rich_help_panel=STEER,
-        help="Do not describe what stays unexplained.",
+        help="Do not describe the unexplained residual.",
     ),
 ]
 

@@ -55,8 +55,8 @@ def analyze(
         run that was interrupted goes on where it was, if the captures have a cache.
     families : sequence of str, optional
         Families of statistics that are wanted, such as ("level", "spectrum"); all by default.
-        "pattern_spectrum" stands for what of "spectrum" the mean frame alone tells, as EMVA 1288
-        has it: one transform instead of one a frame.
+        "pattern_spectrum" is the part of "spectrum" that needs the mean frame only, as in EMVA
+        1288: one transform instead of one for each frame.
 
     Returns
     -------
@@ -367,4 +367,6 @@ def _saturated(acc: Accumulated) -> dict[str, str]:
     )
     if not seen.most:
         return {}
-    return {SATURATION: f"clipped or saturated: {seen.words()}; the trends leave this setting out"}
+    return {
+        SATURATION: f"clipped or saturated: {seen.words()}; excluded from the laws over temperature"
+    }

@@ -40,7 +40,7 @@ def notes(captures: CaptureSet, ends: list[Saturation]) -> list[str]:
     """A sentence for each setting of which a tenth of the pixels, or more, are saturated."""
     return [
         f"{setting.point.label()}: {seen.words()}"
-        + ("; its level and noise are not the sensor's." if seen.most else ".")
+        + ("; its mean dark signal and noise are not those of the sensor." if seen.most else ".")
         for setting, seen in zip(captures.settings, ends, strict=True)
         if seen.share >= SPOKEN_OF
     ]

@@ -123,7 +123,8 @@ class Statistics(Result):
     settings : tuple of SettingStatistics
         One an operating point and colour plane.
     trends : dict
-        What holds over temperature (activation energy, doubling step, ...), by name, with errors.
+        Quantities over temperature (activation energy, doubling temperature, ...), by name, with
+        standard errors.
     capture_set : CaptureSet, optional
         The frames, which are not read again but for figures.
     """

@@ -38,7 +38,7 @@ class Figure:
         return math.isfinite(self.value)
 
 
-ABSENT = Figure(math.nan, math.nan, "these captures do not tell it")
+ABSENT = Figure(math.nan, math.nan, "not determined from these captures")
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _modelled(
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
 
-    tell(f"{name}: the paper's model")
+    tell(f"{name}: Wang 2025 model")
     try:
         held = bench(design(captures))
         comparison = compare(captures, held=held)

@@ -87,7 +87,7 @@ class BenchmarkResult(Result):
     rankings : list of Ranking
         One a criterion and temperature.
     notes : list of str
-        What to know before believing it.
+        Notes that affect the interpretation.
     """
 
     sensors: list[SensorRecord]
@@ -118,7 +118,7 @@ def benchmark(
     quick : bool
         Leave the refinement out.
     temperatures : sequence of float
-        The former word for ``at``.
+        The former name of ``at``.
     tell : callable
         Called with a line of progress.
 
@@ -204,7 +204,11 @@ def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
         return Figure(nearest.value, nearest.se, "measured there", one_frame)
     estimated = estimate(readings, celsius, criterion.floor)
     if estimated is None:
-        why = "one temperature tells no law" if readings else "these captures do not tell it"
+        why = (
+            "one temperature determines no law"
+            if readings
+            else "not determined from these captures"
+        )
         return Figure(math.nan, math.nan, why)
     low, high = readings[0].temperature_c, readings[-1].temperature_c
     if estimated.outside_c > REACH * (high - low):

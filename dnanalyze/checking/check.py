@@ -19,6 +19,8 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.result import Result
 
+NOT_DETERMINED = "not determined from these frames"
+
 
 @dataclass(frozen=True)
 class Check:
@@ -108,7 +110,7 @@ class CheckResult(Result):
     captures : str
         The folder.
     simulation : str
-        What was held: the model file or the folder of simulated frames.
+        What was checked: the model file or the folder of simulated frames.
     checks : list of Check
         In the order of the targets.
     false_failures : float or None
@@ -244,7 +246,7 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
             f"{where}: no frames at {item.at.label}; the captures have {'; '.join(has)}"
         )
     if not any(item.statistic in s.values for s in here) and len(here) > 1:
-        reason = here[0].missing.get(item.statistic, "these frames do not tell it")
+        reason = here[0].missing.get(item.statistic, NOT_DETERMINED)
         yield _made(item, here[0], math.nan, None, (-math.inf, math.inf), reason)
         return
     for setting in here:
@@ -263,11 +265,9 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
         )
         floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
         if item.floors is not None and floor is None:
-            raise InputError(
-                f"{where}: floors needs floor, what two captures of one sensor differ by"
-            )
+            raise InputError(f"{where}: floors needs floor, the reproducibility standard deviation")
         limits = _limits(item, info.scale, reference, floor)
-        reason = "" if own else setting.missing.get(item.statistic, "these frames do not tell it")
+        reason = "" if own else setting.missing.get(item.statistic, NOT_DETERMINED)
         yield _made(item, setting, own.value if own else math.nan, reference, limits, reason, floor)
 
 
@@ -322,10 +322,10 @@ def _trend(item: Target, bench: CheckBench, where: str) -> Check:
     needs = (item.relative is not None or item.floors is not None) and item.measured is None
     stated = bench.measured[2].trends.get(item.statistic) if needs and bench.measured else None
     if needs and stated is None:
-        raise InputError(f"{where}: relative and floors need measured, and no captures tell it")
+        raise InputError(f"{where}: relative and floors need measured, and no captures give it")
     reference = item.measured if item.measured is not None else (stated.value if stated else None)
     floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
-    reason = "" if own else "these settings do not tell it"
+    reason = "" if own else "these operating points do not determine it"
     limits = _limits(item, Scale.LINEAR, reference, floor)
     return _made(item, None, own.value if own else math.nan, reference, limits, reason, floor)
 

@@ -114,7 +114,7 @@ class Target(BaseModel):
         if self.error is not None and (self.relative is not None or self.at != At()):
             raise ValueError("an error is over all operating points; give min or max, without at")
         if self.parameter is not None and self.relative is not None and self.measured is None:
-            raise ValueError("relative to what? give measured, the parameter's nominal value")
+            raise ValueError("relative needs measured, the parameter's nominal value")
         return self
 
     @property
@@ -165,7 +165,7 @@ class Targets(BaseModel):
         )  # fmt: skip
         if not kept:
             valid = ", ".join(sorted(str(n) for n in named))
-            raise InputError(f"no target holds at channel {name!r}; they name {valid}")
+            raise InputError(f"no target applies to channel {name!r}; they name {valid}")
         return self.model_copy(update={"targets": kept})
 
 

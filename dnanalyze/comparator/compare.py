@@ -29,7 +29,7 @@ from dnanalyze.result import Result
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Result):
-    """A model compared with a measurement, on the half of the field that no fit saw.
+    """A model compared with a measurement, on the held-out half of the field.
 
     Parameters
     ----------
@@ -40,17 +40,17 @@ class Comparison(Result):
     error : float
         1 = as close as a second sensor of the same make.
     baselines : dict
-        "gaussian" and "paper": the errors of the plain Gaussian and of the paper's model.
+        "gaussian" and "paper": the errors of the Gaussian baseline and of the Wang 2025 model.
     families : dict
         Error of each family.
     statistics : list of dict
-        One row a statistic and operating point; see the contract.
+        One row for each statistic and operating point.
     failures : list of str
         Where the model fails, worst first.
     measured, simulated, gaussian : Statistics
-        Of the judged half, with their curves.
+        Of the held-out half, with their curves.
     level : Level, optional
-        The model's mean dark signal beside the measured one.
+        Difference between the mean dark signals of model and captures.
     capture_set : CaptureSet, optional
         The measured frames.
     """

@@ -1,4 +1,4 @@
-"""Which captures would tell more of a structure."""
+"""Recommended captures for a structure."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ def more_captures(effect: CompositeEffect, seen: Layers) -> list[str]:
         told.append("Three temperatures or more: they give the law over temperature.")
     if len({p.exposure_s for p in points}) < 2:
         told.append(
-            "A second exposure time at the warmest operating point: it distinguishes what grows "
-            "with the dark charge from what grows with the temperature alone."
+            "A second exposure time at the warmest operating point: it separates a dependence "
+            "on the dark charge from a dependence on the temperature alone."
         )
     if len({p.gain for p in points}) < 2 and effect.what == "level":
         told.append(
-            "A second analog gain: the structure follows it where it is made before the amplifier."
+            "A second analog gain: the structure is proportional to the gain if it arises before "
+            "the amplifier."
         )
     if effect.when == "frame" and max(len(t.frames) for t in seen.taken) < MANY:
         told.append(
-            f"{2 * MANY} frames at one operating point: they tell whether values persist from "
-            "frame to frame, and how they are distributed."
+            f"{2 * MANY} frames at one operating point: they show whether values persist from "
+            "frame to frame, and give their distribution."
         )
     return told

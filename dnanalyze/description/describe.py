@@ -45,7 +45,7 @@ STEPS = 8  # of such a refit
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a structure: as its layer tells it with a standard error, and in the model."""
+    """A number of a structure: estimated from its residual layer, and after the refit."""
 
     name: str
     value: float
@@ -56,7 +56,7 @@ class Number:
 
 @dataclass(frozen=True, repr=False)
 class Description(Result):
-    """What no effect of the catalogue explains, in words and numbers.
+    """Structure of the residual that no effect of the catalogue explains, in words and numbers.
 
     Parameters
     ----------
@@ -64,35 +64,35 @@ class Description(Result):
         Name of the captures.
     verdict : str
         "described", "possible" (the error does not fall, or the data do not support it), "nothing"
-        (no structure beyond chance) or "adequate" (the model leaves nothing to describe).
+        (no structure beyond chance) or "adequate" (no residual exceeds chance).
     text : str
         The sentence.
     error_before, error_after : float
-        Model error without and with the structure; NaN where none was put in.
+        Model error without and with the structure; NaN where none was added.
     confidence : float
-        That it is there, as for an effect of the catalogue; NaN where none was put in.
+        As for an effect of the catalogue; NaN where no structure was added.
     after : str
         "adequate" or "unexplained": the model with it.
     effect : CompositeEffect or None
-        The structure, as its layer states it.
+        The structure, as estimated from its residual layer.
     numbers : list of Number
         Its numbers.
     evidence : list of str
-        What it puts right.
+        Statistics that it corrects.
     nearest : list of Nearest
-        The nearest effects of the catalogue and why they fail.
+        The nearest effects of the catalogue and what they do not explain.
     removed : list of str
-        Effects that the model does without once it is in.
+        Effects that are no longer supported with the structure in the model.
     next_capture : list of str
-        What would tell more.
+        Recommended captures.
     others : list of str
-        Sentences on further structures of the layers.
+        Sentences on structures in other residual layers.
     model : NoiseModel
         With the structure, refitted; as it was where none is supported.
     look : Look or None
         What the figure shows.
     finished : bool
-        Whether all was refitted in time.
+        False where the time limit ended the refits.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -141,7 +141,7 @@ class Description(Result):
         """
         made = self.model.get(CompositeEffect.name) or self.effect
         if not isinstance(made, CompositeEffect):
-            raise InputError("describe: nothing was found that could be written as an effect")
+            raise InputError("describe: there is no structure to write as an effect")
         return own_effect(made, self.text.split(":")[0])
 
 
@@ -156,22 +156,22 @@ def describe(
     held: Bench | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Description:
-    """Describe what no effect of the catalogue explains, and add it to a model.
+    """Describe the residual that no effect of the catalogue explains; add it to a model.
 
     Parameters
     ----------
     captures : CaptureSet
         Dark frames.
     model : NoiseModel, optional
-        What is known: the model that `refine` ends with. By default what every sensor has.
+        The model that `refine` ends with; by default the baseline model.
     budget : float, optional
-        Seconds after which the refits end; what was found by then is returned.
+        Seconds after which the refits end; the best result so far is returned.
     effects : sequence of path, or mapping
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
     known : mapping, optional
-        All effects by name: the former word for ``effects``.
+        All effects by name: the former name of ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
@@ -198,7 +198,7 @@ def describe(
     limit = TimeLimit.after(budget)
     if model is not None and model.get(CompositeEffect.name) is not None:
         raise InputError(
-            "model: it holds the effect 'composite' already; describe takes a model without it"
+            "model: it already has the effect 'composite'; describe requires a model without it"
         )
     held = held or bench(design(captures))
     if model is None:
@@ -209,7 +209,7 @@ def describe(
     tell("fitting the model")
     state = fitted_in_time(held.within(limit), begun)
     if adequacy(held, state, FEW).adequate:
-        text = "Nothing to describe: no misfit of the model exceeds chance in these captures."
+        text = "Nothing to describe: no residual of the model exceeds chance in these captures."
         return replace(_without(captures, held, state, "adequate", text), after="adequate")
     return described(captures, held, state, known_effects(effects, known), limit, tell)
 
@@ -235,8 +235,8 @@ def described(
     found = searched(seen, by_chance(simulated), state.model.reference)
     if not found:
         text = (
-            "No structure of the grammar exceeds chance in the residual layers: "
-            "what the model misses is not in the geometry of the frames."
+            "No structure in the residual layers exceeds chance: the statistics not explained "
+            "have none of the geometries that describe tests."
         )
         return _without(captures, held, state, "nothing", text)
     near = known if rivals else {}
@@ -278,7 +278,7 @@ def _judged(
     if supported is None:
         sure *= STANDS_IN
     elif not limit.over:
-        tell("effects that the model does without")
+        tell("testing which effects are still needed")
         ended, removed = needless(held, ended)
         removed = [name for name in removed if name != CompositeEffect.name]
         if ended.model.get(CompositeEffect.name) is None:
@@ -292,7 +292,7 @@ def _judged(
     rival = as_good(near, error_of(held, ended))
     if rival is not None:
         supported, verdict, sure = None, "possible", min(sure, STANDS_IN)
-        text = f"{text[:-1]}; {rival} of the catalogue explains as much, add it first."
+        text = f"{text[:-1]}; the catalogue effect {rival} explains as much: add it first."
     left = adequacy(held, ended, FEW)
     return Description(
         captures.name,

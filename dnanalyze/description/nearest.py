@@ -81,11 +81,11 @@ def nearest(
     for name in [n for n in names if n in known]:
         if state.model.get(name) is not None:
             error = error_of(held, state)
-            found.append(Nearest(name, error, f"in the model already, at {number(error)}"))
+            found.append(Nearest(name, error, f"already in the model, model error {number(error)}"))
             continue
         seen = prospects(held, state, {name: known[name]})
         if not seen:
-            found.append(Nearest(name, nan, "no sign of it in the statistics"))
+            found.append(Nearest(name, nan, "not indicated by the statistics"))
             continue
         begun = begun_at(held, seen[0].model, knobs_of(seen[0].model), like=state)
         rival = minimise(held, begun, STEPS)

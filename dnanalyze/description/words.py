@@ -11,19 +11,18 @@ from dnanalyze.description.layers import Layers
 from dnanalyze.digits import number, with_error
 from dnanalyze.model.composite.effect import CompositeEffect
 
-# What is known to look so; a geometry alone proves no cause.
+# Known causes of such a structure; a geometry alone proves no cause.
 KNOWN = {
-    ("level", "rings", "fixed"): "growth striations of the silicon and rings of thin films look so",
-    ("level", "block", "frame"): "pixels that share an amplifier look so",
-    ("gain", "quadrants", "frame"): "an exposure time that jitters from quadrant to quadrant looks "
-    "so",
-    ("level", "column_segments", "frame"): "telegraph noise of column circuits looks so",
+    ("level", "rings", "fixed"): "consistent with growth striations or thin-film interference",
+    ("level", "block", "frame"): "consistent with pixels that share an amplifier",
+    ("gain", "quadrants", "frame"): "consistent with exposure times that differ by quadrant",
+    ("level", "column_segments", "frame"): "consistent with telegraph noise of column circuits",
 }
 OPEN = "the geometry is determined, the cause is not"
 
 
 def sentence(found: Estimate, seen: Layers) -> str:
-    """Time, geometry, size, law, and what is known to look so."""
+    """Time, geometry, size, law, and a known cause of such a structure."""
     e = found.effect
     text = ", ".join([_structure(e, found.errors), _size(e, found.errors), _law(found, seen)])
     cause = KNOWN.get((e.what, e.where, e.when), OPEN)
@@ -37,7 +36,7 @@ def _structure(e: CompositeEffect, errors: dict[str, float]) -> str:
         lines = e.where in ("row", "column")
         return f"additional noise in {where}" if lines else f"noise modulated as a {where}"
     if (e.where == "blob" and e.when == "frame") or "segments" in e.where:
-        return where + ", at another place in every frame"
+        return where + ", at a new position in every frame"
     when = {
         "fixed": "fixed",
         "frame": "new in every frame",
@@ -77,7 +76,7 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
             for c, t in zip(e.coefficients, terms, strict=True)
             if c
         ]
-        return f"surface {' + '.join(parts)} of random sign and size"
+        return f"surface {' + '.join(parts)} of random sign and amplitude"
     if e.where == "blob":
         return f"spot of radius {_told(e, 'radius', errors)} px"
     if e.where == "diagonal":
@@ -86,13 +85,13 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
         )
     if e.where in ("row_segments", "column_segments"):
         line = e.where.split("_")[0] + "s"
-        return f"jumps between two levels within {_percent(e, errors)} of the {line}"
+        return f"steps between two levels within {_percent(e, errors)} of the {line}"
     if e.where in ("row", "column"):
         few = f"{_percent(e, errors)} of the " if e.share < 1 else "values of the "
         return f"{few}{e.where}s"
     names = {"quadrants": "values of the four quadrants", "pixel": "values of the pixels",
              "halves": f"values of the two halves of the {e.axis}",
-             "smooth": "clouds"}  # fmt: skip
+             "smooth": "smooth random pattern"}  # fmt: skip
     return names[e.where]
 
 
@@ -117,7 +116,7 @@ def _size(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.what == "gain":
         spread = 100.0 * errors.get("gain", 0.0)
         return f"{with_error(100.0 * e.gain, spread)} % of it rms"
-    what = "height" if e.where == "blob" else "half a jump" if "segments" in e.where else "rms"
+    what = "height" if e.where == "blob" else "half the step" if "segments" in e.where else "rms"
     if e.what == "noise":
         what = "additional noise"
     return f"{_told(e, 'amplitude', errors)} DN {what}"
@@ -126,7 +125,7 @@ def _size(e: CompositeEffect, errors: dict[str, float]) -> str:
 def _law(found: Estimate, seen: Layers) -> str:
     e = found.effect
     if len(seen.points) < 2:
-        return "at the one operating point"
+        return "at the only operating point"
     if e.what == "gain":
         return "in proportion to the dark signal"
     if e.law == "thermal":

@@ -36,7 +36,8 @@ def detect(
     Parameters
     ----------
     captures : CaptureSet
-        Dark frames; a temperature series of several frames each tells most, one frame least.
+        Dark frames. A temperature series of several frames each gives the highest power, a single
+        frame the lowest.
     alpha : float
         Chance of a false alarm over all questions together, for exchangeable pixels; limits on
         effect sizes guard against sensors whose pixels are not.

@@ -143,7 +143,7 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
             one_sided(uneven, t.dispersion_se),
             uneven,
             0.3 if backed else np.inf,
-            "the noise varies from place to place: the variances of 4×4 tiles scatter "
+            "the noise varies over the field: the variances of 4×4 tiles scatter "
             f"{t.dispersion:.2f} times as much as those of independent pixels",
         ),
         Asked(

@@ -154,13 +154,13 @@ class Detection(Result):
     findings : tuple of Finding
         Every test at every operating point.
     evidence : tuple of str
-        Sentences, most telling first.
+        Sentences, in the order of significance.
     ambiguous : tuple of str
-        What cannot be told apart with these frames.
+        What these frames do not distinguish.
     tail : tuple of TailBound
         Where a correction was found.
     effect : dict
-        {"dpc" | "denoise" | "temporal_denoise": parameters} that mimics the filter in a model;
+        {"dpc" | "denoise" | "temporal_denoise": parameters} that reproduces the filter in a model;
         empty for none.
     series : SuppressionSeries, optional
         Suppression of high frequencies over temperature, for the figure.

@@ -291,12 +291,16 @@ def belonging(
     said = []
     for name in pixel:
         where = "every channel" if len(seen[name]) == len(models) else ", ".join(seen[name])
-        said.append(f"{name}: of the pixel, so of all channels; seen in {where}")
+        said.append(
+            f"{name}: an effect of the pixel, shared by all channels; identified in {where}"
+        )
     if everywhere:
-        said.append(f"in every channel, so of what all readouts share: {', '.join(everywhere)}")
+        said.append(
+            f"identified in every channel, so shared by all readouts: {', '.join(everywhere)}"
+        )
     shared = [*pixel, *everywhere]
     for name in (n for n in every if n not in shared):
         only = f"{seen[name][0]} only" if len(seen[name]) == 1 else ", ".join(seen[name])
-        said.append(f"{name}: in {only}, so of that readout")
+        said.append(f"{name}: identified in {only}, so an effect of that readout")
     own = {c: [n for n in names if n not in shared] for c, names in added.items()}
     return shared, own, said or ["no channel needs more than the baseline effects"]

@@ -64,13 +64,15 @@ from dnanalyze.result import Result
 
 LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
 DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
-EVERY_SENSOR = "every sensor has it: put in together with the others of its kind, without asking"
+EVERY_SENSOR = (
+    "baseline effect, present in every sensor: added with the other baseline effects, untested"
+)
 UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
 
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis(Result):
-    """What is missing in a model.
+    """Diagnosis of a model: verdict and candidates.
 
     Parameters
     ----------
@@ -81,33 +83,34 @@ class Diagnosis(Result):
     verdict : str
         "adequate", "missing" or "unexplained".
     candidates : list of Candidate
-        Best first: the one that is missing, then by confidence. What every sensor has, if the model
-        had nothing of it, after an effect that is missing beside it. None where the model is
-        adequate: what chance puts forward is no candidate.
+        In the order of confidence, the identified effect first. If the model has no baseline
+        effects, these follow an effect that is missing in addition. Empty where the model is
+        adequate.
     unexplained : list of str
-        Statistics that stay unexplained, worst first: by what is missing, or by the model where
-        the data support no candidate.
+        Statistics not explained, worst first: by the identified effect, or by the model where the
+        captures support no candidate.
     detection_limits : dict
-        Effect to a sentence: below which strength it would not be seen in these captures.
+        Effect to a sentence with its detection limit.
     next_capture : list of str
-        What to capture next to settle what is open.
+        Recommended captures.
     model : NoiseModel
-        The model that the candidates were tried in, as refitted.
+        The refitted model, to which the candidates were added.
     trials : list of Trial
         The candidates as they were refitted.
     ordinary : list of str
-        What every sensor has and the model had not: put in before others were tried.
+        Baseline effects that the model lacked; they were added before other effects were tested.
     level : Level, optional
-        The mean dark level of the model, which an adequate one keeps.
+        Difference of the mean dark signal, which is within limits for an adequate model.
     law : str
-        How the spread of dark current changes with temperature, where that was put in; else empty.
+        Sentence on the relative standard deviation of the dark current over temperature, where the
+        model includes this dependence; else empty.
     capture_set : CaptureSet, optional
         The measured frames.
     finished : bool
-        Whether every candidate was tested; False where the time was up before.
+        Whether every candidate was tested; False where the time limit ended the search.
     screened : list of str
-        Where it is not finished: effects in the order of the fall of the error that first-order
-        screening expects; no refit has confirmed them.
+        If not finished: effects in the order of the fall of the error that first-order screening
+        expects; no refit has confirmed them.
     """
 
     captures: str
@@ -144,7 +147,7 @@ def diagnose(
     tell: Callable[[str], None] = lambda _: None,
     first: Callable[[list[str]], None] | None = None,
 ) -> Diagnosis:
-    """Say which effect is missing in a model.
+    """Identify the effect that is missing in a model.
 
     Parameters
     ----------
@@ -152,18 +155,18 @@ def diagnose(
         Dark frames.
     model : NoiseModel, optional
         The Wang 2025 model by default. It is refitted first, so that only what no parameter can
-        reach counts as missing. Of a model that has nothing of what every sensor has, that is
-        missing in any case: it is put in, and what else is missing is asked of the rest.
+        reproduce counts as residual. If it has no baseline effects, these are added before other
+        effects are tested.
     exclude : sequence of str
-        Effects not to consider.
+        Effects that are not tested.
     budget : float, optional
-        Seconds after which the search ends; what was found by then is returned.
+        Seconds after which the search ends; the best result so far is returned.
     effects : sequence of path, or mapping
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
     known : mapping, optional
-        All effects by name: the former word for ``effects``.
+        All effects by name: the former name of ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable

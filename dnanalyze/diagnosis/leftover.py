@@ -54,15 +54,15 @@ class Leftover:
         worst = ", ".join(self.left[:WORST])
         if self.doubted:
             words = (
-                f"it leaves {worst} unexplained, for which there is no other candidate: it may "
-                "stand in for an effect that is in no catalogue"
+                f"it does not explain {worst}, and no other candidate does: it may replace "
+                "an effect that is not in the catalogue"
             )
             sure = candidate.confidence * STANDS_IN
             told = [*candidate.evidence, words]
             return replace(candidate, confidence=sure, evidence=told, leaves=self.left)
         if self.mender is None:
             return candidate
-        words = f"it leaves {worst}, which {self.mender} beside it would put right"
+        words = f"it does not explain {worst}, which {self.mender} in addition would correct"
         return replace(candidate, evidence=[*candidate.evidence, words], leaves=self.left)
 
 

@@ -39,7 +39,7 @@ from dnanalyze.result import Result
 
 @dataclass(frozen=True, repr=False)
 class Refinement(Result):
-    """A model completed step by step.
+    """Result of a stepwise refinement.
 
     Parameters
     ----------
@@ -62,8 +62,7 @@ class Refinement(Result):
     by_hand : bool
         Of `add`: the user chose the effect.
     timed_out : bool
-        Whether the time was up before the search came to its end, or before the standard errors
-        were computed.
+        Whether the time limit ended the search, or the computation of the standard errors.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -136,7 +135,7 @@ def refine(
     captures : CaptureSet
         Dark frames.
     model : NoiseModel, optional
-        Where to begin; the Wang 2025 model by default.
+        Starting model; the Wang 2025 model by default.
     exclude : sequence of str
         Effects never to add.
     max_effects : int, optional
@@ -150,16 +149,16 @@ def refine(
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
     most_effects : int, optional
-        The former word for ``max_effects``.
+        The former name of ``max_effects``.
     known : mapping, optional
-        All effects by name: the former word for ``effects``.
+        All effects by name: the former name of ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell, trying : callable
         Called after every step, and with the name of every effect that is tried.
     keep : callable
-        Called with the refinement as it is whenever its model stands complete; from any of these
-        models one may go on.
+        Called with the refinement after each complete step; the search can be continued from any of
+        these models.
     first : callable, optional
         Called with a first answer before the search, as in `diagnose`.
 
@@ -265,8 +264,8 @@ def add(
 ) -> Refinement:
     """Add one effect to a model, refit everything, and compare the model error before and after.
 
-    Whether these captures support it is decided as in `diagnose`, of this effect alone: its
-    confidence is that against nothing missing, and no rival was asked.
+    Whether these captures support it is decided as in `diagnose`, for this effect alone: the
+    confidence is that compared with "nothing is missing"; competing effects are not tested.
 
     Parameters
     ----------
@@ -281,7 +280,7 @@ def add(
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
     known : mapping, optional
-        All effects by name: the former word for ``effects``.
+        All effects by name: the former name of ``effects``.
     held : Bench, optional
         Statistics taken earlier.
     tell : callable
@@ -295,7 +294,7 @@ def add(
     Raises
     ------
     InputError
-        The model holds the effect already, or there is none of that name.
+        The model already has the effect, or no effect has that name.
 
     Examples
     --------
@@ -311,7 +310,7 @@ def add(
     name, known = effect, known_effects(effects, known)
     kind = find(name, known)
     if model is not None and model.get(name) is not None:
-        raise InputError(f"{name}: the model holds it already; `dnanalyze fit --model` refits it")
+        raise InputError(f"{name}: it is already in the model; `dnanalyze fit --model` refits it")
     held = held or bench(design(captures))
     model = with_seed(held, model, seed)
     if model is None:

@@ -37,7 +37,7 @@ def doubling(currents: Sequence[DarkCurrent]) -> tuple[Quantity, Quantity]:
         if rate.value > HEADROOM * rate.se:
             told.append((current.temperature_c, rate.value, rate.se))
     if len(told) < 2:
-        return _neither("needs a dark current, clear of its error, at two temperatures")
+        return _neither("needs a significant dark current at two temperatures")
     celsius, rates, errors = np.array(told).T
     low, high = float(celsius.min()), float(celsius.max())
     if not tells_slope(celsius):

@@ -69,7 +69,7 @@ def _noise(setting: SettingStatistics, bad: str, gain: Quantity) -> Iterable[Qua
     read = reading(setting)
     step = code_step(setting)
     if read.variance <= 0:
-        text = "the frames are alike, or differ by the drift of whole frames alone"
+        text = "the frames are equal, or differ only by the drift of whole frames"
         return unknown(kinds.NOISE, text), unknown(kinds.NOISE_E, text)
     noise = math.sqrt(read.variance)
     relative = setting.values["temporal_noise"].se  # of a logarithm
@@ -77,7 +77,7 @@ def _noise(setting: SettingStatistics, bad: str, gain: Quantity) -> Iterable[Qua
     made = known(kinds.NOISE, Value(noise, se))
     if read.variance < LEAST_VARIANCE * step**2:
         limit = LIMIT * step
-        text = f"σ² below {LEAST_VARIANCE:g} step²: quantization rules; noise < {limit:g} DN"
+        text = f"σ² below {LEAST_VARIANCE:g} step²: quantization dominates; noise < {limit:g} DN"
         if gain.value:
             text += f", {limit / gain.value:.3g} e⁻"
         return unknown(kinds.NOISE, text), unknown(kinds.NOISE_E, text)
@@ -150,7 +150,7 @@ def _hot_current(setting: SettingStatistics, bad: str) -> Quantity:
     if rate is None or exposure is None or exposure <= 0 or levels is None:
         return unknown(kind, "the black level or the exposure is not known")
     if rate.value <= 4 * rate.se:
-        return unknown(kind, "the median dark current does not stand out from its error")
+        return unknown(kind, "the median dark current is not significant")
     above = (HOT_TIMES - 1) * rate.value * exposure
     threshold = setting.values["median"].value + above
     if not _all_listed(setting, levels, threshold, above):

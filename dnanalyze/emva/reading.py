@@ -90,7 +90,7 @@ def _variance_error(setting: SettingStatistics) -> float:
 def biased(setting: SettingStatistics) -> str:
     """Why mean and noise of an operating point are not the sensor's; empty where they are."""
     if SATURATION in setting.missing:
-        return setting.missing[SATURATION].split("; the trends")[0]
+        return setting.missing[SATURATION].split("; excluded")[0]
     low, high = clipped_shares(setting)
     for share, which in ((low, "lowest"), (high, "highest")):
         if share > CLIPPED:

@@ -70,9 +70,9 @@ class Fit(Result):
     parameters : list of Parameter
         Name, value, standard error and unit of each.
     correlations : ndarray
-        Between the parameters on their own scales; 0 with those that a statistic tells.
+        Between the parameters, on their scales; 0 for those that one statistic determines.
     undetermined : list of str
-        Sentences on parameters that these captures cannot tell, alone or from one another.
+        Sentences on parameters that are not determined or confounded in these captures.
     bench : Bench
         The statistics that were fitted, and the simulations of it.
     state : State
@@ -115,11 +115,11 @@ def fit(
     captures : CaptureSet
         Dark frames.
     model : NoiseModel, optional
-        Where to begin, and which effects and laws; the Wang 2025 model by default.
+        Starting model, with its effects and laws; the Wang 2025 model by default.
     frozen : sequence of str
-        Parameters to hold, as ``effect.parameter`` or ``pedestal``.
+        Parameters that keep their value, as ``effect.parameter`` or ``pedestal``.
     replicates : int
-        Simulated sensors from which the uncertainties are taken; 0 leaves them out (NaN).
+        Number of simulated sensors for the standard errors; with 0 these are NaN.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
     held : Bench, optional

@@ -43,10 +43,10 @@ def load(
 
     Pixels are read when asked for.
 
-    A sample of each frame is looked at: identical frames of an operating point count once, and the
-    notes tell of these and other frames that are suspect (`dnanalyze.loaders.health`).
+    A sample of each frame is compared: identical frames of an operating point count once, and the
+    notes report these and other suspect frames (`dnanalyze.loaders.health`).
 
-    Each of temperature, exposure, gain and channel is taken from the first source that says it:
+    Each of temperature, exposure, gain and channel is taken from the first source that states it:
     manifest, file header, name, sidecar.
 
     Parameters

@@ -83,14 +83,14 @@ def _missing_temperature(points: list[OperatingPoint]) -> list[str]:
     known = [p.temperature_c for p in points if p.temperature_c is not None]
     if not known:
         return [
-            "No temperature is recorded: no activation energy and no trend over temperature; "
+            "No temperature is recorded: no activation energy and no law over temperature; "
             "add temperature_c to a manifest."
         ]
     said = []
     if len(known) < len(points):
         said.append(
             f"{len(points) - len(known)} of {len(points)} operating points have no temperature "
-            "and stay out of the trends."
+            "and are excluded from the laws over temperature."
         )
     if not tells_slope(known):
         said.append(

@@ -54,8 +54,8 @@ def require(model: NoiseModel, channels: Sequence[str]) -> None:
     valid = channels_of(model)
     if valid and not channels:
         raise InputError(
-            f"the model tells channels apart ({', '.join(valid)}), and the frames name none; the "
-            "column 'channel' of manifest.csv does"
+            f"the model has parameters by channel ({', '.join(valid)}), and the frames state no "
+            "channel; the column 'channel' of manifest.csv states it"
         )
     for name in channels if valid else ():
         if name not in valid:

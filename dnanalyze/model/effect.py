@@ -86,7 +86,7 @@ class Told:
 def parameter(
     default: Law, unit: str, lower: float, upper: float, doc: str, scale: str = "log"
 ) -> Any:
-    """Declare a parameter that the fit may move; it may follow a law over temperature.
+    """Declare a parameter that the fit may change; it may follow a law over temperature.
 
     Parameters
     ----------
@@ -171,13 +171,14 @@ class Site:
         Random numbers of this effect: the same in every frame of every setting, and new in each
         frame.
     keep : callable
-        ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
+        ``keep(name, make)`` returns ``make()`` and caches it for the frames of this operating
+        point.
     field : callable
         ``field(stream, kind)`` draws "normal" or "uniform" over ``window``.
     calibration : callable
-        ``calibration(n, warmer)`` is frame n, whole, so many C warmer than the reference point, as
-        it is before this effect: what a factory would have seen of this silicon. Negative n are
-        frames of no capture.
+        ``calibration(n, warmer)`` is frame n, whole, so many C warmer than the reference point,
+        before this effect: a calibration frame of the same sensor. Negative n are frames of no
+        capture.
     share : callable
         As ``keep``, for what does not depend on the window: all parts of the frame get the same.
     """
@@ -331,9 +332,9 @@ class Effect:
     Class attributes: ``name`` as in the catalogue; ``stage``; ``varies`` "fixed" or "temporal" or
     "both" or "digital"; ``summary`` one line; ``physics`` the paragraph for the user: what it is,
     its law, what to do about it; ``formula``; ``references``; ``fingerprint`` names of the
-    statistics that it moves most; ``confused_with`` {effect: what tells them apart}; ``reach``
-    pixels around the window that it looks at, unless `margin` tells; ``memory`` earlier frames that
-    it looks at; ``placing`` where in the field it is.
+    statistics that it changes most; ``confused_with`` {effect: what distinguishes them}; ``reach``
+    pixels around the window that it reads, unless `margin` states them; ``memory`` earlier frames
+    that it reads; ``placing`` where in the field it is.
     """
 
     name: ClassVar[str] = ""

@@ -32,9 +32,9 @@ class NoiseModel:
     pedestal : Law
         Black level, DN.
     reference : OperatingPoint
-        Where amplitudes that follow temperature, exposure or gain are stated.
+        Operating point at which the amplitudes are stated.
     seed : int
-        Names the virtual sensor: its silicon and its moments.
+        Seed of the virtual sensor: it fixes all random numbers.
     channel_references : tuple of OperatingPoint
         Where those of a readout channel are stated that has a reference of its own (a short
         exposure).
@@ -50,7 +50,7 @@ class NoiseModel:
         names = self.names
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"model: effect {name!r} stands twice; each may stand once")
+                raise InputError(f"model: effect {name!r} is listed twice; each may be listed once")
 
     @property
     def names(self) -> list[str]:

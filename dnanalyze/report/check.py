@@ -90,7 +90,7 @@ def junit(result: Any) -> str:
         if check.enforced:
             inner = f"<failure message={_attribute(text)}>{escape(_clean(text))}</failure>"
         else:
-            inner = f"<skipped message={_attribute(f'known miss, not enforced: {text}')}/>"
+            inner = f"<skipped message={_attribute(f'known violation, not enforced: {text}')}/>"
         lines.append(f"{case}>{inner}</testcase>")
     return "\n".join([*lines, "</testsuite>", "</testsuites>", ""])
 

@@ -161,7 +161,7 @@ def diagnosis(where: str, result: Any) -> Document:
 
 
 def description(where: str, result: Any, output: Path | None = None) -> Document:
-    """What no effect of the catalogue explains, in words and numbers."""
+    """Structure of the residual that no effect of the catalogue explains, in words and numbers."""
     effect = result.effect
     return document(
         "describe",

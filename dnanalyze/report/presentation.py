@@ -71,9 +71,7 @@ def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
         forms |= {suffix: lambda: dump_model(model) for suffix in (".yaml", ".yml")}
     target = Path(path)
     if target.suffix.lower() == ".html" and getattr(result, "capture_set", result) is None:
-        raise InputError(
-            f"{target}: the report shows the captures, and this result holds no captures"
-        )
+        raise InputError(f"{target}: the report shows the captures, and this result has none")
     form = forms.get(target.suffix.lower())
     if form is None:
         raise InputError(f"{target}: unknown suffix {target.suffix!r}; valid: {', '.join(forms)}")
@@ -93,7 +91,7 @@ def plot(result: Any, shown: Presentation, kind: str | None, ax: Axes | None) ->
         if picture is not None:
             return plotted(picture, ax)
     what = f"kind={kind!r}" if kind is not None else "plot"
-    raise InputError(f"{what}: these captures hold nothing to draw; kinds: {', '.join(kinds)}")
+    raise InputError(f"{what}: these captures have nothing to draw; kinds: {', '.join(kinds)}")
 
 
 def _first(drawn: Any) -> Any:

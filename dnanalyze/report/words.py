@@ -190,7 +190,8 @@ def error_way(before: Any, after: Any) -> str:
             if number(before) == number(after)
             else (f"goes from {number(before)} to {number(after)}")
         )
-        return f"the model error {where}, within its scatter of {100 * LUCK:.0f} %"
+        scatter = f"{100 * LUCK:.0f} % between simulated sensors"
+        return f"the model error {where}, within its variation of {scatter}"
     return f"the model error {gone} from {number(before)} to {number(after)}"
 
 
@@ -365,9 +366,9 @@ def _stopped(result: Any) -> str:
     if found:
         best = found[0]
         name = with_rivals(best.effect, best.confidence, best.confused_with)
-        return f"it stopped at the requested limit; the next effect to add is {name}"
+        return f"the search stopped at the requested limit; the next effect to add is {name}"
     left = statistics_named(result.unexplained)
-    return f"it stopped at the requested limit; the residual was not tested: {left}"
+    return f"the search stopped at the requested limit; the residual was not tested: {left}"
 
 
 def add_headline(result: Any) -> str:

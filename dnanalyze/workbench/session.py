@@ -142,7 +142,7 @@ class WorkbenchSession:
         if self.model is not None:
             self._begin(self.model, "model as given", ())
         else:
-            self._begin(paper_start(found), "Wang 2025 model, first guess", ())
+            self._begin(paper_start(found), "Wang 2025 model, initial values", ())
             self.fit()
 
     def _begin(self, model: NoiseModel, action: str, command: tuple[str, ...]) -> None:
@@ -347,7 +347,7 @@ class WorkbenchSession:
         find(effect, self.known)
         base = self.present
         if base.model.get(effect) is not None:
-            raise InputError(f"{effect}: the model holds it already")
+            raise InputError(f"{effect}: it is already in the model")
         self._idle()
         if (completed := self._completed()) is not None and effect not in completed.names:
             new = [name for name in completed.names if base.model.get(name) is None]

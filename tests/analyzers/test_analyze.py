@@ -182,7 +182,7 @@ def test_the_spectrum_of_the_mean_frame_alone_is_that_of_the_whole_family():
         capture_of(dark_frames(3, 1, (64, 80))), families=("pattern_spectrum",)
     ).settings
     assert not single.values
-    assert "one frame does not tell" in single.missing["spectrum"]
+    assert "one frame does not separate" in single.missing["spectrum"]
 
 
 def test_an_unknown_family_is_named_with_the_valid_ones():

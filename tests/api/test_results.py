@@ -218,7 +218,7 @@ def test_the_report_is_a_page(make, tmp_path):
 
 
 def test_a_report_without_captures_says_what_is_wanted(tmp_path):
-    with pytest.raises(dnanalyze.InputError, match="holds no captures"):
+    with pytest.raises(dnanalyze.InputError, match="shows the captures"):
         replace(comparison(), capture_set=None).save(tmp_path / "r.html")
 
 

@@ -211,5 +211,5 @@ def test_a_model_of_channels_refuses_frames_that_name_none(command, model, tmp_p
     more = ["--init", str(tmp_path / "T.yaml")] if command == "check" else []
     assert main([command, str(folder), "--model", str(model), *more, "-q"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "tells channels apart (hcg, lcg)" in line
+    assert "has parameters by channel (hcg, lcg)" in line
     assert "manifest.csv" in line

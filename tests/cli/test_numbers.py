@@ -62,4 +62,4 @@ def test_hdr_with_a_model_of_one_channel(tmp_path, capsys):
     words = ["hdr", str(tmp_path), "--model", str(tmp_path / "m.yaml")]
     assert main([*words, "--combine", str(tmp_path / "h.yaml")]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "m.yaml: tells no channels apart" in line
+    assert "m.yaml: has no parameters by channel" in line

@@ -22,7 +22,7 @@ def description(captures=None, verdict="described"):
         np.arange(5.0), "distance from the centre [pixel]", POINTS, np.array([0.8, 0.81]),
         np.array([0.02, 0.02]), np.array([0.8, 0.8]),
     )  # fmt: skip
-    near = [Nearest("periodic_pattern", 1.9, "no sign of it in the statistics")]
+    near = [Nearest("periodic_pattern", 1.9, "not indicated by the statistics")]
     return Description(
         "folder", verdict, "Fixed rings, period 9.000 ± 0.020 px: known.", 2.1, 0.9, 0.99,
         "adequate", EFFECT, numbers, ["something is right"], near, ["flicker_fpn"],

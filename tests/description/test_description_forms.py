@@ -56,7 +56,7 @@ def test_nothing_is_written_of_nothing():
     from dataclasses import replace
 
     nothing = replace(description(), effect=None, model=NoiseModel(()), error_after=math.nan)
-    with pytest.raises(InputError, match="nothing was found"):
+    with pytest.raises(InputError, match="there is no structure"):
         nothing.source()
     assert nothing.to_dict()["error_after"] is None
 
@@ -64,7 +64,7 @@ def test_nothing_is_written_of_nothing():
 def test_a_model_with_a_composite_effect_is_refused():
     from dnanalyze.demo import tiny
 
-    with pytest.raises(InputError, match="holds the effect 'composite' already"):
+    with pytest.raises(InputError, match="it already has the effect 'composite'"):
         dnanalyze.describe(tiny(), NoiseModel((EFFECT,), 64.0))
 
 

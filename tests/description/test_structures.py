@@ -170,4 +170,4 @@ def test_one_operating_point_and_one_frame_are_enough_for_a_fixed_wave():
     found = searched(seen, by_chance(made(seed=2, **one)), REFERENCE)[0]
     assert found.effect.where == "wave"
     near(found, amplitude=1.0)
-    assert "at the one operating point" in sentence(found, seen)
+    assert "at the only operating point" in sentence(found, seen)

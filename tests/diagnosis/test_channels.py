@@ -99,9 +99,9 @@ def test_which_effect_belongs_where():
     assert shared == ["hot_pixels", "row_noise"]
     assert own == {"a": ["row_fpn"], "b": []}
     assert findings == [
-        "hot_pixels: of the pixel, so of all channels; seen in a",
-        "in every channel, so of what all readouts share: row_noise",
-        "row_fpn: in a only, so of that readout",
+        "hot_pixels: an effect of the pixel, shared by all channels; identified in a",
+        "identified in every channel, so shared by all readouts: row_noise",
+        "row_fpn: identified in a only, so an effect of that readout",
     ]
     assert belonging({"a": of(), "b": of()}, known)[2] == [
         "no channel needs more than the baseline effects"

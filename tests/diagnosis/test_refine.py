@@ -34,7 +34,7 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
         (strength,) = (p for p in done.parameters if p.name == "row_fpn.sigma")
         assert 0.0 < strength.se < 0.5 * strength.value
     assert all(s.evidence for s in whole.steps[1:])
-    with pytest.raises(InputError, match="row_fpn: the model holds it already"):
+    with pytest.raises(InputError, match="row_fpn: it is already in the model"):
         add(striped, "row_fpn", whole.model, known=known)
     idle = add(striped, "row_noise", whole.model, known=known)
     assert not idle.steps[-1].supported

@@ -152,7 +152,7 @@ def test_a_name_below_90_percent_is_a_possible_one_everywhere():
 
 @pytest.mark.parametrize(
     ("after", "told"),
-    [(0.913, "goes from 0.874 to 0.913, within its scatter of 6 %"),
+    [(0.913, "goes from 0.874 to 0.913, within its variation of 6 % between simulated sensors"),
      (0.5, "falls from 0.874 to 0.5"), (1.2, "rises from 0.874 to 1.2"),
      (0.874, "stays at 0.874, within")],
 )  # fmt: skip

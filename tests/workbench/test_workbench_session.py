@@ -142,7 +142,7 @@ def test_a_worker_that_dies_is_a_message_and_nothing_is_lost(session):
 def test_what_is_wrong_is_told_in_one_line(session):
     with pytest.raises(InputError, match="no parameter 'nothing' in the model; valid: pedestal"):
         session.with_value("nothing", 1.0)
-    with pytest.raises(InputError, match="the model holds it already"):
+    with pytest.raises(InputError, match="it is already in the model"):
         session.add("convolved_lognormal")
     with pytest.raises(InputError, match="no effect 'rts' in the model"):
         session.remove("rts")

@@ -72,8 +72,8 @@ def _tell(
         made = generate(sensor, hidden, SHAPE, frames=FRAMES, seed=seed)
         write_folder(made, folder, truth(sensor, hidden, seed))
     print(
-        f"1. A virtual sensor, electron by electron: {made.frame_count} dark frames at "
-        f"{len(made.settings)} temperatures. Something is hidden in it.\n   {where}\n"
+        f"1. A virtual sensor, simulated in electrons: {made.frame_count} dark frames at "
+        f"{len(made.settings)} temperatures, with one hidden effect.\n   {where}\n"
     )
     found = session.load()
     with session.progress("Comparing"):
@@ -87,9 +87,12 @@ def _tell(
         _ = result.parameters
     show_refinement(session.console, found, result)
     verdict = "identified" if hide in result.effects else "not identified"
-    print(f"\n4. What was hidden: {hide}, {level}. It was {verdict}.")
+    print(f"\n4. The hidden effect, {hide} at level {level}, was {verdict}.")
     last = number(result.steps[-1].error)
-    print(f"   Model error {number(first.error)} with the Wang 2025 model, {last} now.")
+    print(
+        f"   Model error: {number(first.error)} with the Wang 2025 model, "
+        f"{last} with the final model."
+    )
 
     def page() -> str:
         from dnanalyze.report.pages.refine import refine_page

@@ -21,7 +21,7 @@ def describe(
             "--write",
             metavar="OWN.py",
             rich_help_panel=FILES,
-            help="The structure as an effect of your own; draws the same frames.",
+            help="Write the structure as an effect of your own, which simulates the same frames.",
         ),
     ] = None,
     force: Annotated[
@@ -30,7 +30,7 @@ def describe(
     ] = False,
     budget: Budget = None,
 ) -> None:
-    """Describe what no effect of the catalogue explains, and add it to the model."""
+    """Describe the residual that no effect of the catalogue explains; add it to the model."""
     from dnanalyze.description.describe import describe as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables

@@ -35,9 +35,10 @@ def export(
             "--format",
             "--to",
             help="csv, json: parameters over temperature; numpy: one file with dark_frames(); "
-            "torch: the same with a transform; yaml: the model file, of what is read back; "
-            "getframes: a camera preset (TOML); pyxel: a pipeline (YAML), as far as their models "
-            "go.",
+            "torch: the same with a transform; yaml: the model file, from a table or code that is "
+            "read back; "
+            "getframes: a camera preset (TOML); pyxel: a pipeline (YAML); what these programs "
+            "cannot express is listed.",
         ),
     ] = "json",
     temperatures: Annotated[
@@ -45,14 +46,14 @@ def export(
         typer.Option(
             "--temperatures",
             metavar="C,C,...",
-            help="Where tables state the parameters, or the one at which pyxel and getframes "
-            "state the dark current; default: the model's own.",
+            help="Temperatures at which a table states the parameters; for getframes and pyxel, "
+            "the one at which the dark current is stated; default: those of the model.",
         ),
     ] = None,
     shape: Annotated[
         str,
         typer.Option(
-            "--shape", metavar="ROWSxCOLUMNS", help="Of a detector of getframes or pyxel."
+            "--shape", metavar="ROWSxCOLUMNS", help="Frame size, for getframes and pyxel."
         ),
     ] = "512x512",
     effects: EffectFiles = None,

@@ -67,7 +67,7 @@ def hdr(
     assert own is not None
     if not channels_of(own):
         raise InputError(
-            f"--model {model}: tells no channels apart, and --combine {combine} names "
+            f"--model {model}: has no parameters by channel, and --combine {combine} names "
             f"{', '.join(how.names)}; give a model of all channels, as `channels -o` writes it"
         )
     require(own, how.names)

@@ -28,7 +28,7 @@ def workbench(
     host: Annotated[
         str,
         typer.Option(
-            "--host", help="Address to listen on; any but the loopback address demands a token."
+            "--host", help="Address to listen on; any but the loopback address requires a token."
         ),
     ] = "127.0.0.1",
     no_browser: Annotated[

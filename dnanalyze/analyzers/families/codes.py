@@ -46,7 +46,7 @@ INFOS = (
     ),
     StatisticInfo(
         "high_spike", "codes", "1", "pile-up at the highest code", Scale.LOG,
-        high="values pile up at the highest code: it saturates",
+        high="values pile up at the highest code: the converter saturates",
         low="the model piles up values at the highest code, the sensor does not",
     ),
     StatisticInfo(

@@ -66,7 +66,7 @@ def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
     apart = np.abs(against_neighbours(mean))
     sigma = 1.4826 * float(np.median(apart))
     if sigma <= 1e-6 * max(1.0, float(apart.max())) and not apart.any():
-        why = f"all {kind}s are alike"
+        why = f"all {kind}s are equal"
         result.missing.update({f"{kind}_outliers": why, f"{kind}_extreme": why})
         return
     # where most lines equal their neighbours the spread of the rest is the scale

@@ -109,7 +109,7 @@ def finish(acc: Accumulated) -> FamilyResult:
         _correlations("temporal", lags, result)
         _local_variances(tiles, result)
     else:
-        why = "one frame does not tell the DSNU from the temporal noise"
+        why = "one frame does not separate DSNU and temporal noise"
         result.missing["neighbours"] = why
     _halos(acc, result)
     return result
@@ -133,7 +133,7 @@ def _correlations(part: str, sums: _Sums, result: FamilyResult) -> None:
     variance = float(sums.total[0])
     for (dx, dy), name in zip(LAGS[1:], LAG_NAMES, strict=True):
         if not variance > 0:
-            result.missing[f"{part}_corr_{name}"] = "all pixels are alike"
+            result.missing[f"{part}_corr_{name}"] = "all pixels are equal"
             continue
         scale = rows * columns / ((rows - dy) * (columns - dx))
         at = LAGS.index((dx, dy))

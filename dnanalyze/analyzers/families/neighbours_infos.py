@@ -9,11 +9,11 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo
 _FAMILY = "neighbours"
 LAG_NAMES = ("10", "01", "11", "20", "02")  # dx, dy
 _AWAY = {
-    "10": "next in the row",
-    "01": "next in the column",
-    "11": "next on the diagonal",
-    "20": "two apart in the row",
-    "02": "two apart in the column",
+    "10": "horizontally adjacent pixels",
+    "01": "vertically adjacent pixels",
+    "11": "diagonally adjacent pixels",
+    "20": "pixels two columns apart",
+    "02": "pixels two rows apart",
 }
 _OF = {
     "frame": "in single frames",
@@ -25,12 +25,12 @@ _TITLE = {"frame": "single frame", "pattern": "DSNU", "temporal": "temporal nois
 
 def _correlations(part: str) -> Iterator[StatisticInfo]:
     for name in LAG_NAMES:
-        title = f"correlation of pixels {_AWAY[name]}, {_TITLE[part]}"
+        title = f"correlation of {_AWAY[name]}, {_TITLE[part]}"
         yield StatisticInfo(
             f"{part}_corr_{name}", _FAMILY, "1", title,
-            high=f"pixels {_AWAY[name]} are more correlated {_OF[part]} than in the model: "
+            high=f"{_AWAY[name]} are more correlated {_OF[part]} than in the model: "
             "crosstalk, denoise, or a coarser structure",
-            low=f"pixels {_AWAY[name]} are less correlated {_OF[part]} than in the model: "
+            low=f"{_AWAY[name]} are less correlated {_OF[part]} than in the model: "
             "sharpening, or too much crosstalk in the model",
         )  # fmt: skip
 
@@ -56,12 +56,12 @@ INFOS: tuple[StatisticInfo, ...] = (
     *(
         StatisticInfo(
             name, _FAMILY, "1", f"share of a hot pixel's signal {where}",
-            high=f"hot pixels leave more signal {where} than in the model: crosstalk or blooming",
-            low=f"hot pixels leave less signal {where} than in the model",
+            high=f"a hot pixel has more signal {where} than in the model: crosstalk or blooming",
+            low=f"a hot pixel has less signal {where} than in the model",
         )
         for name, where in (
             ("hot_halo", "in each of its 8 neighbours"),
-            ("hot_halo_2", "in each pixel two away"),
+            ("hot_halo_2", "in each pixel at distance two"),
         )
     ),
     *(
@@ -83,9 +83,9 @@ INFOS: tuple[StatisticInfo, ...] = (
     ),
     StatisticInfo(
         "local_variance_cv", _FAMILY, "1", "CV² of the temporal variance of 4×4 tiles", Scale.LOG,
-        high="the temporal noise is more uneven from place to place than in the model, {ratio} "
-        "times: RTS pixels, heavy tails, or an edge-preserving denoise",
-        low="the temporal noise is more even from place to place than in the model",
+        high="the temporal noise is less uniform over the field than in the model, {ratio} times: "
+        "RTS pixels, heavy tails, or an edge-preserving denoise",
+        low="the temporal noise is more uniform over the field than in the model",
     ),
     StatisticInfo(
         "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band",

@@ -93,7 +93,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     result = FamilyResult()
     if acc.frames < 2:
         result.missing["spectrum"] = (
-            "one frame does not tell the DSNU from the temporal noise: only frame_ spectra"
+            "one frame does not separate DSNU and temporal noise: only frame_ spectra"
         )
     whole = acc.plan.wants(INFOS[0].family)
     for part in _parts(acc) if whole else _pattern_alone(acc):
@@ -285,7 +285,7 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
         if math.isfinite(share.value):
             result.values[f"{name}_in_step"] = share
         else:
-            result.missing[f"{name}_in_step"] = "the frames at the ends of the series are alike"
+            result.missing[f"{name}_in_step"] = "the frames at the ends of the series are equal"
         _place(part, peak, error, images, result)
     if part.errors:
         axis = largest_axis_peak(part.power, shape, part.repeats, part.name == "temporal")

@@ -40,7 +40,7 @@ INFOS = (
             high=f"the noisiest {100 * (1 - float(level)):.3g} % of the pixels are {{ratio}} times "
             "as noisy, in variance, as the model's",
             low=f"the noisiest {100 * (1 - float(level)):.3g} % of the pixels are only {{ratio}} "
-            "as noisy, in variance, as the model's",
+            "times as noisy, in variance, as the model's",
         )
         for level in VARIANCE_LEVELS
     ),

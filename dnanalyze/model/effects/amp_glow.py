@@ -57,7 +57,7 @@ class AmpGlow(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "dark_gradient": "a temperature map is a low-order surface that follows the dark current",
-        "dark_shading": "random clouds have no source and follow the dark current",
+        "dark_shading": "random shading has no source and is proportional to the dark current",
         "offset_gradient": "a surface of the offset does not grow with exposure",
         "flicker_fpn": (
             "a random low-frequency field has no source; its power falls as a power of frequency"

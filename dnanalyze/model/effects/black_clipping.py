@@ -22,11 +22,12 @@ class BlackClipping(Effect):
         "The noise is cut off at the black level: everything below becomes one code."
     )
     physics: ClassVar[str] = (
-        "If the black level is subtracted before the file is written, or the pedestal is too low, "
-        "negative noise has no codes and is set to the lowest. The histogram then has a spike in "
-        "its first bin, the mean is too high, the noise too small and skewed, above all in cold "
-        "frames whose level is next to the lowest code; hot frames lie above it. Averages of many "
-        "frames stay wrong. Remedy: raise the pedestal by at least five times the noise."
+        "If the black level is subtracted before the file is written, or the pedestal is too "
+        "low, negative noise has no codes and is set to the lowest. The histogram then has a "
+        "spike in its first bin, the mean is too high, the noise too small and skewed, above "
+        "all in cold frames whose level is next to the lowest code; hot frames lie above it. "
+        "Averages of many frames are biased as well. Remedy: raise the pedestal by at least "
+        "five times the noise."
     )
     formula: ClassVar[str] = "y = max(y, level)"
     references: ClassVar[tuple[str, ...]] = ("Janesick, Photon Transfer, SPIE Press (2007)",)

@@ -21,12 +21,13 @@ class CfaMismatch(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "The four colours of a mosaic have different black levels."
     physics: ClassVar[str] = (
-        "In a mosaic sensor, pixels of the 2x2 block often go through different circuits (two or "
-        "four share an amplifier, greens of even and odd rows go to different outputs), or a "
-        "camera subtracts a black level per colour that is a little wrong. Analysed as one plane, "
-        "the four offsets are three exact lines in the spectrum at (1/2,0), (0,1/2) and (1/2,1/2). "
-        "They are fixed, do not grow with exposure, and follow the analog gain. Remedy: a black "
-        "level for each colour; analyse the planes apart by stating the colour filter."
+        "In a mosaic sensor, pixels of the 2x2 block often go through different circuits (two "
+        "or four share an amplifier, greens of even and odd rows go to different outputs), "
+        "or a camera subtracts a slightly wrong black level for each colour. Analysed as one "
+        "plane, the four offsets are three exact lines in the spectrum at (1/2,0), (0,1/2) "
+        "and (1/2,1/2). They are fixed, do not grow with exposure, and follow the analog "
+        "gain. Remedy: a black level for each colour; analyse the planes apart by stating the "
+        "colour filter."
     )
     formula: ClassVar[str] = "y_ij += u (-1)^j + v (-1)^i + w (-1)^(i+j);  variance u^2 + v^2 + w^2"
     references: ClassVar[tuple[str, ...]] = ()

@@ -27,15 +27,16 @@ class ColumnTaps(Effect):
     summary: ClassVar[str] = "Odd and even columns, or whole strips, at different levels."
     physics: ClassVar[str] = (
         "Fast sensors read over several outputs at once. Interleaved outputs take every P-th "
-        "column, often the odd ones at the top and the even ones at the bottom of the chip; others "
-        "take a strip of the frame each. Each output has its own offset: a pattern of exact period "
-        "P, with lines at u = n/P of the spectrum, or steps at the seams. It is the same in every "
-        "frame, independent of exposure, follows the analog gain and drifts slowly with the "
-        "temperature of the electronics. A sequencer that is not locked to the frame starts at "
-        "another tap now and then, and the pattern moves by whole columns (`slip`). The "
-        "amplifiers of a CCD may read parts of unequal width (`begins`), and the level may settle "
-        "exponentially beside an edge, as the video chain does after a step (`settle`). Remedy: "
-        "subtract each tap's own black level, taken from its optically black pixels."
+        "column, often the odd ones at the top and the even ones at the bottom of the chip; "
+        "others take a strip of the frame each. Each output has its own offset: a pattern of "
+        "exact period P, with lines at u = n/P of the spectrum, or steps at the seams. It is "
+        "the same in every frame, independent of exposure, follows the analog gain and drifts "
+        "slowly with the temperature of the electronics. A sequencer that is not locked to "
+        "the frame sometimes starts at another tap, and the pattern shifts by whole columns "
+        "(`slip`). The amplifiers of a CCD may read parts of unequal width (`begins`), and "
+        "the level may settle exponentially beside an edge, as the video chain does after a "
+        "step (`settle`). Remedy: subtract each tap's own black level, taken from its "
+        "optically black pixels."
     )
     formula: ClassVar[str] = (
         "y_ij += o_((j + n slip) mod P), n the frame,  or  o_floor(j P / columns);  mean o = 0, "
@@ -64,7 +65,7 @@ class ColumnTaps(Effect):
         (), "levels of the taps in proportion, as measured; drawn at random where there are none"
     )
     slip: float = parameter(
-        0.0, "column", 0.0, 15.0, "by which interleaved taps move from frame to frame", "held"
+        0.0, "column", 0.0, 15.0, "shift of interleaved taps from frame to frame", "held"
     )
     begins: tuple[float, ...] = choice(
         (), "line at which each strip after the first begins, as measured; equal strips where none"

@@ -24,12 +24,13 @@ class CosmicRays(Effect):
     placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "hits of particles: bright, elongated, in one frame only"
     physics: ClassVar[str] = (
-        "Muons (about one per square centimetre and minute at sea level), natural radioactivity "
-        "of the packaging, and in space protons leave thousands of electrons along a straight "
-        "track, in proportion to their path through the silicon, or as much as they had left where "
-        "they stop in it (`charge`). A hit is in one frame only, lights one pixel or a line of "
-        "them, and the number of hits grows with exposure and area but not with temperature. The "
-        "median of several frames removes them; single frames need a detector of sharp edges."
+        "Muons (about one per square centimetre and minute at sea level), natural "
+        "radioactivity of the packaging, and in space protons leave thousands of electrons "
+        "along a straight track, in proportion to their path through the silicon, or their "
+        "remaining energy where they stop in it (`charge`). A hit is in one frame only, "
+        "lights one pixel or a line of them, and the number of hits grows with exposure and "
+        "area but not with temperature. The median of several frames removes them; single "
+        "frames need a detector of sharp edges."
     )
     formula: ClassVar[str] = (
         "number ~ Pois(rate x Mpx x exposure); each: uniform place and direction, length Exp(l), "

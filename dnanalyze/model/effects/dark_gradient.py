@@ -24,17 +24,17 @@ class DarkGradient(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "dark signal that changes slowly over the field: a temperature map"
     physics: ClassVar[str] = (
-        "The die is warmer near its readout and power circuits, and the dark current maps that: "
-        "a difference of one degree changes it by some ten percent. The result is a smooth tilt "
-        "or bowl, the same in every frame, proportional to exposure and growing with temperature "
-        "like the dark current. (A leak of light is as smooth but does not grow with "
-        "temperature: activation energy 0.) It raises the spectrum below 0.01 cycles/pixel only, "
-        "and where it scales the dark current of every pixel (`form`: scaled), the scatter of the "
-        "pixels and the shot noise as well. "
-        "In a CCD the rows that are read last wait longest and collect dark charge meanwhile "
-        "(`wait`): a ramp that is there without any exposure and grows with temperature alone, "
-        "with the shot noise of its charge. Remedies: even cooling, dark-frame subtraction, row "
-        "and column references."
+        "The die is warmer near its readout and power circuits, and the dark current follows "
+        "the temperature: a difference of one degree changes it by some ten percent. The "
+        "result is a smooth tilt or bowl, the same in every frame, proportional to exposure "
+        "and growing with temperature like the dark current. (A leak of light is as smooth "
+        "but does not grow with temperature: activation energy 0.) It raises the spectrum "
+        "below 0.01 cycles/pixel only, and where it scales the dark current of every pixel "
+        "(`form`: scaled), the scatter of the pixels and the shot noise as well. In a CCD the "
+        "rows that are read last wait longest and collect dark charge meanwhile (`wait`): a "
+        "ramp that is there without any exposure and grows with temperature alone, with the "
+        "shot noise of its charge. Remedies: even cooling, dark-frame subtraction, row and "
+        "column references."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) [a_x P1(x) + a_y P1(y) + a_xx P2(x) + a_yy "
@@ -55,7 +55,7 @@ class DarkGradient(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "amp_glow": "a glow fades from one corner or edge and hardly depends on temperature",
-        "dark_shading": "random clouds have orders above 2 as well (shading_mid)",
+        "dark_shading": "random shading has orders above 2 as well (shading_mid)",
         "flicker_fpn": "a random low-frequency field has orders above 2 as well (shading_mid)",
         "column_fpn": "column offsets vary from one column to the next",
         "row_fpn": "row offsets vary from one row to the next, and have no shot noise",
@@ -72,10 +72,13 @@ class DarkGradient(Effect):
         0.0, "DN", -1e5, 1e5, "twist of the corners, rms over the field", "linear"
     )
     form: str = choice(
-        "added", "added to the dark signal; or a share of it, coefficients 1", "added", "scaled"
+        "added",
+        ("added to the dark signal, or a share of it (dimensionless coefficients)"),
+        "added",
+        "scaled",
     )
     wait: float = parameter(
-        0.0, "DN", -1e5, 1e5, "of the row that waits longest to be read, at any exposure", "linear"
+        0.0, "DN", -1e5, 1e5, "dark signal of the row that is read last, at any exposure", "linear"
     )
 
     def idle(self) -> tuple[str, ...]:

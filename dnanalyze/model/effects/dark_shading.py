@@ -19,16 +19,17 @@ class DarkShading(Effect):
     name: ClassVar[str] = "dark_shading"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
-    summary: ClassVar[str] = "dark current that is unevenly spread over the field in smooth clouds"
+    summary: ClassVar[str] = "dark current that varies slowly and at random over the field"
     physics: ClassVar[str] = (
-        "Doping, implant dose, thickness after thinning, stress and passivation vary slowly and "
-        "irregularly over a die, and the dark current of every pixel varies with them by some "
-        "percent. The result is a cloudy factor of the dark charge, the same in every frame: it "
-        "grows with exposure and temperature exactly as the dark signal does, and where the "
-        "signal is higher so are its shot noise and the scatter of the pixels. Its power falls "
-        "steeply with spatial frequency (exponent 2 to 4), so that block means show it and "
-        "neighbouring pixels hardly do. The mean dark signal does not change. Remedies: subtract "
-        "a dark frame scaled to exposure and temperature; a map of the dark current."
+        "Doping, implant dose, thickness after thinning, stress and passivation vary slowly "
+        "and irregularly over a die, and the dark current of every pixel varies with them by "
+        "some percent. The result is a smooth random factor of the dark charge, the same in "
+        "every frame. The shading is proportional to the dark signal at every exposure and "
+        "temperature. Shot noise and the standard deviation over the pixels are larger where "
+        "the signal is larger. The power falls steeply with spatial frequency (exponent 2 to "
+        "4), so block means show the shading and differences of neighbouring pixels hardly "
+        "do. The mean dark signal does not change. Remedies: subtract a dark frame scaled to "
+        "exposure and temperature; a map of the dark current."
     )
     formula: ClassVar[str] = (
         "h (1 + rms f); power of f over twice the field C rho^-alpha, rho in cycles/pixel; over "
@@ -50,7 +51,7 @@ class DarkShading(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "dark_gradient": "a temperature map has the orders 1 and 2 alone (shading_mid)",
-        "flicker_fpn": "clouds of the offset do not grow with the dark signal",
+        "flicker_fpn": "a low-frequency offset does not grow with the dark signal",
         "amp_glow": "fades from one corner or edge, and hardly grows with temperature",
     }
 

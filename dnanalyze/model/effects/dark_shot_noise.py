@@ -50,7 +50,7 @@ class DarkShotNoise(Effect):
         "convolved_lognormal": (
             "the kernel's random taps give a variance that grows with the signal squared"
         ),
-        "rts": "RTS noise sits in few pixels, shot noise in all",
+        "rts": "RTS noise occurs in few pixels, shot noise in all",
     }
 
     dn_per_e: float = parameter(0.5, "DN/e-", 1e-4, 1e3, "conversion gain K at the reference gain")

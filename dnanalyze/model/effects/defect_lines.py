@@ -22,11 +22,11 @@ class DefectLines(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Single columns or rows that stand out from all others."
     physics: ClassVar[str] = (
-        "A leaking column line, a defect in a column's converter or a broken row driver shifts one "
-        "whole line, many times further than lines scatter otherwise. In a CCD a trap or a bright "
-        "defect that is clocked through makes a bright or dark column, from its own row on. The "
-        "offset is fixed, commonly independent of exposure, and follows the analog gain. Remedy: "
-        "a map of bad lines; interpolation across them."
+        "A leaking column line, a defect in a column's converter or a broken row driver "
+        "shifts one whole line by many times the standard deviation of the other lines. In a "
+        "CCD a trap or a bright defect that is clocked through makes a bright or dark column, "
+        "from its own row on. The offset is fixed, commonly independent of exposure, and "
+        "follows the analog gain. Remedy: a map of bad lines; interpolation across them."
     )
     formula: ClassVar[str] = (
         "y_ij += o_j on the lines named, each from its begin to its end, or on round(fraction x "
@@ -50,11 +50,17 @@ class DefectLines(Effect):
     sigma: float = parameter(3.0, "DN", 1e-3, 1e4, "rms of their offsets")
     axis: str = choice("columns", "which lines", "columns", "rows")
     lines: tuple[float, ...] = choice(
-        (), "their numbers, as measured; a share at random places where there are none"
+        (), "numbers of the lines, as measured; if empty, lines at random positions"
     )
-    offsets: tuple[float, ...] = choice((), "their offsets in proportion, one a line")
-    begins: tuple[float, ...] = choice((), "pixel of each at which it begins; the first")
-    ends: tuple[float, ...] = choice((), "pixel after its end; the last")
+    offsets: tuple[float, ...] = choice(
+        (), ("relative size of the deviation of each line, in the order of lines")
+    )
+    begins: tuple[float, ...] = choice(
+        (), ("first pixel of each defective part; if empty, the first of the line")
+    )
+    ends: tuple[float, ...] = choice(
+        (), ("pixel after each defective part; if empty, the end of the line")
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

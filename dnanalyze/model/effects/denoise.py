@@ -61,8 +61,8 @@ class Denoise(Effect):
         "crosstalk": "leaves the read noise white: high frequencies are lost in the hot pattern "
         "only, and every hot pixel has a halo of the same share. A Gaussian after readout smooths "
         "the noise too",
-        "dpc": "touches outliers only: the core of the noise stays white",
-        "temporal_denoise": "frames are correlated in time, the frame itself stays white",
+        "dpc": "changes outliers only: the core of the noise remains white",
+        "temporal_denoise": "frames are correlated in time, the single frame remains white",
     }
 
     strength: float = parameter(1.0, "1", 0.0, 1.0, "share of the filtered frame", "linear")

@@ -20,19 +20,21 @@ class Dpc(Effect):
     stage: ClassVar[Stage] = Stage.CORRECTION
     varies: ClassVar[str] = "digital"
     placing: ClassVar[Placing] = Placing.ANYWHERE
-    summary: ClassVar[str] = "Defect-pixel correction: hot pixels are hidden in the 'raw' data."
+    summary: ClassVar[str] = (
+        "Defect-pixel correction: hot pixels are replaced in frames declared as raw."
+    )
     physics: ClassVar[str] = (
-        "Many sensors and cameras hide hot pixels before the file is written. A dynamic correction "
-        "compares every pixel with its neighbours in each frame: kind 'excess' replaces it by "
-        "their median (or mean) where it exceeds the largest of them by more than a threshold, "
-        "'median' where it stands above their median by more than that, 'clamp' caps it at the "
-        "largest neighbour (the 'star eater' of astronomers), 'ratio' replaces it where "
-        "its net signal is a multiple of the largest neighbour's, 'multiple' where it is one of "
-        "their median's. A 'static' correction replaces the pixels of a list made in the factory, "
-        "hot or not. The true tail of the dark current is cut, the more the hotter the sensor, so "
-        "the dark signal looks better than it is and faint stars vanish. In a mosaic the "
-        "neighbours are those of the same colour (spacing 2). "
-        "Remedy: switch it off (a register, a raw mode), or model it; the tail above the "
+        "Many sensors and cameras hide hot pixels before the file is written. A dynamic "
+        "correction compares every pixel with its neighbours in each frame: kind 'excess' "
+        "replaces it by their median (or mean) where it exceeds the largest of them by more "
+        "than a threshold, 'median' where it stands above their median by more than that, "
+        "'clamp' caps it at the largest neighbour (the 'star eater' of astronomers), 'ratio' "
+        "replaces it where its net signal is a multiple of the largest neighbour's, "
+        "'multiple' where it is one of their median's. A 'static' correction replaces the "
+        "pixels of a list made in the factory, hot or not. The true tail of the dark current "
+        "is cut, at high temperature most, so the dark signal is underestimated and faint "
+        "stars are removed. In a mosaic the neighbours are those of the same colour (spacing "
+        "2). Remedy: switch it off (a register, a raw mode), or model it; the tail above the "
         "threshold cannot be recovered from corrected frames."
     )
     formula: ClassVar[str] = (
@@ -51,7 +53,7 @@ class Dpc(Effect):
         "temporal_pmax8", "hot_count_16", "hot_count_32",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
-        "denoise": "moves pixels that do not stand out too: the cold frames lose high frequencies, "
+        "denoise": "changes pixels that are not outliers too: cold frames lose high frequencies, "
         "minima are as rare as maxima",
         "crosstalk": "distributes every hot pixel by the same share; none is cut",
         "hot_pixels": "the opposite: a tail beyond the model's, isolated pixels kept",
@@ -59,7 +61,11 @@ class Dpc(Effect):
     reach: ClassVar[int] = 4
 
     threshold: float = parameter(
-        8.0, "DN", 0.01, 1e5, "by how much a pixel must stand out; least median (multiple)"
+        8.0,
+        "DN",
+        0.01,
+        1e5,
+        ("deviation above which a pixel is replaced; smallest median (multiple)"),
     )
     factor: float = parameter(
         2.0, "1", 1.0, 100.0, "multiple of the largest neighbour (ratio), of the median (multiple)"
@@ -67,12 +73,17 @@ class Dpc(Effect):
     black: float = parameter(0.0, "DN", -1e5, 1e5, "level of no signal (ratio, multiple)", "linear")
     fraction: float = parameter(5e-4, "1", 1e-6, 0.05, "share of pixels on the list (static)")
     warmer: float = parameter(
-        0.0, "C", -100.0, 200.0, "how far above the reference the list was made (static)", "held"
+        0.0,
+        "C",
+        -100.0,
+        200.0,
+        ("temperature above the reference at which the list was made (static)"),
+        "held",
     )
     kind: str = choice("excess", "rule", "excess", "median", "clamp", "ratio", "multiple", "static")
     sides: str = choice("hot", "which outliers", "hot", "both")
     replacement: str = choice(
-        "median", "what of the neighbours takes its place", "median", "midpoint", "mean"
+        "median", "value that replaces the pixel", "median", "midpoint", "mean"
     )
     unit: str = choice(
         "DN",
@@ -80,7 +91,7 @@ class Dpc(Effect):
         "DN",
         "local",
     )
-    neighbours: int = choice(8, "how many are looked at (excess, clamp, ratio)", 8, 24)
+    neighbours: int = choice(8, "number of neighbours compared (excess, clamp, ratio)", 8, 24)
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
     def idle(self) -> tuple[str, ...]:

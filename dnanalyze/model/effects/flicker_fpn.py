@@ -20,16 +20,19 @@ class FlickerFpn(Effect):
     name: ClassVar[str] = "flicker_fpn"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "fixed"
-    summary: ClassVar[str] = "Fixed cloudy pattern: offsets with 1/f power in both directions."
+    summary: ClassVar[str] = (
+        "Fixed low-frequency pattern: offsets with 1/f power in both directions."
+    )
     physics: ClassVar[str] = (
-        "Thresholds, layer thicknesses and stress vary over a chip at all lengths, slow variations "
-        "most. The offsets that follow form clouds whose power falls as rho^-alpha with spatial "
-        "frequency, equally along rows and columns: the slope stays when the u = 0 and v = 0 axes "
-        "are masked, which row and column offsets do not survive. Being an offset it does not grow "
-        "with temperature or exposure, and follows the analog gain. Where the silicon itself is "
-        "uneven (thinning, resistivity, stress), the dark current has such clouds instead, as a "
-        "share of itself (`form`: scaled). No random 3x3 kernel can make such a slope at low "
-        "frequency. Remedy: subtract a master dark; blocks of black pixels cannot follow it."
+        "Thresholds, layer thicknesses and stress vary over a chip at all lengths, slow "
+        "variations most. The resulting offsets have a power that falls as rho^-alpha with "
+        "spatial frequency, equally along rows and columns. The slope remains when the axes u "
+        "= 0 and v = 0 are left out; the slope that row and column offsets cause does not. "
+        "The offsets do not depend on temperature or exposure, and are proportional to the "
+        "analog gain. Where the silicon itself is uneven (thinning, resistivity, stress), the "
+        "dark current has such a pattern instead, as a share of itself (`form`: scaled). No "
+        "random 3x3 kernel can make such a slope at low frequency. Remedy: subtract a master "
+        "dark; blocks of black pixels cannot follow it."
     )
     formula: ClassVar[str] = (
         "S(rho) = C rho^-alpha, rho in cycles/pixel, without the mean; sum of S = rms^2; "
@@ -45,7 +48,7 @@ class FlickerFpn(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "column_fpn": "all of its power lies on the v = 0 axis and vanishes under the mask",
         "dark_gradient": "a few orders of shading only, and grows with exposure and temperature",
-        "dark_shading": "clouds of the dark current grow with exposure and temperature",
+        "dark_shading": "shading of the dark current grows with exposure and temperature",
         "offset_gradient": "a plane and a bowl only: no power above order 2",
         "amp_glow": "falls off from a corner or an edge, grows with exposure",
         "flicker_noise": "new in every frame, smooth along rows only",

@@ -23,15 +23,15 @@ class FlickerNoise(Effect):
         "1/f noise of the amplifier chain: smooth along the scan, new in every frame."
     )
     physics: ClassVar[str] = (
-        "Traps in transistors of the output amplifier catch and free carriers at all rates, which "
-        "gives noise whose power falls as 1/f^alpha in time, alpha near 1. Pixels are read row "
-        "after row, so time runs along the row: neighbours in a row are correlated, and successive "
-        "rows drift together as soft horizontal bands. It depends on the readout, not on exposure, "
-        "follows the analog gain and hardly the temperature. Correlated double sampling or a clamp "
-        "takes the slow part (`cutoff`); chains for odd and even columns have noise of their own "
-        "(`chains`). Remedy: faster double sampling, "
-        "reference pixels read along with the image, subtraction of row means of black pixels for "
-        "the part slower than a row."
+        "Traps in transistors of the output amplifier capture and release carriers with a "
+        "wide range of time constants, which gives noise whose power falls as 1/f^alpha in "
+        "time, alpha near 1. Pixels are read row after row, so time runs along the row: "
+        "neighbours in a row are correlated, and successive rows drift together as soft "
+        "horizontal bands. It depends on the readout, not on exposure, follows the analog "
+        "gain and hardly the temperature. Correlated double sampling or a clamp removes the "
+        "slow part (`cutoff`); chains for odd and even columns have noise of their own "
+        "(`chains`). Remedy: faster double sampling, reference pixels read along with the "
+        "image, subtraction of row means of black pixels for the part slower than a row."
     )
     formula: ClassVar[str] = (
         "S(f) = C f^-alpha, f = k/(rows x columns) of the raster; sum of S over f = rms^2; "

@@ -29,11 +29,11 @@ class HotClusters(HotTail):
     summary: ClassVar[str] = "hot pixels in clusters: more hot neighbours than chance allows"
     physics: ClassVar[str] = (
         "A dislocation, a particle or a cascade of displaced atoms damages several pixels at "
-        "once, so hot pixels come in groups a few pixels wide, with irregular amplitudes. Like "
-        "single hot pixels they are the same in every frame, grow with exposure and follow an "
-        "Arrhenius law. The pair correlation of hot pixels exceeds 1 within the radius of a "
-        "cluster. Defect correction that looks at the 8 neighbours fails on them: use a defect "
-        "map with interpolation from farther away, or a dark frame."
+        "once, so hot pixels come in groups a few pixels wide, with irregular amplitudes. "
+        "Like single hot pixels they are the same in every frame, grow with exposure and "
+        "follow an Arrhenius law. The pair correlation of hot pixels exceeds 1 within the "
+        "radius of a cluster. Defect correction that compares the 8 neighbours fails on them: "
+        "use a defect map with interpolation from farther away, or a dark frame."
     )
     formula: ClassVar[str] = (
         "parents: Poisson, density d a pixel; offspring of each: Pois(m), uniform within radius "

@@ -28,14 +28,15 @@ class HotPixels(HotTail):
     summary: ClassVar[str] = "few pixels with much extra dark current, the same ones in every frame"
     physics: ClassVar[str] = (
         "Single defects in the silicon (contamination, displacement damage, a high field at a "
-        "junction edge) give a pixel many times the usual dark current. The same pixels stand out "
-        "in every frame, above the log-normal distribution of the rest, and their signal grows in "
-        "proportion to exposure. A high field lowers the barrier, so their activation energy is "
-        "often below that of the bulk (0.3 to 0.6 eV against 0.6 to 1.2 eV): they stand out more "
-        "when cold. The currents then range over decades, and the tail is a power law, not an "
-        "exponential (`tail`), with radiation damage down to a least rate (`law`: power). Defects "
-        "of one kind, such as one metal atom each, are nearly alike (`law`: narrow). Remedies: "
-        "cooling, dark-frame subtraction, a defect map; their number grows with radiation dose."
+        "junction edge) give a pixel many times the usual dark current. The same pixels "
+        "stand out in every frame, above the log-normal distribution of the rest, and their "
+        "signal grows in proportion to exposure. A high field lowers the barrier, so their "
+        "activation energy is often below that of the bulk (0.3 to 0.6 eV against 0.6 to 1.2 "
+        "eV): they stand out more when cold. The currents then range over decades, and the "
+        "tail is a power law, not an exponential (`tail`), with radiation damage above a "
+        "minimum (`law`: power). Defects of one kind, such as one metal atom each, are nearly "
+        "alike (`law`: narrow). Remedies: cooling, dark-frame subtraction, a defect map; "
+        "their number grows with radiation dose."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) nu max(0, ln(p/u)), u ~ U(0,1) fixed: Exp(nu) "

@@ -28,16 +28,16 @@ class MissingCodes(Effect):
     varies: ClassVar[str] = "digital"
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
-        "Some codes occur too often, others hardly ever (differential non-linearity)."
+        "Some codes occur too often, others too rarely (differential nonlinearity)."
     )
     physics: ClassVar[str] = (
         "A converter's decision levels are not evenly spaced. A code whose step is wider by d "
-        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = −1 it never occurs. "
-        "Mismatched capacitors of a successive-approximation converter, or interpolation in a ramp "
-        "converter, repeat with a period of a power of two; other errors are random. The pattern "
-        "is tied to the codes: it is the same at every temperature, and slides through the noise "
-        "as the level moves. Remedy: dither by noise of more than half a DN, or a table of "
-        "corrected levels."
+        "(differential non-linearity, DNL) occurs 1 + d times as often; at d = −1 it never "
+        "occurs. Mismatched capacitors of a successive-approximation converter, or "
+        "interpolation in a ramp converter, repeat with a period of a power of two; other "
+        "errors are random. The pattern is tied to the codes: it is the same at every "
+        "temperature, and does not move with the mean dark signal. Remedy: dither by noise of "
+        "more than half a DN, or a table of corrected levels."
     )
     formula: ClassVar[str] = (
         "y = k for T_k <= x < T_(k+1),  T_(k+1) - T_k = max(0, 1 + d_k), rms d = sigma;  random: "

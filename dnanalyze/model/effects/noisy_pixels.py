@@ -23,14 +23,14 @@ class NoisyPixels(Effect):
     summary: ClassVar[str] = "A fraction of the pixels has more Gaussian read noise than the rest."
     physics: ClassVar[str] = (
         "Many traps in the channel of a source follower, a leaky transistor or a weak contact "
-        "make some pixels noisier than the others, all in the same way: they form a population "
-        "of their own beside the usual one. In each of them the noise is Gaussian and "
-        "independent from frame to frame, while a telegraph signal has two levels and remembers "
-        "its state. It belongs to the readout: it is the same at every exposure and temperature, "
-        "and follows the analog gain. The quantiles of the temporal variance over pixels show "
-        "the population; the mean frame hardly does. With s the read noise of the others, these "
-        "pixels have sqrt(1 + sigma^2 / s^2) times as much. Remedy: a map of noisy pixels, "
-        "averages over frames."
+        "make some pixels noisier than the others by the same amount: these pixels form a "
+        "second population. In each of them the noise is Gaussian and independent from frame "
+        "to frame. A telegraph signal has two levels instead and is correlated in time. The "
+        "noise arises in the readout: it is the same at every exposure and temperature, and "
+        "is proportional to the analog gain. The quantiles of the temporal variance over "
+        "pixels show the population; the mean frame hardly does. If the other pixels have the "
+        "read noise s, these have sqrt(1 + sigma^2 / s^2) times as much. Remedy: a map of "
+        "noisy pixels, averages over frames."
     )
     formula: ClassVar[str] = (
         "y_i += sigma N(0,1) where u_i < fraction, u_i uniform and fixed; variance over the "
@@ -49,8 +49,10 @@ class NoisyPixels(Effect):
         "temporal_q0.001",
     )
     confused_with: ClassVar[dict[str, str]] = {
-        "rts": "a telegraph signal has two levels, is never far beyond them, and remembers them "
-        "from frame to frame",
+        "rts": (
+            "a telegraph signal has two levels, no values far beyond them, and is correlated in "
+            "time"
+        ),
         "heavy_tailed_read_noise": "heavy tails in every pixel: the same pixels are no noisier in "
         "the second half of the frames (blink_repeat)",
         "read_noise": "where sigma differs from pixel to pixel by a log-normal factor, there is "

@@ -22,14 +22,14 @@ class OffsetDrift(Effect):
     summary: ClassVar[str] = "The black level drifts from frame to frame, or settles at the start."
     physics: ClassVar[str] = (
         "The black level depends on a reference voltage and on amplifiers that warm up. After "
-        "power-on or a change of mode it settles over some frames, then drifts slowly, a random "
-        "walk of a fraction of a DN a frame. Nothing within a frame changes, so no spectrum sees "
-        "it: only the mean of frames does. A clamp that takes the black level from few pixels "
-        "leaves each frame an offset of its own, independent of the one before (`white`). Both are"
-        " independent of exposure and follow the analog gain. A chip that warms up or cools from "
-        "frame to frame moves the dark signal itself (`form`: scaled), and its pattern with it: "
-        "that grows with exposure and temperature. Remedy: wait, discard the first frames, "
-        "subtract each frame's optically black level."
+        "power-on or a change of mode it settles over some frames, then drifts slowly, a "
+        "random walk of a fraction of a DN a frame. Nothing within a frame changes, so "
+        "spectra do not show it; the frame means do. A clamp that takes the black level from "
+        "few pixels leaves each frame an offset of its own, independent of the one before "
+        "(`white`). Both are independent of exposure and follow the analog gain. A chip that "
+        "warms up or cools from frame to frame moves the dark signal itself (`form`: scaled), "
+        "and its pattern with it: that grows with exposure and temperature. Remedy: wait, "
+        "discard the first frames, subtract each frame's optically black level."
     )
     formula: ClassVar[str] = (
         "b_n = step sum_(k=1..n) N(0,1) + transient exp(-n / settling) + white N(0,1), "

@@ -21,13 +21,14 @@ class OffsetGradient(Effect):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "Offset that changes slowly over the field, the same in every frame."
     physics: ClassVar[str] = (
-        "Supply and reference voltages drop along their lines over the chip, clocks arrive later "
-        "far from their drivers, and amplifiers settle slowly over a line or a frame. The black "
-        "level then has a tilt or a bowl over the field. It is made at readout: it is the same at "
-        "every temperature and exposure, has no shot noise, and follows the analog gain. A "
-        "gradient of the dark current grows with both and is noisier where it is higher. It "
-        "raises the spectrum below 0.01 cycles/pixel only. Remedies: subtract a bias frame, or "
-        "row and column references of optically black pixels."
+        "Supply and reference voltages drop along their lines over the chip, clocks are "
+        "delayed with the distance from their drivers, and amplifiers settle over a line or a "
+        "frame. The black level then has a linear or quadratic component over the field. It "
+        "arises in the readout: it is the same at every temperature and exposure, has no shot "
+        "noise, and is proportional to the analog gain. A gradient of the dark current grows "
+        "with temperature and exposure and has shot noise. The offset gradient raises the "
+        "spectrum below 0.01 cycles/pixel only. Remedies: subtract a bias frame, or row and "
+        "column references of optically black pixels."
     )
     formula: ClassVar[str] = (
         "y += a_x P1(x) + a_y P1(y) + a_xx P2(x) + a_yy P2(y) + a_xy P1(x) P1(y), x and y from -1 "

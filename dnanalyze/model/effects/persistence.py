@@ -48,7 +48,10 @@ class Persistence(Effect):
         1.0, "s", 1e-4, 1e5, "time constant of the release; in frames if the exposure is unknown"
     )
     before: str = choice(
-        "empty", "frames before the first: none, or like it, the sensor running", "empty", "running"
+        "empty",
+        ("frames before the first: none (empty), or frames like it (running)"),
+        "empty",
+        "running",
     )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:

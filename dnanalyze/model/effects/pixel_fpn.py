@@ -21,11 +21,12 @@ class PixelFpn(Effect):
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "fixed offset of each pixel, the same in every frame"
     physics: ClassVar[str] = (
-        "Transistor thresholds differ from pixel to pixel, and what correlated double sampling "
-        "leaves of the difference is an offset that every frame repeats. It is white over the "
-        "field and symmetric, does not grow with exposure or temperature, and scales with the "
-        "analog gain; averaging frames does not reduce it. It is what the pattern shows in the "
-        "coldest, shortest frames. Subtracting a master bias frame removes it."
+        "Transistor thresholds differ from pixel to pixel, and correlated double sampling "
+        "leaves a part of the difference: an offset that is the same in every frame. It is "
+        "white over the field and symmetric, does not grow with exposure or temperature, and "
+        "scales with the analog gain; averaging frames does not reduce it. It dominates the "
+        "fixed pattern at the lowest temperature and the shortest exposure. Subtracting a "
+        "master bias frame removes it."
     )
     formula: ClassVar[str] = "y_i += sigma n_i, n_i ~ N(0,1) fixed in the silicon"
     references: ClassVar[tuple[str, ...]] = (

@@ -50,7 +50,7 @@ class ReadNoise(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "dark_shot_noise": (
-            "shot variance grows in proportion to the dark signal; read noise does not move"
+            "shot variance grows in proportion to the dark signal; read noise does not"
         ),
         "heavy_tailed_read_noise": (
             "the temporal kurtosis of single pixels is 0 for Gaussian read noise"

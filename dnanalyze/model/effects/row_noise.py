@@ -22,12 +22,12 @@ class RowNoise(Effect):
     placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "Horizontal stripes that change in every frame (banding)."
     physics: ClassVar[str] = (
-        "All pixels of a row are sampled at the same instant. Whatever disturbs the supply, the "
-        "ramp or the reference at that instant shifts the whole row, and is gone in the next. The "
-        "eye sees it at a tenth of the pixel noise. It does not grow with temperature or exposure "
-        "and follows the analog gain. Averaging K frames lowers its power K times. Remedy: "
-        "subtract the mean of the row's n optically black pixels, which leaves 1/n of their noise; "
-        "quieter supplies."
+        "All pixels of a row are sampled at the same instant. A disturbance of the supply, "
+        "the ramp or the reference at that instant shifts the whole row; the next row has "
+        "another value. It is visible to the eye at a tenth of the pixel noise. It does not "
+        "grow with temperature or exposure and follows the analog gain. Averaging K frames "
+        "lowers its power K times. Remedy: subtract the mean of the row's n optically black "
+        "pixels, which leaves 1/n of their noise; quieter supplies."
     )
     formula: ClassVar[str] = "y_ij += r_i;  r_i ~ N(0, sigma^2), new in every frame"
     references: ClassVar[tuple[str, ...]] = (

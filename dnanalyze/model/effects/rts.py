@@ -25,15 +25,15 @@ class Rts(Effect):
     summary: ClassVar[str] = "few pixels switch between two levels from frame to frame"
     physics: ClassVar[str] = (
         "A metastable defect that changes its configuration switches a pixel's dark current "
-        "between two levels: a random telegraph signal. The amplitude follows the dark current "
-        "(proportional to exposure, Arrhenius), and so do the switching rates. A single trap in "
-        "the source follower's channel does the same at the readout, whatever the exposure "
-        "(exposure: none, activation energy near 0); double sampling turns its two levels into "
-        "three about zero. Traps differ in energy, so the share of time in either level differs "
-        "over pixels. Over the frames such a pixel is bimodal: its temporal variance is far above "
-        "the others' and stays so, in any frames. Averaging or dark subtraction does not remove "
-        "it; a map of RTS pixels does. Switching within an exposure is averaged by it and is "
-        "not modelled."
+        "between two levels: a random telegraph signal. The amplitude follows the dark "
+        "current (proportional to exposure, Arrhenius), and so do the switching rates. A "
+        "single trap in the source follower's channel does the same at the readout, whatever "
+        "the exposure (exposure: none, activation energy near 0); double sampling turns its "
+        "two levels into three about zero. Traps differ in energy, so the share of time in "
+        "either level differs over pixels. Over the frames such a pixel is bimodal: its "
+        "temporal variance is far above that of the others, in every part of the series. "
+        "Averaging or dark subtraction does not remove it; a map of RTS pixels does. "
+        "Switching within an exposure is averaged by it and is not modelled."
     )
     formula: ClassVar[str] = (
         "h += A_i s_i(n) for a fraction p of the pixels; s = 1 with probability o, 0 else; drawn "
@@ -53,7 +53,9 @@ class Rts(Effect):
     confused_with: ClassVar[dict[str, str]] = {
         "heavy_tailed_read_noise": ("heavy tails occur in all pixels; RTS in the same ones"),
         "read_noise": "where sigma differs from pixel to pixel, each pixel is Gaussian in time",
-        "noisy_pixels": "noisier pixels have no two levels, and no memory from frame to frame",
+        "noisy_pixels": (
+            "noisier pixels do not have two levels, and no correlation from frame to frame"
+        ),
         "cosmic_rays": "a hit does not come back to the same pixel",
         "hot_pixels": "a hot pixel does not change between frames",
     }
@@ -64,7 +66,11 @@ class Rts(Effect):
     )
     occupancy: float = parameter(0.5, "1", 0.02, 0.98, "share of time in the upper level", "linear")
     dwell_frames: float = parameter(
-        0.5, "frame", 0.05, 1e4, "memory of the state: correlation over n frames e^(-n/dwell)"
+        0.5,
+        "frame",
+        0.05,
+        1e4,
+        ("correlation time of the state: correlation over n frames e^(-n/dwell)"),
     )
     ea_ev: float = parameter(0.6, "eV", 0.0, 1.6, "activation energy of the step", "linear")
     amplitudes: str = choice(

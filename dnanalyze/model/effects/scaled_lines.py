@@ -21,14 +21,15 @@ class ScaledLines(DefectLines):
     varies: ClassVar[str] = "fixed"
     summary: ClassVar[str] = "single columns or rows with a multiple of the others' dark charge"
     physics: ClassVar[str] = (
-        "A column whose pixels are disconnected, or whose charge is lost on its way, collects no "
-        "dark signal and is read as usual: its noise is that of the readout alone. Damage along "
-        "a line, a missing implant or a misaligned mask makes the dark current of all its pixels "
-        "several times that of the others. Such a line is invisible in cold and short frames and "
-        "stands out by a constant share of the dark signal in warm and long ones, with the shot "
-        "noise of the charge it has; a line with a wrong offset stands out alike in all. A share "
-        "of -1 is a line without dark charge, a large one ends at the top code. Remedy: a map of "
-        "bad lines, made from warm frames; interpolation across them."
+        "A column whose pixels are disconnected, or whose charge is lost on its way, has no "
+        "dark signal, and only the noise of the readout. Damage along a line, a missing "
+        "implant or a misaligned mask makes the dark current of all its pixels several times "
+        "that of the others. Such a line is invisible at low temperature and short exposure. "
+        "Otherwise it deviates by a constant share of the dark signal, and its shot noise is "
+        "that of its own charge. A line with a wrong offset deviates equally in all frames. A "
+        "share of -1 is a line without dark charge; a line with a large share reaches the "
+        "highest code. Remedy: a map of bad lines, made from warm frames; interpolation "
+        "across them."
     )
     formula: ClassVar[str] = (
         "h_ij (1 + s_j), not below 0, on the lines named, each from its begin to its end, or on "

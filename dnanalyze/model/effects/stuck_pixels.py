@@ -18,7 +18,7 @@ class StuckPixels(Effect):
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "fixed"
     placing: ClassVar[Placing] = Placing.ANYWHERE
-    summary: ClassVar[str] = "Dead pixels: one code, always, with no noise at all."
+    summary: ClassVar[str] = "Dead pixels: the same code in every frame, without noise."
     physics: ClassVar[str] = (
         "A shorted or open pixel gives the same code in every frame, commonly the lowest or the "
         "highest, at times one between (`codes`): its temporal variance is exactly zero, which no "

@@ -24,13 +24,13 @@ class TemporalDenoise(Effect):
     placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "Temporal denoise: each frame is mixed with those before it."
     physics: ClassVar[str] = (
-        "Video pipelines mix every frame with a running average of those before. A share a of "
-        "memory lowers the temporal variance to (1-a)/(1+a) and correlates successive frames, "
-        "with a correlation of a to the power of their distance; the fixed pattern, the spectrum "
-        "within a frame and the hot pixels stay as they were. Filters for moving scenes skip "
-        "pixels that change by more than a threshold, so only small noise is averaged. Numbers "
-        "such as read noise come out too low. It acts at every temperature. Remedy: switch it off, "
-        "or take frames far apart."
+        "Video pipelines mix every frame with a running average of those before. A weight a "
+        "of the previous output lowers the temporal variance to (1-a)/(1+a) and correlates "
+        "successive frames, with a correlation of a to the power of their distance; the fixed "
+        "pattern, the spectrum within a frame and the hot pixels are unchanged. Filters for "
+        "moving scenes skip pixels that change by more than a threshold, so only small noise "
+        "is averaged. Read noise and other temporal statistics are underestimated. It acts at "
+        "every temperature. Remedy: switch it off, or take frames far apart."
     )
     formula: ClassVar[str] = (
         "y'_n = (1-a) y_n + a y'_(n-1);  variance (1-a)/(1+a), correlation a^lag"
@@ -47,11 +47,16 @@ class TemporalDenoise(Effect):
     }
     memory: ClassVar[int] = 8
 
-    share: float = parameter(0.2, "1", 0.0, 0.7, "memory a", "linear")
-    threshold: float = parameter(20.0, "DN", 0.01, 1e5, "change that starts a pixel anew (motion)")
+    share: float = parameter(0.2, "1", 0.0, 0.7, "weight a of the previous output", "linear")
+    threshold: float = parameter(
+        20.0, "DN", 0.01, 1e5, ("change at which the average of a pixel restarts (motion)")
+    )
     motion: str = choice("off", "whether a threshold is applied", "off", "on")
     before: str = choice(
-        "running", "frames before the first: like those after it, or none", "running", "empty"
+        "running",
+        ("frames before the first: frames like it (running), or none (empty)"),
+        "running",
+        "empty",
     )
 
     def warm_up(self, point: OperatingPoint) -> int:

@@ -24,15 +24,16 @@ class TransferTails(Effect):
     placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "tails of deferred charge behind bright pixels of a CCD"
     physics: ClassVar[str] = (
-        "In a CCD charge is moved from pixel to pixel to the output. Traps, many of them after "
-        "radiation damage, hold a share of each packet and release it some transfers later: it "
-        "arrives with the pixels that are read after its own. Hot pixels, tracks and sources "
-        "then have a tail on one side, along the columns (parallel transfer) or the rows (serial "
-        "transfer), which fades exponentially. Noise of the charge is shared as well, so that "
-        "neighbours along this axis alone are correlated in time; read noise is not. The share "
-        "is that of a packet in the mean over the field; it grows with the number of transfers, "
-        "which is left out here. Remedies: a background of charge that keeps the traps full, "
-        "slower or faster clocks, annealing, a correction by the known tail."
+        "In a CCD the charge packets are transferred from pixel to pixel to the output. "
+        "Traps, which radiation damage multiplies, capture a share of each packet and release "
+        "it some transfers later. This deferred charge is read with the following pixels. "
+        "Hot pixels, tracks and sources then have a tail on one side, along the columns "
+        "(parallel transfer) or the rows (serial transfer), which fades exponentially. The "
+        "shot noise is deferred with the charge, so the temporal noise of neighbours along "
+        "this axis is correlated; read noise is not. The parameter is the mean share over the "
+        "field; its growth with the number of transfers is not modelled. Remedies: a "
+        "background of charge that keeps the traps full, slower or faster clocks, annealing, "
+        "a correction by the known tail."
     )
     formula: ClassVar[str] = (
         "y_n = (1 - l) x_n + l (1 - a) (x_(n-1) + a x_(n-2) + ...), a = e^(-1/tau), n in the "
@@ -53,9 +54,11 @@ class TransferTails(Effect):
     )
     confused_with: ClassVar[dict[str, str]] = {
         "crosstalk": "crosstalk goes to all four sides, deferred charge to one",
-        "read_noise": "noise that is read one after the other (serial) is correlated in cold "
-        "frames as well, and leaves the pattern alone",
-        "hot_clusters": "clusters have no direction, and leave the noise uncorrelated",
+        "read_noise": (
+            "correlated read noise occurs in frames without dark charge as well, and does not "
+            "change the fixed pattern"
+        ),
+        "hot_clusters": "clusters have no preferred direction, and their noise is uncorrelated",
     }
 
     loss: float = parameter(0.05, "1", 1e-4, 0.6, "share l of a pixel's charge that is deferred")

@@ -103,7 +103,7 @@ def in_electrons(model: NoiseModel, temperature_c: float | None = None) -> Elect
     if base is None or shot is None:
         absent = BASE if base is None else "dark_shot_noise"
         raise InputError(
-            f"export: the model has no {absent}, without which nothing is known in electrons; "
+            f"export: the model has no {absent}, which states the signal in electrons; "
             "refit it with that effect (dnanalyze add)"
         )
     read, offsets, converter = map(model.get, ("read_noise", "pixel_fpn", "quantization"))

@@ -106,9 +106,9 @@ def _hot_pixels(effect: Effect, here: Electrons) -> Told:
     point, law = here.point, getattr(effect, "law", "exponential")
     tail = effect.value("tail", point)
     mean = effect.value("scale", point) / (1.0 - tail if 0.0 < tail < 1.0 else 1.0)
-    lost = ["an activation energy of their own"]
+    lost = ["their own activation energy"]
     if law != "narrow":
-        lost.append(f"their {law} distribution; all are as warm as the mean")
+        lost.append(f"their {law} distribution; all have the mean dark current")
     return {
         "hot_pixel_fraction": effect.value("fraction", point),
         "hot_pixel_factor": 1.0 + mean / (here.dn_per_e * here.dark_e),
@@ -119,7 +119,7 @@ def _noisy_pixels(effect: Effect, here: Electrons) -> Told:
     own = here.read_e * here.dn_per_e
     added = effect.value("sigma", here.point)
     if own == 0.0:
-        return {}, ["a factor of the read noise, of which there is none"]
+        return {}, ["a factor of the read noise, which is 0 in this model"]
     return {
         "read_noise_rts_fraction": effect.value("fraction", here.point),
         "read_noise_rts_factor": math.hypot(1.0, added / own),
@@ -140,7 +140,7 @@ def _column_taps(effect: Effect, here: Electrons) -> Told:
     sigma, axis = effect.value("sigma", here.point), getattr(effect, "axis")  # noqa: B009
     begins = [round(x) for x in getattr(effect, "begins")]  # noqa: B009
     taps = int(getattr(effect, "taps"))  # noqa: B009
-    lost = ["the measured levels; they are drawn"]
+    lost = ["the measured levels; getframes draws them at random"]
     if getattr(effect, "kind") == "interleaved":  # noqa: B009
         return {"readout_channel_count": taps, "bias_channel_spread_adu": sigma}, lost
     count = len(begins) + 1 if begins else taps

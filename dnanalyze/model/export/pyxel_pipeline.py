@@ -53,7 +53,7 @@ def pyxel_pipeline(
     """
     here = in_electrons(model, temperature_c)
     lost = [
-        f"temperature: the file holds at {here.point.temperature_c:.1f} C alone",
+        f"temperature: the file is valid at {here.point.temperature_c:.1f} C only",
         "convolved_lognormal.delta, phi, sigma: every pixel has the same dark current",
     ]
     if here.read_spread:

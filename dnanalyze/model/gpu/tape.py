@@ -47,7 +47,8 @@ class Tape:
     shape : tuple of int
         (rows, columns).
     keep : callable
-        ``keep(name, make)`` returns ``make()`` and remembers it for the frames of this setting.
+        ``keep(name, make)`` returns ``make()`` and caches it for the frames of this operating
+        point.
     steps : list of tuple
         (name, operand, ...): a name of `source.STEPS`; operands are numbers of earlier steps, or
         places in ``numbers``, as the name has it. Frames of like steps share a kernel.

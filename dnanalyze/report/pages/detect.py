@@ -115,7 +115,7 @@ def _estimate(result: Any) -> list[Table]:
             )
             for t in result.tail
         ]
-        columns = ("temperature", "above [DN]", "seen [ppm]", "before correction [ppm]")
+        columns = ("temperature", "above [DN]", "measured [ppm]", "before correction [ppm]")
         made.append(Table(columns, tail, title="Hot pixels before correction"))
     return made
 

@@ -67,7 +67,7 @@ def diagnosis_page(captures: Any, found: Mapping[str, Any], verdict: str) -> str
     page = Page(
         "Diagnosis over channels",
         capture.title(captures),
-        sentence(f"{len(found)} channels, each by itself: {verdict}"),
+        sentence(f"{len(found)} channels, each diagnosed separately: {verdict}"),
         [
             replace(s, key=f"{name}-{s.key}", title=f"{name}: {s.title}")
             for name, d in found.items()

@@ -37,7 +37,7 @@ class HistoryPane:
         self.node = pn.widgets.Select(options={}, width=210, stylesheets=style, margin=0)
         self.node.param.watch(self._chosen, "value")
         self.name = pn.widgets.TextInput(
-            placeholder="name this node", width=110, stylesheets=style, margin=(0, 0, 0, 4)
+            placeholder="name of this step", width=110, stylesheets=style, margin=(0, 0, 0, 4)
         )
         self.name.param.watch(self._named, "value")
         self.other = pn.widgets.Select(options={}, width=150, stylesheets=style, margin=0)

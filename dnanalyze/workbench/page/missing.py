@@ -130,7 +130,7 @@ class Missing:
         ]
         self._aged()
         words = {
-            "adequate": "The model is adequate: nothing more is missing.",
+            "adequate": "Adequate: no missing effect is detectable in these captures.",
             "missing": "An effect is missing.",
             "unexplained": "Unexplained: no effect of the catalogue accounts for the residual.",
         }
