@@ -116,6 +116,12 @@ class TopBar:
             f"{captures.frame_count} frames of {columns} × {rows} pixels, "
             f"{len(captures.settings)} operating points"
         )
+        if captures.notes:
+            count = len(captures.notes)
+            facts += (
+                f", <u title='{html.escape(chr(10).join(captures.notes))}'>"
+                f"{count} {'note' if count == 1 else 'notes'}</u>"
+            )
         other = "light" if context.palette.name == "dark" else "dark"
         self.error = pn.pane.HTML("", stylesheets=style, margin=(0, 16, 0, 0))
         there = query.replace(f"theme={context.palette.name}", f"theme={other}")
@@ -137,8 +143,9 @@ class TopBar:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        shown = self.context.shown
-        if shown is None:
+        shown, history = self.context.shown, self.context.session.history
+        pending = what == "history" and history is not None and history.present.error is None
+        if shown is None or (pending and not shown.preview):
             text = "taking statistics of the captures …"
             if self.context.session.bench is not None:
                 text = "computing the error …"

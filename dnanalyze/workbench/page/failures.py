@@ -92,6 +92,7 @@ class Failures:
         made = plain_figure(
             p, height=236, sizing_mode="stretch_width", x_range=Range1d(-0.5, 4.5),
             y_range=Range1d(-0.5, 3.5), tools="tap", css_classes=["matrix"],
+            x_axis_label="(measured − model) / σ",
         )  # fmt: skip
         cells = made.rect(
             x="x", y="y", width=0.96, height=0.92, fill_color="colour", line_color=p.card,
@@ -217,9 +218,8 @@ class Failures:
         made.xaxis.major_label_overrides = dict(enumerate(labels))
         made.xaxis.major_label_orientation = 0.0 if len(points) <= 6 else 0.7
         made.yaxis.ticker.ticks = list(range(len(names)))
-        made.yaxis.major_label_overrides = {
-            len(names) - 1 - i: _cut(known[n].title) for i, n in enumerate(names)
-        }
+        titles = short([known[n].title for n in names])
+        made.yaxis.major_label_overrides = {len(names) - 1 - i: t for i, t in enumerate(titles)}
 
 
 def _place(row: Any) -> tuple[OperatingPoint, str]:
@@ -227,9 +227,25 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
     return OperatingPoint(*(row[k] for k in keys)), row["plane"]
 
 
-def _cut(title: str) -> str:
-    """A title that fits beside the matrix; its end often tells it from its neighbours."""
-    title = title.removeprefix("power of the ")
-    return (
-        title if len(title) <= MOST_LETTERS else f"{title[:17].rstrip()} … {title[-19:].lstrip()}"
-    )
+def short(titles: list[str]) -> list[str]:
+    """Titles that fit beside the matrix, each cut where it still differs from the others.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.failures import short
+    >>> short([f"power of the temporal noise along the rows at {b} c/px" for b in ("0.1", "0.3")])
+    ['temporal noise a … rows at 0.1 c/px', 'temporal noise a … rows at 0.3 c/px']
+    """
+    whole = [title.removeprefix("power of the ") for title in titles]
+    ends = [[_cut(title, share) for share in (1.0, 0.5, 0.0)] for title in whole]
+    every = [[e[way] for e in ends] for way in range(3)]
+    return [next((e[way] for way in range(3) if every[way].count(e[way]) == 1), e[1]) for e in ends]
+
+
+def _cut(title: str, share: float) -> str:
+    """A title with so much of its letters from its beginning, the others from its end."""
+    if len(title) <= MOST_LETTERS:
+        return title
+    head = round(share * (MOST_LETTERS - 3))
+    tail = MOST_LETTERS - 3 - head
+    return " … ".join((title[:head].rstrip(), title[len(title) - tail :].lstrip())).strip()

@@ -16,6 +16,7 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 WRAP = {"flex-wrap": "wrap"}  # of a row of widgets on a narrow page
 MOST = 12  # nodes of a path in the figure; the last ones
+NONE = -1  # node that is compared with
 
 
 class HistoryPane:
@@ -40,7 +41,9 @@ class HistoryPane:
             placeholder="name this node", width=110, stylesheets=style, margin=(0, 0, 0, 4)
         )
         self.name.param.watch(self._named, "value")
-        self.other = pn.widgets.Select(options={}, width=150, stylesheets=style, margin=0)
+        self.other = pn.widgets.Select(
+            options={"–": NONE}, value=NONE, width=150, stylesheets=style, margin=0
+        )
         self.other.param.watch(lambda _: self._compare(), "value")
         self.comparison = pn.pane.HTML("", stylesheets=style, margin=0)
         save = {"stylesheets": style, "margin": (0, 4, 0, 0), "button_type": "default"}
@@ -133,7 +136,7 @@ class HistoryPane:
             every = {_line(n): n.number for n in history.nodes}
             self.node.options = every
             self.node.value = history.at
-            self.other.options = {"–": None} | every
+            self.other.options = {"–": NONE} | every
             self.name.value = history.present.name
         finally:
             self._quiet = False
@@ -159,7 +162,7 @@ class HistoryPane:
     def _compare(self) -> None:
         """Mark another node's errors beside the present ones, and say how the models differ."""
         history, node, text = self.context.session.history, None, ""
-        if history is not None and self.other.value is not None:
+        if history is not None and self.other.value != NONE:
             node, here = history.node(self.other.value), history.present
             text = (
                 f"<b>{number(node.error)} → {number(here.error)}</b> "

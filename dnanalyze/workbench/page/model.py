@@ -42,7 +42,13 @@ class Model:
         self.list = pn.Column(
             margin=0,
             sizing_mode="stretch_both",
-            styles={"overflow-y": "auto", "overflow-x": "hidden", "min-height": "0"},
+            styles={
+                "overflow-y": "auto",
+                "overflow-x": "hidden",
+                "min-height": "0",
+                "padding-right": "4px",
+                "margin-top": "4px",
+            },
         )
         self.view = pn.Column(
             pn.Row(

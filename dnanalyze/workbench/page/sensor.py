@@ -36,8 +36,8 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 0.4  # least time between frames while a slider moves: curve and error come first
-MARGINS = 38, 70  # of an image's figure around the image: axes, title and colour bar
-WIDTH, HEIGHT = 158, 176  # of an image side by side at most, screen pixels
+MARGINS = 46, 82  # of an image's figure around the image: axes, title and colour bar
+WIDTH, HEIGHT = 150, 166  # of an image side by side at most, screen pixels
 ALONE = 350  # width and height of an image alone at most
 SAMPLES = 192, 384  # rows and columns that are sent of an image at most: side by side, alone
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
@@ -130,7 +130,7 @@ class Sensor:
         made = plain_figure(
             p, width=WIDTH + MARGINS[0], height=HEIGHT + MARGINS[1], x_range=self.range_x,
             y_range=self.range_y, tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom",
-            title=f"{name} [DN]", css_classes=[name],
+            title=f"{name} [DN]", css_classes=[name], x_axis_label="column", y_axis_label="row",
         )  # fmt: skip
         made.title.text_font_size = "11px"
         made.title.text_color = p.ink
@@ -138,12 +138,13 @@ class Sensor:
         image = made.image("image", source=self.sources[name], x="x", y="y", dw="dw", dh="dh",
                            color_mapper=mapper)  # fmt: skip
         made.grid.visible = False
-        made.axis.major_label_text_font_size = "9px"
+        made.axis.major_label_text_font_size = made.axis.axis_label_text_font_size = "9px"
+        made.axis.axis_label_standoff = 0
         made.axis.ticker = BasicTicker(desired_num_ticks=3)
         bar = ColorBar(
-            color_mapper=mapper, height=7, width=140, padding=1, margin=0,
+            color_mapper=mapper, height=7, width=132, padding=1, margin=0,
             major_label_text_font_size="9px", major_label_text_color=p.ink,
-            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=2),
+            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=3),
             orientation="horizontal", bar_line_color=None,
         )  # fmt: skip
         made.add_layout(bar, "below")
@@ -172,7 +173,8 @@ class Sensor:
         cells = made.rect("x", "y", width=0.96, height=0.9, source=source, fill_color=p.present,
                           line_color=p.card, nonselection_alpha=0.35, fill_alpha=0.85)  # fmt: skip
         made.text("x", "y", "n", source=source, text_align="center", text_baseline="middle",
-                  text_font_size="10px", text_color=p.card)  # fmt: skip
+                  text_font_size="10px", text_color=p.card, nonselection_text_color=p.ink,
+                  nonselection_text_alpha=1.0)  # fmt: skip
         made.grid.visible = False
         made.xaxis.ticker = FixedTicker(ticks=list(range(len(temperatures))))
         made.xaxis.major_label_overrides = {
