@@ -21,6 +21,11 @@ from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 MOST_LETTERS = 37  # of a row's label
+SHORTER = (  # words of a label that is too long
+    ("temporal noise", "temporal"), (", over its mean", ""), (" c/px", ""),
+    (" of whole ", " whole "), (" along the ", " along "),
+    ("at the lowest three frequencies", "lowest"),
+)  # fmt: skip
 MOST_ROWS = 12  # statistics of a family in the matrix, the worst first
 LEAST, MOST = 0.1, 1000.0  # ends of the axis of errors
 STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
@@ -234,12 +239,23 @@ def short(titles: list[str]) -> list[str]:
     --------
     >>> from dnanalyze.workbench.page.failures import short
     >>> short([f"power of the temporal noise along the rows at {b} c/px" for b in ("0.1", "0.3")])
-    ['temporal noise a … rows at 0.1 c/px', 'temporal noise a … rows at 0.3 c/px']
+    ['temporal along the rows at 0.1 c/px', 'temporal along the rows at 0.3 c/px']
+    >>> short(["temporal variance, 0 to 50 % quantile of the mean frame"])
+    ['temporal variance, 0 to 50 % quant …']
     """
-    whole = [title.removeprefix("power of the ") for title in titles]
+    whole = [_shortened(title) for title in titles]
     ends = [[_cut(title, share) for share in (1.0, 0.5, 0.0)] for title in whole]
     every = [[e[way] for e in ends] for way in range(3)]
     return [next((e[way] for way in range(3) if every[way].count(e[way]) == 1), e[1]) for e in ends]
+
+
+def _shortened(title: str) -> str:
+    """A title in fewer words, as far as needed."""
+    title = title.removeprefix("power of the ")
+    for words, fewer in SHORTER:
+        if len(title) > MOST_LETTERS:
+            title = title.replace(words, fewer)
+    return title
 
 
 def _cut(title: str, share: float) -> str:
