@@ -30,6 +30,7 @@ class HistoryPane:
         self._numbers: list[int] = []
         self.source = ColumnDataSource({k: [] for k in ("x", "top", "colour", "name", "error")})
         self.figure = self._make()
+        self.bars = pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90)
         button = {"stylesheets": style, "margin": (0, 4, 0, 0)}
         self.undo = pn.widgets.Button(name="Undo", **button)
         self.redo = pn.widgets.Button(name="Redo", **button)
@@ -76,7 +77,7 @@ class HistoryPane:
                 pn.pane.HTML("<h2>History</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
                 self.undo, self.redo, self.node, self.name, margin=0, styles=WRAP,
             ),
-            pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90),
+            self.bars,
             self.text,
             pn.Row(
                 pn.pane.HTML("compare with", stylesheets=style, margin=(4, 4, 0, 0)),
@@ -175,7 +176,7 @@ class HistoryPane:
     def _recipe(self) -> None:
         session = self.context.session
         shown = bool(self.recipe.value) and session.history is not None
-        self.text.visible = shown
+        self.text.visible, self.bars.visible = shown, not shown
         if shown:
             made = session.commands() if self.recipe.value == "commands" else session.python()
             self.text.value = made
