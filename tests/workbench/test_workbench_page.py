@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 pytest.importorskip("panel", reason="the extra workbench is not installed")
 api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
@@ -24,6 +25,21 @@ if CHROMIUM is None:
 
 RUN = "from dnanalyze_cli.main import run; run()"
 PATIENCE_S = 90.0
+RAISING = """
+from dataclasses import dataclass
+from dnanalyze import Effect, Stage, parameter
+
+@dataclass(frozen=True)
+class Raising(Effect):
+    name = "raising"
+    stage = Stage.LINE_READ
+    size: float = parameter(1.0, "DN", 0.1, 9.0, "raises when large")
+
+    def apply(self, signal, site):
+        if self.size > 1.5:
+            raise ValueError("above 1.5 DN")
+        return signal
+"""
 FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
@@ -48,10 +64,12 @@ def served(folder: Path, *options: str) -> Iterator[str]:
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
     )
     assert process.stdout is not None
-    yield process.stdout.readline().split()[0]
-    process.terminate()
-    process.wait(PATIENCE_S)
-    process.stdout.close()
+    try:
+        yield process.stdout.readline().split()[0]
+    finally:
+        process.terminate()
+        process.wait(PATIENCE_S)
+        process.stdout.close()
 
 
 @pytest.fixture(scope="module")
@@ -69,8 +87,8 @@ class Workbench:
         self.outside: list[str] = []
         self.page.on("request", self._requested)
         self.page.goto(address)
-        fitted = self.page.locator("option").filter(has_text="model, fitted")
-        fitted.first.wait_for(state="attached")
+        begun = self.page.locator("option").filter(has_text=re.compile("model(, fitted| as given)"))
+        begun.first.wait_for(state="attached")
         self.settled()
 
     def _requested(self, request: Any) -> None:
@@ -224,6 +242,38 @@ def test_model_report_and_targets_are_downloaded(bench, tmp_path):
         text = Path(caught.value.path()).read_text(encoding="utf-8")
         assert text.strip().startswith(begins)
         assert len(text) > 100
+
+
+def test_the_open_figure_is_downloaded(bench):
+    for label, begins in (("CSV", b"layer,"), ("PNG", b"\x89PNG"), ("SVG", b"<?xml")):
+        with bench.page.expect_download() as caught:
+            bench.page.get_by_text(label, exact=True).last.click()
+        assert Path(caught.value.path()).read_bytes().startswith(begins)
+
+
+def test_an_effect_that_raises_under_its_slider_is_a_message(browser, folder, fitted, tmp_path):
+    own, model = tmp_path / "own.py", tmp_path / "model.yaml"
+    own.write_text(RAISING)
+    with_own = fitted.to_plain()
+    with_own["effects"].append({"raising": {"size": 1.0}})
+    model.write_text(yaml.safe_dump(with_own))
+    with served(folder, "--effects", str(own), "--model", str(model)) as address:
+        bench = Workbench(browser, address)
+        before = bench.settled()
+        slider = bench.page.locator(".parameter").last.locator("[role=slider]")
+        slider.focus()
+        message = bench.page.get_by_text("above 1.5 DN")
+
+        def told() -> int:
+            bench.page.keyboard.press("ArrowRight")
+            return message.count()
+
+        bench.until(told, "the message")
+        bench.settled()
+        slider.press("Home")
+        bench.until(lambda: message.count() == 0, "the message's end")
+        assert bench.settled() == before  # the effect does nothing
+        bench.page.close()
 
 
 def test_the_dark_theme_keeps_the_session(bench):

@@ -11,7 +11,7 @@ import panel as pn
 import param
 from panel.custom import JSComponent
 
-from dnanalyze.report.words import number
+from dnanalyze.report.words import number, plural
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.failures import Failures
 from dnanalyze.workbench.page.history import HistoryPane
@@ -113,9 +113,12 @@ class TopBar:
         rows, columns = captures.sensor.shape
         where = html.escape(Path(captures.name).name)
         facts = (
-            f"{captures.frame_count} frames of {columns} × {rows} pixels, "
-            f"{len(captures.settings)} operating points"
+            f"{plural(captures.frame_count, 'frame')} of {columns} × {rows} pixels, "
+            f"{plural(len(captures.settings), 'operating point')}"
         )
+        if captures.notes:
+            notes = html.escape(chr(10).join(captures.notes))
+            facts += f", <u title='{notes}'>{plural(len(captures.notes), 'note')}</u>"
         other = "light" if context.palette.name == "dark" else "dark"
         self.error = pn.pane.HTML("", stylesheets=style, margin=(0, 16, 0, 0))
         there = query.replace(f"theme={context.palette.name}", f"theme={other}")
@@ -137,8 +140,9 @@ class TopBar:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        shown = self.context.shown
-        if shown is None:
+        shown, history = self.context.shown, self.context.session.history
+        pending = what == "history" and history is not None and history.present.error is None
+        if shown is None or (pending and not shown.preview):
             text = "taking statistics of the captures …"
             if self.context.session.bench is not None:
                 text = "computing the error …"

@@ -11,6 +11,12 @@ export function render({ model, el }) {
   };
   const draw = () => {
     list.replaceChildren();
+    if (model.rows.length) {
+      const head = document.createElement("div");
+      head.className = "head quiet";
+      head.append(text("span", ""), text("span", "confidence"), text("span", "error after"));
+      list.append(head);
+    }
     for (const c of model.rows) {
       const row = document.createElement("div");
       row.className = "row";

@@ -41,8 +41,9 @@ class Context:
         self.latest = Latest(self.back)
 
     def back(self, call: Callable[[], None]) -> None:
-        """Call a function in the document's thread."""
-        self.document.add_next_tick_callback(call)
+        """Call a function in the document's thread; nothing where the page has been closed."""
+        if not self.document.session_context.destroyed:
+            self.document.add_next_tick_callback(call)
 
     def tell(self, what: str) -> None:
         """Tell every pane what has changed, in one message; in the document's thread."""

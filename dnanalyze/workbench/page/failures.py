@@ -21,6 +21,11 @@ from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 MOST_LETTERS = 37  # of a row's label
+SHORTER = (  # words of a label that is too long
+    ("temporal noise", "temporal"), (", over its mean", ""), (" c/px", ""),
+    (" of whole ", " whole "), (" along the ", " along "),
+    ("at the lowest three frequencies", "lowest"),
+)  # fmt: skip
 MOST_ROWS = 12  # statistics of a family in the matrix, the worst first
 LEAST, MOST = 0.1, 1000.0  # ends of the axis of errors
 STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
@@ -92,6 +97,7 @@ class Failures:
         made = plain_figure(
             p, height=236, sizing_mode="stretch_width", x_range=Range1d(-0.5, 4.5),
             y_range=Range1d(-0.5, 3.5), tools="tap", css_classes=["matrix"],
+            x_axis_label="(measured − model) / σ",
         )  # fmt: skip
         cells = made.rect(
             x="x", y="y", width=0.96, height=0.92, fill_color="colour", line_color=p.card,
@@ -217,9 +223,8 @@ class Failures:
         made.xaxis.major_label_overrides = dict(enumerate(labels))
         made.xaxis.major_label_orientation = 0.0 if len(points) <= 6 else 0.7
         made.yaxis.ticker.ticks = list(range(len(names)))
-        made.yaxis.major_label_overrides = {
-            len(names) - 1 - i: _cut(known[n].title) for i, n in enumerate(names)
-        }
+        titles = short([known[n].title for n in names])
+        made.yaxis.major_label_overrides = {len(names) - 1 - i: t for i, t in enumerate(titles)}
 
 
 def _place(row: Any) -> tuple[OperatingPoint, str]:
@@ -227,9 +232,36 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
     return OperatingPoint(*(row[k] for k in keys)), row["plane"]
 
 
-def _cut(title: str) -> str:
-    """A title that fits beside the matrix; its end often tells it from its neighbours."""
+def short(titles: list[str]) -> list[str]:
+    """Titles that fit beside the matrix, each cut where it still differs from the others.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.failures import short
+    >>> short([f"power of the temporal noise along the rows at {b} c/px" for b in ("0.1", "0.3")])
+    ['temporal along the rows at 0.1 c/px', 'temporal along the rows at 0.3 c/px']
+    >>> short(["temporal variance, 0 to 50 % quantile of the mean frame"])
+    ['temporal variance, 0 to 50 % quant …']
+    """
+    whole = [_shortened(title) for title in titles]
+    ends = [[_cut(title, share) for share in (1.0, 0.5, 0.0)] for title in whole]
+    every = [[e[way] for e in ends] for way in range(3)]
+    return [next((e[way] for way in range(3) if every[way].count(e[way]) == 1), e[1]) for e in ends]
+
+
+def _shortened(title: str) -> str:
+    """A title in fewer words, as far as needed."""
     title = title.removeprefix("power of the ")
-    return (
-        title if len(title) <= MOST_LETTERS else f"{title[:17].rstrip()} … {title[-19:].lstrip()}"
-    )
+    for words, fewer in SHORTER:
+        if len(title) > MOST_LETTERS:
+            title = title.replace(words, fewer)
+    return title
+
+
+def _cut(title: str, share: float) -> str:
+    """A title with so much of its letters from its beginning, the others from its end."""
+    if len(title) <= MOST_LETTERS:
+        return title
+    head = round(share * (MOST_LETTERS - 3))
+    tail = MOST_LETTERS - 3 - head
+    return " … ".join((title[:head].rstrip(), title[len(title) - tail :].lstrip())).strip()

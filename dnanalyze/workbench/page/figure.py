@@ -117,12 +117,12 @@ class CurveFigure:
             f"<b>{infos()[address.name].title}</b> "
             f"<span class=quiet>{html.escape(where)}</span></div>"
         )
-        self._plot(axes, labels).label(axes, labels, address)
         for name, source in self._sources.items():
             c = found.get(name)
             source.data = (
                 dict(EMPTY) if c is None else {"x": c.x, "y": c.y, "low": c.low, "high": c.high}
             )
+        self._plot(axes, labels).label(axes, labels, address)
 
     def _plot(self, axes: curves.Axes, labels: list[str]) -> CurvePlot:
         """The plot with such axes, alone to be seen; made when first needed.

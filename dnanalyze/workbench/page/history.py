@@ -16,6 +16,7 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 WRAP = {"flex-wrap": "wrap"}  # of a row of widgets on a narrow page
 MOST = 12  # nodes of a path in the figure; the last ones
+NONE = -1  # node that is compared with
 
 
 class HistoryPane:
@@ -29,6 +30,7 @@ class HistoryPane:
         self._numbers: list[int] = []
         self.source = ColumnDataSource({k: [] for k in ("x", "top", "colour", "name", "error")})
         self.figure = self._make()
+        self.bars = pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90)
         button = {"stylesheets": style, "margin": (0, 4, 0, 0)}
         self.undo = pn.widgets.Button(name="Undo", **button)
         self.redo = pn.widgets.Button(name="Redo", **button)
@@ -40,7 +42,9 @@ class HistoryPane:
             placeholder="name of this step", width=110, stylesheets=style, margin=(0, 0, 0, 4)
         )
         self.name.param.watch(self._named, "value")
-        self.other = pn.widgets.Select(options={}, width=150, stylesheets=style, margin=0)
+        self.other = pn.widgets.Select(
+            options={"–": NONE}, value=NONE, width=150, stylesheets=style, margin=0
+        )
         self.other.param.watch(lambda _: self._compare(), "value")
         self.comparison = pn.pane.HTML("", stylesheets=style, margin=0)
         save = {"stylesheets": style, "margin": (0, 4, 0, 0), "button_type": "default"}
@@ -73,7 +77,7 @@ class HistoryPane:
                 pn.pane.HTML("<h2>History</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
                 self.undo, self.redo, self.node, self.name, margin=0, styles=WRAP,
             ),
-            pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90),
+            self.bars,
             self.text,
             pn.Row(
                 pn.pane.HTML("compare with", stylesheets=style, margin=(4, 4, 0, 0)),
@@ -133,7 +137,7 @@ class HistoryPane:
             every = {_line(n): n.number for n in history.nodes}
             self.node.options = every
             self.node.value = history.at
-            self.other.options = {"–": None} | every
+            self.other.options = {"–": NONE} | every
             self.name.value = history.present.name
         finally:
             self._quiet = False
@@ -159,7 +163,7 @@ class HistoryPane:
     def _compare(self) -> None:
         """Mark another node's errors beside the present ones, and say how the models differ."""
         history, node, text = self.context.session.history, None, ""
-        if history is not None and self.other.value is not None:
+        if history is not None and self.other.value != NONE:
             node, here = history.node(self.other.value), history.present
             text = (
                 f"<b>{number(node.error)} → {number(here.error)}</b> "
@@ -172,7 +176,7 @@ class HistoryPane:
     def _recipe(self) -> None:
         session = self.context.session
         shown = bool(self.recipe.value) and session.history is not None
-        self.text.visible = shown
+        self.text.visible, self.bars.visible = shown, not shown
         if shown:
             made = session.commands() if self.recipe.value == "commands" else session.python()
             self.text.value = made

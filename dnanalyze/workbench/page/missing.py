@@ -93,6 +93,7 @@ class Missing:
             self._aged()
         elif what == "message":
             self.message.object = f"<b>{html.escape(self.context.session.message)}</b>"
+            self._tick()  # a message often tells the end of a task
 
     def _tick(self) -> None:
         job = self.context.session.worker.job
@@ -120,8 +121,8 @@ class Missing:
             {
                 "effect": c["effect"],
                 "name": c["effect"],
-                "confidence": f"confidence {percent(c['confidence'])}",
-                "error": f"error → {number(c['error_after'])}",
+                "confidence": percent(c["confidence"]),
+                "error": number(c["error_after"]),
                 "explained": max(0.0, min(1.0, c["explained"])),
                 "evidence": _evidence(c),
                 "can_add": c["effect"] not in present,
@@ -220,9 +221,11 @@ def _rows(p: Palette) -> str:
     return f"""
 .row {{ border-top:1px solid {p.line}; padding:3px 2px; }}
 .row:hover {{ background:{p.background}; }}
-.head {{ display:flex; gap:10px; align-items:baseline; }}
-.name {{ font-weight:650; flex:1; }}
+.head {{ display:grid; grid-template-columns:minmax(0, 1fr) 76px 64px 46px; align-items:baseline;
+  text-align:right; }}
+.name {{ font-weight:650; text-align:left; }}
 .number {{ font-variant-numeric:tabular-nums; color:{p.quiet}; }}
+.head button {{ justify-self:end; }}
 .bar {{ height:3px; background:{p.candidate}; margin:2px 0; }}
 .evidence {{ color:{p.quiet}; font-size:11px; }}
 button {{ font:inherit; border:1px solid {p.line}; border-radius:4px; background:{p.present};

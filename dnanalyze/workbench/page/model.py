@@ -29,6 +29,7 @@ class Model:
         self._drawn: Any = None
         self._draft: NoiseModel | None = None
         self._moved = ""
+        self._failing = False
         self._resting: Any = None
         self._rows: dict[str, ParameterRow] = {}
         button = {"stylesheets": self.style, "margin": 0}
@@ -42,7 +43,13 @@ class Model:
         self.list = pn.Column(
             margin=0,
             sizing_mode="stretch_both",
-            styles={"overflow-y": "auto", "overflow-x": "hidden", "min-height": "0"},
+            styles={
+                "overflow-y": "auto",
+                "overflow-x": "hidden",
+                "min-height": "0",
+                "padding-right": "4px",
+                "margin-top": "4px",
+            },
         )
         self.view = pn.Column(
             pn.Row(
@@ -131,8 +138,7 @@ class Model:
         model = session.with_value(name, value, self._draft)
         self._draft, self._moved = model, name
         context.latest.ask(
-            lambda: session.preview(model), self._show,
-            lambda error: session.tell(f"{type(error).__name__}: {error}"),
+            lambda: session.preview(model), self._show, lambda error: self._failed(model, error)
         )  # fmt: skip
         self._wait(None)
 
@@ -149,10 +155,26 @@ class Model:
     def _show(self, found: Any) -> None:
         if self._draft is None:
             return
+        if self._failing:
+            self._failing = False
+            self.context.session.tell("")
         self.context.shown = found
         self.context.tell("preview")
         if found.model == self._draft:
             self._wait(REST_S)
+
+    def _failed(self, model: NoiseModel, error: Exception) -> None:
+        """Say why a model has no preview, and go back to the last one that has."""
+        self._failing = True
+        self.context.session.tell(f"{type(error).__name__}: {error}")
+        if model != self._draft:  # the slider has moved on
+            return
+        shown = self.context.shown
+        if shown is not None and shown.preview:
+            self._draft = shown.model
+            self._wait(REST_S)
+        else:
+            self._draw()
 
     def _rested(self) -> None:
         self._resting = None

@@ -44,6 +44,7 @@ class Pixel:
         self.over_points = self._figure(
             self._points, sizing_mode="stretch_both", min_height=110,
             x_axis_label="operating point",
+            x_range=(-0.5, len(context.session.captures.settings) - 0.5),
         )  # fmt: skip
         settings = context.session.captures.settings
         every = max(1, -(-len(settings) // 6))

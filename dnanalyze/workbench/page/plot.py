@@ -86,6 +86,9 @@ class CurvePlot:
                 (axes.x.split(" [")[0], "@x{0.0000}"),
                 (axes.y.split(" [")[0], "@y{0.000e}" if axes.log_y else "@y{0.000}"),
             ]
+        for item in made.legend[0].items:  # an empty curve has no line in the legend
+            (line,) = item.renderers
+            item.visible = bool(len(line.data_source.data["x"]))
         shown = [str(address)]
         if made.tags != shown:
             made.tags = shown

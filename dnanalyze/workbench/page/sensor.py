@@ -36,8 +36,9 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 0.4  # least time between frames while a slider moves: curve and error come first
-MARGINS = 38, 70  # of an image's figure around the image: axes, title and colour bar
-WIDTH, HEIGHT = 158, 176  # of an image side by side at most, screen pixels
+MARGINS = 46, 82  # of an image's figure around the image: axes, title and colour bar
+WIDTH, HEIGHT = 150, 166  # of an image side by side at most, screen pixels
+LEAST = 100  # width and height of an image: its title and its ticks need them
 ALONE = 350  # width and height of an image alone at most
 SAMPLES = 192, 384  # rows and columns that are sent of an image at most: side by side, alone
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
@@ -81,8 +82,9 @@ class Sensor:
             width=130, stylesheets=style, margin=(0, 6, 0, 6),
         )  # fmt: skip
         self.swipe = pn.widgets.FloatSlider(
-            name="measured | simulated", start=0, end=1, step=0.01, value=0.5, width=100,
-            stylesheets=style, margin=0, visible=False,
+            name="measured | simulated", start=0, end=1, step=0.01, value=0.5,
+            show_value=False, stylesheets=style, margin=(0, 6, 4, 6), visible=False,
+            sizing_mode="stretch_width",
         )  # fmt: skip
         for widget in (self.kind, self.frame, self.plane, self.colours, self.contrast, self.mode):
             widget.param.watch(lambda _: self._changed(), "value")
@@ -91,6 +93,7 @@ class Sensor:
         self.range_y = Range1d(self.shape[0], 0, bounds=(0, self.shape[0]))
         self.mapper = LinearColorMapper(MAPS["grey"], low=0, high=1, nan_color=p.card)
         self.difference = LinearColorMapper(_diverging(p.name), low=-1, high=1, nan_color=p.card)
+        self._colour_bars: list[ColorBar] = []
         self._shown: dict[str, np.ndarray] = {}
         self._drawn: Any = None
         self.sources = {
@@ -109,7 +112,8 @@ class Sensor:
             pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
             pn.pane.Bokeh(self.points, margin=0),
             pn.Row(self.kind, self.frame, self.plane, self.colours, margin=(2, 0, 2, 0)),
-            pn.Row(self.mode, self.contrast, self.swipe, margin=(0, 0, 4, 0)),
+            pn.Row(self.mode, self.contrast, margin=(0, 0, 4, 0)),
+            self.swipe,
             self.upper,
             self.lower,
             self.pixel.title_bar,
@@ -130,7 +134,7 @@ class Sensor:
         made = plain_figure(
             p, width=WIDTH + MARGINS[0], height=HEIGHT + MARGINS[1], x_range=self.range_x,
             y_range=self.range_y, tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom",
-            title=f"{name} [DN]", css_classes=[name],
+            title=f"{name} [DN]", css_classes=[name], x_axis_label="column", y_axis_label="row",
         )  # fmt: skip
         made.title.text_font_size = "11px"
         made.title.text_color = p.ink
@@ -138,15 +142,17 @@ class Sensor:
         image = made.image("image", source=self.sources[name], x="x", y="y", dw="dw", dh="dh",
                            color_mapper=mapper)  # fmt: skip
         made.grid.visible = False
-        made.axis.major_label_text_font_size = "9px"
+        made.axis.major_label_text_font_size = made.axis.axis_label_text_font_size = "9px"
+        made.axis.axis_label_standoff = 0
         made.axis.ticker = BasicTicker(desired_num_ticks=3)
         bar = ColorBar(
-            color_mapper=mapper, height=7, width=140, padding=1, margin=0,
+            color_mapper=mapper, height=7, width=132, padding=1, margin=0,
             major_label_text_font_size="9px", major_label_text_color=p.ink,
-            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=2),
+            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=3),
             orientation="horizontal", bar_line_color=None,
         )  # fmt: skip
         made.add_layout(bar, "below")
+        self._colour_bars.append(bar)
         made.add_tools(hover(p, [image], ("column, row", "$x{0}, $y{0}"), (name, "@image{0.0} DN")))
         made.on_event(Tap, self._tapped)
         return made
@@ -172,7 +178,8 @@ class Sensor:
         cells = made.rect("x", "y", width=0.96, height=0.9, source=source, fill_color=p.present,
                           line_color=p.card, nonselection_alpha=0.35, fill_alpha=0.85)  # fmt: skip
         made.text("x", "y", "n", source=source, text_align="center", text_baseline="middle",
-                  text_font_size="10px", text_color=p.card)  # fmt: skip
+                  text_font_size="10px", text_color=p.card, nonselection_text_color=p.ink,
+                  nonselection_text_alpha=1.0)  # fmt: skip
         made.grid.visible = False
         made.xaxis.ticker = FixedTicker(ticks=list(range(len(temperatures))))
         made.xaxis.major_label_overrides = {
@@ -214,8 +221,12 @@ class Sensor:
         self.figures["difference"].visible = self.mode.value == "side by side"
         alone = self.mode.value != "side by side"
         self.over_frames.visible = not alone
+        if self.mode.value == "swipe":
+            self.figures["measured"].title.text = "measured | simulated [DN]"
+        width, height = self._size(alone)
+        for bar in self._colour_bars:
+            bar.width = min(132, width - 14)
         for figure in self.figures.values():
-            width, height = self._size(alone)
             figure.width, figure.height = width + MARGINS[0], height + MARGINS[1]
         shown = self.context.shown
         model = shown.model if shown is not None else None
@@ -231,11 +242,11 @@ class Sensor:
         )  # fmt: skip
 
     def _size(self, alone: bool) -> tuple[int, int]:
-        """Width and height of an image on the screen, in the sensor's proportions."""
+        """Width and height of an image on the screen, in the sensor's proportions or near."""
         rows, columns = self.shape
         wide, high = (ALONE, ALONE) if alone else (WIDTH, HEIGHT)
         scale = min(wide / columns, high / rows)
-        return max(24, round(columns * scale)), max(24, round(rows * scale))
+        return max(LEAST, round(columns * scale)), max(LEAST, round(rows * scale))
 
     def _window(self, scale: int) -> Window:
         rows, columns = (n // scale for n in self.shape)
@@ -328,6 +339,7 @@ class Sensor:
         elif self.mode.value != "blink" and self._timer is not None:
             self._timer.stop()
             self._timer = None
+        if self.mode.value == "side by side":
             self.figures["measured"].title.text = "measured [DN]"
 
     def _tapped(self, event: Any) -> None:

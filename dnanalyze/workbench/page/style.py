@@ -56,8 +56,9 @@ def layout() -> str:
     return """
 :host { display:grid !important; gap:6px; padding:4px 6px 6px; height:100vh; min-height:700px;
   box-sizing:border-box; grid-template-columns:412px minmax(0, 1fr) 376px;
-  grid-template-rows:40px minmax(0, 1.32fr) minmax(0, 1fr);
-  grid-template-areas:'bar bar bar' 'sensor fails model' 'sensor history missing'; }
+  grid-template-rows:40px minmax(0, 1.32fr) minmax(0, .3fr) minmax(0, .7fr);
+  grid-template-areas:'bar bar bar' 'sensor fails model' 'sensor fails missing'
+    'sensor history missing'; }
 @media (max-width:1279px) { :host { height:auto; min-height:0;
   grid-template-columns:412px minmax(0, 1fr); grid-template-rows:40px 806px 420px 300px;
   grid-template-areas:'bar bar' 'sensor fails' 'model missing' 'history history'; } }
@@ -72,6 +73,7 @@ def inner(p: Palette) -> str:
 .bk-input, .noUi-target, .bk-btn {{ background-color:{p.card} !important; color:{p.ink} !important;
   border-color:{p.line} !important; font-size:12px !important; }}
 .bk-input {{ padding:1px 5px !important; min-height:22px !important; height:24px !important; }}
+select.bk-input {{ padding-right:20px !important; text-overflow:ellipsis; }}
 .bk-btn {{ padding:2px 9px !important; }}
 .bk-btn-primary {{ background-color:{p.present} !important; color:{p.card} !important; }}
 .bk-btn:disabled {{ opacity:.45; }}
