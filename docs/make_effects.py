@@ -42,6 +42,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "defect_lines": {"fraction": 0.02, "sigma": 15.0},
     "denoise": {"kind": "bilateral", "range": 8.0, "space": 1.0},
     "dpc": {"threshold": 10.0},
+    "electron_multiplication": {"excess": 2.0, "induced": 0.3},
     "flicker_fpn": {"rms": 5.0},
     "flicker_noise": {"rms": 5.0},
     "heavy_tailed_read_noise": {"sigma": 3.0, "tail": -0.25},
@@ -92,7 +93,7 @@ OVER_TIME = {
 GROUPS = {
     "Base": (BASE,),
     "Baseline effects": EVERYDAY,
-    "Charge": (Stage.CHARGE, Stage.COUPLING),
+    "Charge": (Stage.CHARGE, Stage.COUPLING, Stage.REGISTER),
     "Readout": (Stage.PIXEL_READ, Stage.LINE_READ),
     "Digital": (
         Stage.CODE_WIDTHS, Stage.CONVERTER, Stage.DIGITAL, Stage.CORRECTION,

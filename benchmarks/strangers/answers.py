@@ -78,10 +78,12 @@ ANSWERS: dict[str, Answer] = {
     "transfer_tails": Answer(
         ("transfer_tails",), "charge-transfer inefficiency: tails behind hot pixels"
     ),
+    "multiplication": Answer(
+        ("electron_multiplication",), "an electron-multiplying register's excess noise"
+    ),
     # no effect of the catalogue has these laws
     "edge_offset": Answer((), "offsets that rise towards the edges, without charge"),
     "quadrant_offsets": Answer((), "four quadrants, each with its offset and gain"),
-    "multiplication": Answer((), "an electron-multiplying register's excess noise"),
     "noise_at_edges": Answer((), "read noise that rises towards the edges"),
     "channel_noise": Answer((), "read noise that differs between interleaved channels"),
     "nonlinearity": Answer((), "a response that bends with charge"),

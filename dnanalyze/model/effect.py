@@ -36,6 +36,7 @@ class Stage(IntEnum):
     CHARGE = 10  # what is generated in the pixel during the exposure, mean values
     ARRIVAL = 20  # counting statistics of that charge
     COUPLING = 30  # charge or voltage shared between neighbours
+    REGISTER = 35  # charge multiplied on its way to the output
     PIXEL_READ = 40  # noise and offsets of the pixel's own amplifier
     LINE_READ = 50  # columns, rows, taps, clocks
     PEDESTAL = 60  # the black level is added here
@@ -181,6 +182,8 @@ class Site:
         capture.
     share : callable
         As ``keep``, for what does not depend on the window: all parts of the frame get the same.
+    dn_per_e : float, optional
+        Conversion gain of the model's `dark_shot_noise` here, DN/e-; None where it counts none.
     """
 
     shape: tuple[int, int]
@@ -194,6 +197,7 @@ class Site:
     field: Callable[[Stream, str], np.ndarray]
     calibration: Callable[[int, float], np.ndarray] = _no_calibration
     share: Callable[[str, Callable[[], Any]], Any] = _not_kept
+    dn_per_e: float | None = None
 
     def fixed_normal(self, name: str = "") -> np.ndarray:
         """Standard normal field of the silicon over the window, float32.

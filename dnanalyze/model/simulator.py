@@ -137,8 +137,16 @@ class Simulator:
 
         return Site(
             self.shape, window, point, self.model.reference_of(point.channel), number,
-            root.child("silicon"), moment, keep, draw, calibration, share,
+            root.child("silicon"), moment, keep, draw, calibration, share, self._dn_per_e(point),
         )  # fmt: skip
+
+    def _dn_per_e(self, point: OperatingPoint) -> float | None:
+        """Conversion gain by which the model counts its charge."""
+        shot = self.model.get("dark_shot_noise")
+        if shot is None:
+            return None
+        gain = point.gain_over(self.model.reference_of(point.channel))
+        return shot.value("dn_per_e", point) * gain
 
 
 def room(model: NoiseModel, shape: tuple[int, int]) -> int:

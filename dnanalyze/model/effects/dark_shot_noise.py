@@ -50,6 +50,8 @@ class DarkShotNoise(Effect):
         "convolved_lognormal": (
             "the kernel's random taps give a variance that grows with the signal squared"
         ),
+        "electron_multiplication": "a register multiplies the third cumulant of the noise more "
+        "than its variance: 1.5 times that of counting noise of the same photon transfer",
         "rts": "RTS noise occurs in few pixels, shot noise in all",
     }
 

@@ -24,9 +24,17 @@ EFFECTS = {
     "crosstalk": {"alpha": 0.02},
     "dark_shading": {"rms": 0.1},
     "transfer_tails": {"loss": 0.1},
+    "electron_multiplication": {"induced": 0.5},
     "scaled_lines": {"fraction": 0.05, "sigma": 0.5},
 }
-TEMPORAL = {"convolved_lognormal", "dark_shot_noise", "read_noise", "rts", "cosmic_rays"}
+TEMPORAL = {
+    "convolved_lognormal",
+    "dark_shot_noise",
+    "read_noise",
+    "rts",
+    "cosmic_rays",
+    "electron_multiplication",
+}
 OTHERS = {
     "column_fpn",
     "column_gain",

@@ -15,7 +15,10 @@ from dnanalyze.model.simulator import Simulator
 
 SHAPE = (37, 61)
 POINT = OperatingPoint(45.0, 0.1, 1.0)
-ON_HOST = {"denoise", "dpc", "missing_codes", "persistence", "temporal_denoise", "transfer_tails"}
+ON_HOST = {
+    "denoise", "dpc", "electron_multiplication", "missing_codes", "persistence",
+    "temporal_denoise", "transfer_tails",
+}  # fmt: skip
 TEN = (
     "convolved_lognormal", "dark_shot_noise", "hot_pixels", "pixel_fpn", "crosstalk",
     "read_noise", "row_noise", "column_fpn", "rts", "quantization",

@@ -1,0 +1,72 @@
+"""First guesses of electron_multiplication: its parameters as the statistics suggest them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dnanalyze.model.bounds import clip
+from dnanalyze.model.clues import Clues
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.electron_multiplication import ElectronMultiplication
+from dnanalyze.model.guesses import hints
+from dnanalyze.model.guesses.evidence import curve, shows
+
+LEAST = 1.15  # third cumulant over that of counting noise from which a register is worth a trial
+FAR = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
+HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that makes a kind, e-
+
+
+def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
+    """The excess noise factor from the skewness of the temporal noise, and that of high gain.
+
+    Slopes of variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the
+    third cumulant is 0 there is no charge: what the coldest setting has above that level bounds
+    the clock-induced charge.
+    """
+    if not shows(clues, effect.fingerprint, 0):
+        return []
+    gain = hints.gains(clues)
+    mean = np.asarray(clues.measured("mean"), float) / gain
+    variance = (np.asarray(clues.measured("temporal_noise"), float) / gain) ** 2
+    third = np.array([third_cumulant(clues, j) for j in range(mean.size)]) / gain**3
+    good = np.isfinite(mean) & np.isfinite(third) & (variance > 0)
+    if good.sum() < 2 or np.ptp(mean[good]) <= 0:
+        return []
+    slope, _ = np.polyfit(mean[good], variance[good], 1, w=1.0 / variance[good])
+    skewed, zero = np.polyfit(mean[good], third[good], 1, w=variance[good] ** -1.5)
+    if slope <= 0 or skewed < LEAST * slope**2:
+        return []
+    ratio = float(min(skewed / slope**2, 1.9))
+    factors = dict.fromkeys((HIGH_GAIN, round(1.0 / (2.0 - ratio), 3)))
+    guesses: list[Effect] = [effect(**clip(effect, excess=f)) for f in factors]
+    induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope
+    if induced > MUCH:
+        guesses.append(effect(**clip(effect, excess=HIGH_GAIN, induced=induced)))
+    return guesses
+
+
+def third_cumulant(clues: Clues, setting: int) -> float:
+    """Of the temporal noise, DN^3, from frames and their mean; NaN where a curve is absent.
+
+    The mean of F frames has the DSNU's, and 1/F^2 of the noise's; variances tell F.
+    """
+    single = _moments(clues, "histogram_codes", "histogram_counts", setting)
+    stack = _moments(clues, "pattern_hist_x", "pattern_hist_n", setting)
+    noise = float(np.asarray(clues.measured("temporal_noise"), float)[setting]) ** 2
+    if single is None or stack is None or not noise > 0:
+        return float("nan")
+    part = min(max(1.0 - (single[0] - stack[0]) / noise, 0.0), 0.5)  # 1/F
+    return (single[1] - stack[1]) / (1.0 - part**2)
+
+
+def _moments(clues: Clues, x: str, n: str, setting: int) -> tuple[float, float] | None:
+    """Variance and third central moment of a histogram, without what is far out."""
+    values, counts = curve(clues, x, setting), curve(clues, n, setting)
+    if values is None or counts is None:
+        return None
+    summed = np.cumsum(counts) / np.sum(counts)
+    low, middle, high = values[np.searchsorted(summed, (0.159, 0.5, 0.841))]
+    near = np.abs(values - middle) <= FAR * max(high - low, 1.0) / 2.0
+    values, counts = values[near], counts[near] / np.sum(counts[near])
+    away = values - counts @ values
+    return float(counts @ away**2), float(counts @ away**3)
