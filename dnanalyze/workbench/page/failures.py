@@ -68,6 +68,7 @@ class Failures:
         made = plain_figure(
             p,
             width=232,
+            min_border_right=10,
             height=236,
             x_axis_type="log",
             x_range=(LEAST, MOST),
