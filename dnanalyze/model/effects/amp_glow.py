@@ -33,7 +33,12 @@ TOGETHER: dict[str, tuple[str, ...]] = {
     "ne+sw": ("ne", "sw"),
 }
 """Sources that are alike, by one word."""
-PLACES: dict[str, tuple[str, ...]] = {name: (name,) for name in SOURCES} | TOGETHER
+NEAREST = "border"  # light from the nearest edge alone, as through a seal all around
+PLACES: dict[str, tuple[str, ...]] = {
+    **{name: (name,) for name in SOURCES},
+    **TOGETHER,
+    NEAREST: TOGETHER["edges"],
+}
 
 
 @dataclass(frozen=True)
@@ -51,15 +56,16 @@ class AmpGlow(Effect):
         "the exposure. Emission hardly depends on temperature (activation energy near 0); a glow "
         "that follows the dark current is heat. Its power lies below 0.01 cycles/pixel and in the "
         "block means. Several amplifiers, or circuits along opposite sides, glow alike, and their "
-        "light adds (`location`: edges, corners, or a pair). Its charge has shot noise: the slope "
+        "light adds (`location`: edges, corners, or a pair); what leaks in all around is told by "
+        "the nearest edge (border). Its charge has shot noise: the slope "
         "of the temporal variance of blocks over their mean is the conversion gain, whatever the "
-        "pedestal and the read noise are. Remedies: switch the amplifier off during the exposure, subtract a dark "
-        "frame of the same exposure."
+        "pedestal and the read noise are. Remedies: switch the amplifier off during the "
+        "exposure, subtract a dark frame of the same exposure."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) a e^(-r/l); r from the corner (nw, ne, se, sw) "
         "or to the edge (n, e, s, w), l in units of the frame's larger side; of several sources "
-        "the sum"
+        "the sum, of the border the largest"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Janesick, Scientific Charge-Coupled Devices, SPIE Press (2001)",
@@ -108,10 +114,9 @@ class AmpGlow(Effect):
 def glow(
     location: str, length: float, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
 ) -> np.ndarray:
-    """Glow of each pixel over that of one source at its place: the sum of e^(-r/length)."""
-    light: np.ndarray = sum(
-        np.exp(-distance(source, rows, columns, shape) / length) for source in PLACES[location]
-    )  # type: ignore[assignment]
+    """Glow of each pixel over that of one source at its place, (rows, columns)."""
+    each = [np.exp(-distance(p, rows, columns, shape) / length) for p in PLACES[location]]
+    light: np.ndarray = np.max(each, axis=0) if location == NEAREST else np.sum(each, axis=0)
     return light
 
 

@@ -52,6 +52,13 @@ def test_glow_of_several_sources_is_their_sum(place):
         np.testing.assert_allclose(y, half, rtol=1e-4)
 
 
+def test_glow_of_the_border_follows_the_nearest_edge():
+    y = frames(AmpGlow(50.0, 0.1, 0.0, "border"), (60, 90))[0]
+    row, column = np.arange(60)[:, None], np.arange(90)[None, :]
+    nearest = np.minimum(np.minimum(row, 59 - row), np.minimum(column, 89 - column))
+    np.testing.assert_allclose(y, 50 * np.exp(-nearest / 9.0), rtol=1e-5)
+
+
 @pytest.mark.parametrize("place", ["se", "edges", "corners"])
 def test_the_glow_tells_the_conversion_gain(place):
     """Poisson charge of 300 e- at the source beside read noise, K = 1.7 DN/e-."""
@@ -167,7 +174,7 @@ def test_charges_go_pixel_by_pixel_with_the_mean_charge_of_a_hit(kind):
     effect = CosmicRays(rate=60.0, energy=5000.0, length=9.0, charge=kind)
     y = frames(effect, (512, 512), 40)
     number = 60 * 0.262144 * 40
-    # compound Poisson: E[n^2]/E[n]^2 of n = 1 + round(Exp) steps is below 2; the border takes a part
+    # compound Poisson: E[n^2]/E[n]^2 of n = 1 + round(Exp) is below 2; the border takes a part
     assert y.sum() / (number * 5000) == pytest.approx(1, abs=5 * np.sqrt(2.0 / number) + 0.02)
     charge = 5000.0 / (1.0 + mean_rounded(9.0))
     lit = y[y > 0] / charge
@@ -202,7 +209,7 @@ def test_rounded_lengths_and_moyals_charges_have_their_means():
 
 
 def test_rate_and_length_are_guessed_from_clumps_that_the_border_cuts():
-    """Tracks of exponential length in single pixels of path, counted by an independent labelling."""
+    """Tracks of exponential length, a step a pixel; counted by an independent labelling."""
     rng = np.random.default_rng(8)
     side, rate, length, count = 256, 90.0, 20.0, 60
     sizes = []
