@@ -285,6 +285,9 @@ def _transients(acc: Accumulated, out: FamilyResult) -> None:
     out.values["transient_high"] = _transient_count(acc, rises, limit, sizes)
     out.values["transient_low"] = _transient_count(acc, falls, limit, np.ones(1))
     out.values["transient_adjacent"] = _in_clumps(sizes)
+    if acc.plan.errors:
+        pixels = np.bincount(sizes, minlength=1)
+        out.curves["transient_clumps"] = pixels / np.maximum(np.arange(pixels.size), 1)
 
 
 def _transient_count(

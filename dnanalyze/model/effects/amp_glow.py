@@ -20,28 +20,52 @@ SOURCES: dict[str, tuple[float | None, float | None]] = {
     "sw": (1, 0),
     "w": (None, 0),
 }
+TOGETHER: dict[str, tuple[str, ...]] = {
+    "edges": ("n", "e", "s", "w"),
+    "corners": ("nw", "ne", "se", "sw"),
+    "n+s": ("n", "s"),
+    "e+w": ("e", "w"),
+    "nw+ne": ("nw", "ne"),
+    "se+sw": ("se", "sw"),
+    "nw+sw": ("nw", "sw"),
+    "ne+se": ("ne", "se"),
+    "nw+se": ("nw", "se"),
+    "ne+sw": ("ne", "sw"),
+}
+"""Sources that are alike, by one word."""
+NEAREST = "border"  # light from the nearest edge alone, as through a seal all around
+PLACES: dict[str, tuple[str, ...]] = {
+    **{name: (name,) for name in SOURCES},
+    **TOGETHER,
+    NEAREST: TOGETHER["edges"],
+}
 
 
 @dataclass(frozen=True)
 class AmpGlow(Effect):
-    """h += a e^(-r/l), r the distance from a corner, or from an edge."""
+    """h += a e^(-r/l), r the distance from a corner, or from an edge; of several, their sum."""
 
     name: ClassVar[str] = "amp_glow"
     stage: ClassVar[Stage] = Stage.CHARGE
     varies: ClassVar[str] = "fixed"
-    summary: ClassVar[str] = "glow that fades from a corner or an edge, growing with exposure"
+    summary: ClassVar[str] = "glow that fades from corners or edges, growing with exposure"
     physics: ClassVar[str] = (
         "Transistors under high field (output amplifiers, column circuits) emit near-infrared "
         "light, and warm ones raise the dark current beside them. The pixels nearest to them "
         "collect a signal that fades with distance, the same in every frame and proportional to "
         "the exposure. Emission hardly depends on temperature (activation energy near 0); a glow "
         "that follows the dark current is heat. Its power lies below 0.01 cycles/pixel and in the "
-        "block means. Remedies: switch the amplifier off during the exposure, subtract a dark "
-        "frame of the same exposure."
+        "block means. Several amplifiers, or circuits along opposite sides, glow alike, and their "
+        "light adds (`location`: edges, corners, or a pair); what leaks in all around is told by "
+        "the nearest edge (border). Its charge has shot noise: the slope "
+        "of the temporal variance of blocks over their mean is the conversion gain, whatever the "
+        "pedestal and the read noise are. Remedies: switch the amplifier off during the "
+        "exposure, subtract a dark frame of the same exposure."
     )
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) a e^(-r/l); r from the corner (nw, ne, se, sw) "
-        "or to the edge (n, e, s, w), l in units of the frame's larger side"
+        "or to the edge (n, e, s, w), l in units of the frame's larger side; of several sources "
+        "the sum, of the border the largest"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Janesick, Scientific Charge-Coupled Devices, SPIE Press (2001)",
@@ -72,7 +96,7 @@ class AmpGlow(Effect):
         0.2, "1", 0.005, 3.0, "fading length over the larger side of the frame"
     )
     ea_ev: float = parameter(0.0, "eV", 0.0, 1.6, "activation energy; 0 for light", "linear")
-    location: str = choice("se", "corner or edge of the source", *SOURCES)
+    location: str = choice("se", "corner or edge of the source, or several", *PLACES)
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the glow."""
@@ -82,8 +106,18 @@ class AmpGlow(Effect):
     def _map(self, site: Site) -> np.ndarray:
         height = self.value("amplitude", site.point) * site.thermal(self.value("ea_ev", site.point))
         height *= site.exposure_ratio * site.gain_ratio
-        r = distance(self.location, site.row_index, site.column_index, site.shape)
-        return (height * np.exp(-r / self.value("length", site.point))).astype(np.float32)
+        length = self.value("length", site.point)
+        shape = glow(self.location, length, site.row_index, site.column_index, site.shape)
+        return (height * shape).astype(np.float32)
+
+
+def glow(
+    location: str, length: float, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]
+) -> np.ndarray:
+    """Glow of each pixel over that of one source at its place, (rows, columns)."""
+    each = [np.exp(-distance(p, rows, columns, shape) / length) for p in PLACES[location]]
+    light: np.ndarray = np.max(each, axis=0) if location == NEAREST else np.sum(each, axis=0)
+    return light
 
 
 def distance(

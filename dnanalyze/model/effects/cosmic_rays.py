@@ -6,12 +6,16 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import pdtrik
+from scipy.special import ndtri, pdtrik
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
 SPACING = 0.25  # of the points along a track, pixels
+WIDTH = 0.25  # of Moyal's law of the charge in a pixel of path, over its most probable charge
+MOYAL_MEAN = 1.2703628454614782  # Euler's constant and ln 2
+MOST_STEPS = 1 << 16  # of a track, that have a charge of their own
+STEPPED = "even", "landau"  # charges that go pixel by pixel
 
 
 @dataclass(frozen=True)
@@ -24,20 +28,28 @@ class CosmicRays(Effect):
     placing: ClassVar[Placing] = Placing.ANYWHERE
     summary: ClassVar[str] = "hits of particles: bright, elongated, in one frame only"
     physics: ClassVar[str] = (
-        "Muons (about one per square centimetre and minute at sea level), natural "
-        "radioactivity of the packaging, and in space protons leave thousands of electrons "
-        "along a straight track, in proportion to their path through the silicon, or their "
-        "remaining energy where they stop in it (`charge`). A hit is in one frame only, "
-        "lights one pixel or a line of them, and the number of hits grows with exposure and "
-        "area but not with temperature. The median of several frames removes them; single "
-        "frames need a detector of sharp edges."
+        "Muons (about one per square centimetre and minute at sea level), natural radioactivity "
+        "of the packaging, and in space protons leave thousands of electrons along a straight "
+        "track: their remaining energy where they stop in it (`charge` track), in proportion to "
+        "their path where energies differ (path), as much in every pixel of path where all are "
+        "minimum-ionizing (even), or with Landau's fluctuations from pixel to pixel of path "
+        "(landau; Moyal's law with a width of a quarter of the most probable charge). A length far "
+        "below 1 makes hits of single pixels, with even and landau of exactly one. A hit is in "
+        "one frame only, lights one pixel or a line of "
+        "them, and the number of hits grows with exposure and area but not with temperature. The "
+        "median of several frames removes them; single frames need a detector of sharp edges."
     )
     formula: ClassVar[str] = (
         "number ~ Pois(rate x Mpx x exposure); each: uniform place and direction, length Exp(l), "
         "charge Exp(E), or Exp(E) (1 + length) / (1 + l), spread evenly along it and bilinearly "
-        "over the pixels; mean added a pixel rate x exposure x E / 1e6"
+        "over the pixels; or of round(length) + 1 steps a pixel apart, each in the pixel that it "
+        "is in, of one charge (even) or times Moyal's law (landau); mean added a pixel "
+        "rate x exposure x E / 1e6"
     )
-    references: ClassVar[tuple[str, ...]] = ("Groom, Experimental Astronomy 14 (2002)",)
+    references: ClassVar[tuple[str, ...]] = (
+        "Groom, Experimental Astronomy 14 (2002)",
+        "Moyal, Theory of ionization fluctuations, Phil. Mag. 46 (1955)",
+    )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "transient_high",
         "transient_adjacent",
@@ -61,13 +73,22 @@ class CosmicRays(Effect):
     )
     energy: float = parameter(1000.0, "DN", 1.0, 1e7, "mean charge of a hit at the reference gain")
     length: float = parameter(2.0, "pixel", 0.05, 200.0, "mean length of a track")
-    charge: str = choice("track", "drawn for the track, or in proportion to it", "track", "path")
+    charge: str = choice(
+        "track",
+        "drawn for the track, or in proportion to it; one charge a pixel of path, or Moyal's law",
+        "track",
+        "path",
+        "even",
+        "landau",
+    )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the tracks of this frame that cross the window."""
         y, x, charge = self._points(site)
         rows, columns = site.window.shape
         out = np.zeros((rows, columns), np.float32)
+        if self.charge in STEPPED:  # each step lies in one pixel
+            y, x = np.rint(y), np.rint(x)
         top = np.floor(y).astype(int)
         left = np.floor(x).astype(int)
         fy, fx = y - top, x - left
@@ -96,22 +117,45 @@ class CosmicRays(Effect):
         random = site.moment.generator()
         number = poisson_quantile(random.random(), mean)
         u = random.random((number, 5))
-        length = -self.value("length", site.point) * np.log1p(-u[:, 3])
-        energy = -self.value("energy", site.point) * site.gain_ratio * np.log1p(-u[:, 4])
+        mean_length = self.value("length", site.point)
+        length = -mean_length * np.log1p(-u[:, 3])
+        energy = self.value("energy", site.point) * site.gain_ratio
+        if self.charge in STEPPED:
+            steps = np.rint(length).astype(int) + 1
+            length = steps - 1.0
+            energy = energy / (1.0 + mean_rounded(mean_length)) * steps
+        else:
+            steps = np.ceil(length / SPACING).astype(int) + 1
+            energy = -energy * np.log1p(-u[:, 4])
         if self.charge == "path":  # the silicon is about a pixel deep
-            energy *= (1.0 + length) / (1.0 + self.value("length", site.point))
-        steps = np.ceil(length / SPACING).astype(int) + 1
+            energy *= (1.0 + length) / (1.0 + mean_length)
         track = np.repeat(np.arange(number), steps)
         along = np.arange(track.size) - np.repeat(np.cumsum(steps) - steps, steps)
         offset = (along / np.maximum(steps - 1, 1)[track] - 0.5) * length[track]
         angle = 2 * np.pi * u[track, 2]
         y = u[track, 0] * rows - 0.5 + offset * np.sin(angle)
         x = u[track, 1] * columns - 0.5 + offset * np.cos(angle)
-        return y, x, energy[track] / steps[track]
+        charge = energy[track] / steps[track]
+        if self.charge == "landau":
+            place = track * MOST_STEPS + np.minimum(along, MOST_STEPS - 1)
+            charge *= moyal(site.moment.child("landau").uniform_at(place))
+        return y, x, charge
 
     def variance(self, point: OperatingPoint) -> float | None:
         """None: it depends on how a track falls on the pixels."""
         return None
+
+
+def mean_rounded(length: float) -> float:
+    """Mean of an exponential length after rounding: the sum of P(L > n + 1/2), pixels."""
+    return float(-np.exp(-0.5 / length) / np.expm1(-1.0 / length))
+
+
+def moyal(u: np.ndarray) -> np.ndarray:
+    """Charges of Moyal's law with mean 1, from uniform deviates; none is negative."""
+    z = ndtri(0.5 + 0.5 * u.astype(np.float64))
+    law: np.ndarray = np.maximum(1.0 - 2.0 * WIDTH * np.log(z), 0.0)
+    return law / (1.0 + WIDTH * MOYAL_MEAN)
 
 
 def poisson_quantile(u: float, mean: float) -> int:

@@ -43,6 +43,7 @@ class DefectLines(Effect):
         "column_taps": "a regular period, or wide strips",
         "scaled_lines": "lines whose dark charge is scaled: their offset grows with exposure and "
         "temperature",
+        "stuck_pixels": "a saturated line stands at one code, without noise",
         "hot_clusters": "short runs of pixels, not whole lines",
     }
 

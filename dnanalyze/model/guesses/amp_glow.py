@@ -7,7 +7,7 @@ import numpy as np
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.effects.amp_glow import SOURCES, AmpGlow, distance
+from dnanalyze.model.effects.amp_glow import PLACES, AmpGlow, glow
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import SIGN, curve
 
@@ -25,7 +25,7 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
     if blocks is None or min(blocks.shape) < 3:
         return []
     fitted_places = []
-    for place in SOURCES:
+    for place in PLACES:
         fits = [(*_fit(place, length, blocks, clues.field), length) for length in LENGTHS]
         error, height, length = min(f for f in fits)
         if height > 0:
@@ -52,8 +52,8 @@ def _fit(
     """(residual mean square, amplitude) of c + a e^(-r/l) on the block means."""
     rows = (np.arange(blocks.shape[0]) + 0.5) * shape[0] / blocks.shape[0]
     columns = (np.arange(blocks.shape[1]) + 0.5) * shape[1] / blocks.shape[1]
-    glow = np.exp(-distance(place, rows, columns, shape) / length)
-    glow -= glow.mean()
+    light = glow(place, length, rows, columns, shape)
+    light -= light.mean()
     y = blocks - blocks.mean()
-    height = float((glow * y).sum() / max((glow * glow).sum(), 1e-30))
-    return float(np.mean((y - height * glow) ** 2)), height
+    height = float((light * y).sum() / max((light * light).sum(), 1e-30))
+    return float(np.mean((y - height * light) ** 2)), height

@@ -3,48 +3,116 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.effects.cosmic_rays import CosmicRays
+from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, excess, shows
 
 LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames
 REACH, MUCH = 60.0, 0.1  # noises up to which differences are counted, nearly; share beyond
+CROSSED = 4.0 / math.pi  # pixels that a pixel of track crosses, in the mean over its direction
+KINDS = "track", "path"  # whose charge is exponential
+QUIET = 1.3  # times the least noise, up to which clumps are counted
 FEWEST, PLAIN = 4, 30.0  # differences that tell a charge; noises where they do not
 
 
 def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
-    """Rate from the pixels that stand out once; how many of them touch tells the length.
+    """Rate and length from the clumps of pixels that stand out once: how many, and how large.
 
     The charge comes from how far frames differ, where those differ that do by far.
     """
     if not shows(clues, ("transient_high", "transient_adjacent")):
         return []
     hits = np.maximum(excess(clues, "transient_high"), 0)
-    touching = np.maximum(excess(clues, "transient_adjacent"), 0)
     noise = np.asarray(clues.measured("temporal_noise_core"), float)
     good = (hits > 0) & (noise > 0)
     if not good.any():
         return []
-    share = float(np.nansum(touching[good]) / np.sum(hits[good]))
-    length = 0.5 if share < 0.3 else 1.0 + 4.0 * share
-    pixels_a_hit = 1.5 + length
     place = int(np.nanargmin(np.where(good, noise, np.nan)))  # hot pixels flicker less there
     a_pixel, reached = _charge(clues, place, noise[place])
-    seen = hits[good] / np.exp(-np.minimum(LIMIT * noise[good] / a_pixel, 3.0))
-    seconds = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in clues.points])
-    # transients are counted over all frames of a setting; take eight, within a factor of a few
-    rate = np.sum(seen) / pixels_a_hit / (8 * np.sum(seconds[good]))
-    rate /= np.prod(clues.shape) * 1e-6
-    energy = a_pixel / hints.gains(clues)[place] * pixels_a_hit
+    quiet = good & (noise <= QUIET * noise[place])  # noise breaks tracks into pieces
+    seen = _clumps(clues, hits, quiet)
+    length, rate, pixels = _by_share(clues, hits, good) if seen is None else seen.tracks(CROSSED)
+    unseen = np.exp(-min(LIMIT * float(noise[place]) / a_pixel, 3.0))
+    energy = a_pixel / hints.gains(clues)[place] * pixels
     more = (1, 10) if reached else (1,)
-    numbers = [clip(effect, rate=rate, energy=energy * f, length=length) for f in more]
-    return [effect(**n, charge=kind) for kind in ("track", "path") for n in numbers]
+    numbers = [clip(effect, rate=rate / unseen, energy=energy * f, length=length) for f in more]
+    guesses: list[Effect] = [effect(**n, charge=kind) for kind in KINDS for n in numbers]
+    if seen is None:
+        return guesses
+    length, rate, pixels = seen.tracks(1.0)
+    energy = (
+        (a_pixel + math.sqrt(2.0) * CUT * float(noise[place])) / hints.gains(clues)[place] * pixels
+    )
+    values = clip(effect, rate=rate, energy=energy, length=length)
+    return [*guesses, *(effect(**values, charge=kind) for kind in STEPPED)]
+
+
+@dataclass(frozen=True)
+class _Clumps:
+    """Clumps of pixels that stand out once.
+
+    Parameters
+    ----------
+    count : float
+    pixels : float
+        In all of them.
+    exposed : float
+        Million pixels times seconds, or times frames where the exposure is unknown.
+    border : float
+        Length of the border over the area, 1/pixel.
+    """
+
+    count: float
+    pixels: float
+    exposed: float
+    border: float
+
+    def tracks(self, crossed: float) -> tuple[float, float, float]:
+        """Mean length, rate, and pixels a hit.
+
+        A track of length l has 1 + ``crossed`` l pixels. The border cuts l/pi tracks a unit of
+        length, for each track of an area of one: these count as more, and shorter, clumps.
+        """
+        mean = self.pixels / self.count
+        cut = self.border / math.pi
+        length = max((mean - 1.0) / max(crossed - cut * mean, 0.1 * crossed), 0.0)
+        return length, self.count / self.exposed / (1.0 + cut * length), 1.0 + crossed * length
+
+
+def _clumps(clues: Clues, hits: np.ndarray, good: np.ndarray) -> _Clumps | None:
+    """What these settings show beyond the model; None where the sizes of clumps are not at hand."""
+    count, pixels, exposed = 0.0, 0.0, 0.0
+    high = np.asarray(clues.measured("transient_high"), float)
+    for j in np.flatnonzero(good):
+        sizes, codes = (curve(clues, n, int(j)) for n in ("transient_clumps", "histogram_counts"))
+        if sizes is None or codes is None:
+            continue
+        share = min(hits[j] / max(high[j], 1.0), 1.0)
+        seconds = clues.points[j].exposure_s
+        count += share * float(sizes.sum())
+        pixels += share * float(sizes @ np.arange(sizes.size))
+        exposed += float(codes.sum()) * 1e-6 * (1.0 if seconds is None else seconds)
+    rows, columns = clues.shape
+    border = 2.0 * (rows + columns) / (rows * columns)
+    return _Clumps(count, pixels, exposed, border) if count and exposed else None
+
+
+def _by_share(clues: Clues, hits: np.ndarray, good: np.ndarray) -> tuple[float, float, float]:
+    """Length, rate and pixels a hit from how many of the pixels touch; eight frames are assumed."""
+    touching = np.maximum(excess(clues, "transient_adjacent"), 0)
+    share = float(np.nansum(touching[good]) / np.sum(hits[good]))
+    length = 0.5 if share < 0.3 else 1.0 + 4.0 * share
+    pixels = 1.5 + length
+    seconds = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in clues.points])
+    rate = np.sum(hits[good]) / pixels / (8 * np.sum(seconds[good]))
+    return length, float(rate / (np.prod(clues.shape) * 1e-6)), pixels
 
 
 def _charge(clues: Clues, setting: int, noise: float) -> tuple[float, bool]:

@@ -8,7 +8,17 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.stuck_pixels import StuckPixels
-from dnanalyze.model.guesses.evidence import curve, excess, shows, strongest, typical_positive
+from dnanalyze.model.guesses.evidence import (
+    curve,
+    excess,
+    shows,
+    strongest,
+    typical,
+    typical_positive,
+)
+
+ALIKE = 0.9  # share of the largest offset of a line from which others are as far off
+MORE = 1.1  # times the pixels that never change, in columns; rows may lie where none are counted
 
 
 def guess(effect: type[StuckPixels], clues: Clues) -> list[Effect]:
@@ -28,6 +38,13 @@ def guess(effect: type[StuckPixels], clues: Clues) -> list[Effect]:
     fraction = bounded(effect, "fraction", count / (clues.shape[0] * clues.shape[1]))
     setting = strongest(clues, ["dead_count"]) or 0
     stuck = curve(clues, "dead_codes", setting)
+    lines = {} if stuck is None else _lines(clues, float(stuck[0]), count)
+    if stuck is not None and any(lines.values()):
+        rows, columns = clues.shape
+        count = max(count - len(lines["columns"]) * rows, 0.0)
+        count -= columns * min(len(lines["rows"]), count // columns)  # some in the other half
+        rest = bounded(effect, "fraction", count / (rows * columns))
+        return [effect(rest, bounded(effect, "code", float(stuck[0])), **lines)]
     if stuck is not None:
         most, top = (bounded(effect, "code", float(c)) for c in (stuck[0], np.max(stuck)))
         return [effect(fraction, top, "any"), effect(fraction, most)]
@@ -35,3 +52,23 @@ def guess(effect: type[StuckPixels], clues: Clues) -> list[Effect]:
     ends = (0.0, 4095.0) if codes is None else (float(np.min(codes)), float(np.max(codes)))
     low, high = (bounded(effect, "code", end) for end in ends)
     return [effect(fraction, high, "any"), effect(fraction, high), effect(fraction, low)]
+
+
+def _lines(clues: Clues, code: float, count: float) -> dict[str, tuple[float, ...]]:
+    """Whole columns and rows that may stand at a code.
+
+    The profile bounds what pixels are off by, so that saturated lines are all alike off, and off
+    the most.
+    """
+    none: dict[str, tuple[float, ...]] = {"columns": (), "rows": ()}
+    sign = 1.0 if code > typical(clues.measured("mean")) else -1.0
+    seen = {axis: clues.defects(axis) for axis in none}
+    most = max((sign * float(o) for lines in seen.values() for o in lines[:, 1]), default=0.0)
+    if most <= 0:
+        return none
+    found = {}
+    for axis, along in (("columns", 0), ("rows", 1)):
+        places, offsets, begins, ends = seen[axis].T
+        whole = (begins <= 0) & (ends >= clues.field[along])
+        found[axis] = tuple(float(p) for p in places[whole & (sign * offsets >= ALIKE * most)])
+    return found if len(found["columns"]) * clues.shape[0] <= MORE * count else none

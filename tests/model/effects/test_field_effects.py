@@ -1,5 +1,7 @@
 """Glow, gradients, cosmic rays, persistence and crosstalk against their closed forms."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames, growth
@@ -7,9 +9,15 @@ from readout_bench import Given
 from scipy import stats
 from scipy.ndimage import find_objects, label
 
+from dnanalyze.fitting.photon_transfer import gain_over_field
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effects.amp_glow import SOURCES, AmpGlow
-from dnanalyze.model.effects.cosmic_rays import CosmicRays, poisson_quantile
+from dnanalyze.model.effects.amp_glow import PLACES, TOGETHER, AmpGlow
+from dnanalyze.model.effects.cosmic_rays import (
+    CosmicRays,
+    mean_rounded,
+    moyal,
+    poisson_quantile,
+)
 from dnanalyze.model.effects.crosstalk import Crosstalk
 from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
@@ -34,6 +42,40 @@ def test_glow_fades_exponentially_from_its_source():
     np.testing.assert_allclose(edge[:, 0], 50, rtol=1e-6)
 
 
+@pytest.mark.parametrize("place", TOGETHER)
+def test_glow_of_several_sources_is_their_sum(place):
+    y = frames(AmpGlow(50.0, 0.1, 0.0, place), (60, 90))[0]
+    each = [frames(AmpGlow(50.0, 0.1, 0.0, p), (60, 90))[0] for p in TOGETHER[place]]
+    np.testing.assert_allclose(y, np.sum(each, axis=0), rtol=1e-5)
+    half = np.rot90(y, 2)  # what faces itself is the same from both ends
+    if place in ("edges", "corners", "n+s", "e+w", "nw+se", "ne+sw"):
+        np.testing.assert_allclose(y, half, rtol=1e-4)
+
+
+def test_glow_of_the_border_follows_the_nearest_edge():
+    y = frames(AmpGlow(50.0, 0.1, 0.0, "border"), (60, 90))[0]
+    row, column = np.arange(60)[:, None], np.arange(90)[None, :]
+    nearest = np.minimum(np.minimum(row, 59 - row), np.minimum(column, 89 - column))
+    np.testing.assert_allclose(y, 50 * np.exp(-nearest / 9.0), rtol=1e-5)
+
+
+@pytest.mark.parametrize("place", ["se", "edges", "corners"])
+def test_the_glow_tells_the_conversion_gain(place):
+    """Poisson charge of 300 e- at the source beside read noise, K = 1.7 DN/e-."""
+    k = 1.7
+    glow = AmpGlow(300.0 * k, 0.2, 0.0, place)
+    y = frames((glow, DarkShotNoise(k), ReadNoise(5.0)), (256, 256), 12)
+    setting = SimpleNamespace(
+        point=HERE,
+        curves={
+            "block_means": blocks(y.mean(axis=0)),
+            "noise_blocks": blocks(y.var(axis=0, ddof=1)),
+        },
+    )
+    gain = gain_over_field([SimpleNamespace(settings=[setting])], HERE)
+    assert gain == pytest.approx(k, rel=0.03)
+
+
 def test_glow_follows_exposure_gain_and_its_activation_energy():
     a = frames(AmpGlow(50.0, 0.25, 0.3, "nw"), (64, 64))
     for point, factor in ((LONG, 3), (LOUD, 2), (WARM, growth(0.3))):
@@ -41,7 +83,7 @@ def test_glow_follows_exposure_gain_and_its_activation_energy():
         np.testing.assert_allclose(got, factor * a, rtol=1e-5)
 
 
-@pytest.mark.parametrize("place", SOURCES)
+@pytest.mark.parametrize("place", PLACES)
 def test_glow_is_found_where_it_is(place):
     points = (HERE, WARM)
     truth = AmpGlow(30.0, 0.2, 0.0, place)
@@ -125,6 +167,84 @@ def test_longer_tracks_hold_more_charge_where_it_is_drawn_for_the_path(charge, s
     # charge over length, both over their means: 0, or nearly 1; exponential charges scatter
     found, error = away @ relative / (away @ away), 3.0 / np.sqrt(len(sums))
     assert found == pytest.approx(slope, abs=4 * error)
+
+
+@pytest.mark.parametrize("kind", ["even", "landau"])
+def test_charges_go_pixel_by_pixel_with_the_mean_charge_of_a_hit(kind):
+    effect = CosmicRays(rate=60.0, energy=5000.0, length=9.0, charge=kind)
+    y = frames(effect, (512, 512), 40)
+    number = 60 * 0.262144 * 40
+    # compound Poisson: E[n^2]/E[n]^2 of n = 1 + round(Exp) is below 2; the border takes a part
+    assert y.sum() / (number * 5000) == pytest.approx(1, abs=5 * np.sqrt(2.0 / number) + 0.02)
+    charge = 5000.0 / (1.0 + mean_rounded(9.0))
+    lit = y[y > 0] / charge
+    if kind == "even":  # one step a pixel, two where a shallow track steps within it
+        np.testing.assert_allclose(lit, np.rint(lit), atol=1e-4)
+        assert np.mean(lit < 1.5) > 0.75
+    else:
+        assert lit.min() > 0.0
+        assert stats.variation(lit) > 0.3
+
+
+@pytest.mark.parametrize("kind", ["even", "landau"])
+def test_shortest_tracks_hit_single_pixels(kind):
+    y = frames(CosmicRays(rate=100.0, energy=300.0, length=0.05, charge=kind), (256, 256), 20)
+    number = 100 * 0.065536 * 20
+    assert np.count_nonzero(y) == pytest.approx(number, abs=5 * np.sqrt(number))
+    neighbours = np.count_nonzero((y[:, 1:] > 0) & (y[:, :-1] > 0))
+    assert neighbours <= 5  # by chance
+
+
+def test_rounded_lengths_and_moyals_charges_have_their_means():
+    rng = np.random.default_rng(4)
+    for length in (0.3, 2.0, 40.0):
+        rounded = np.rint(rng.exponential(length, 400_000))
+        se = 5 * rounded.std() / np.sqrt(rounded.size)
+        assert mean_rounded(length) == pytest.approx(rounded.mean(), abs=se)
+    charges = moyal((np.arange(1_000_000) + 0.5) / 1_000_000)
+    assert charges.mean() == pytest.approx(1.0, abs=1e-3)
+    most = 1.0 / (1.0 + 0.25 * stats.moyal.mean())
+    expected = stats.moyal.var() * (0.25 * most) ** 2
+    assert charges.var() == pytest.approx(expected, rel=0.01)
+
+
+def test_rate_and_length_are_guessed_from_clumps_that_the_border_cuts():
+    """Tracks of exponential length, a step a pixel; counted by an independent labelling."""
+    rng = np.random.default_rng(8)
+    side, rate, length, count = 256, 90.0, 20.0, 60
+    sizes = []
+    for _ in range(count):
+        lit = np.zeros((side, side), bool)
+        for _ in range(rng.poisson(rate * (side + 400) ** 2 * 1e-6)):
+            y, x = rng.uniform(-200, side + 200, 2)
+            angle, n = rng.uniform(0, 2 * np.pi), int(np.rint(rng.exponential(length))) + 1
+            along = np.arange(n) - (n - 1) / 2
+            r = np.floor(y + along * np.sin(angle)).astype(int)
+            c = np.floor(x + along * np.cos(angle)).astype(int)
+            inside = (r >= 0) & (r < side) & (c >= 0) & (c < side)
+            lit[r[inside], c[inside]] = True
+        marked, _ = label(lit, np.ones((3, 3)))
+        sizes += list(np.bincount(marked.ravel())[1:])
+    curves = {
+        "transient_clumps": [np.bincount(sizes).astype(float)],
+        "histogram_counts": [np.array([side * side * count])],
+        "difference_hist_x": [np.array([-60.0, 0.0, 60.0])],
+        "difference_hist_n": [np.array([500, 100_000, 500])],
+    }
+    clues = MadeUpClues(
+        shape=(side, side),
+        seen={"transient_high": float(np.sum(sizes)), "temporal_noise_core": 3.0},
+        model={"transient_high": 0.0},
+        stands_out=("transient_high",),
+        curves=curves,
+    )
+    guesses = {g.charge: g for g in CosmicRays.guess(clues)}
+    assert set(guesses) == {"track", "path", "even", "landau"}
+    even = guesses["even"]
+    error = 3.0 / np.sqrt(len(sizes))
+    assert even.rate == pytest.approx(rate, rel=error + 0.05)
+    assert even.length == pytest.approx(length, rel=error + 0.1)
+    assert even.energy == pytest.approx(60.0 * np.sqrt(2.0) * (1 + even.length), rel=1e-6)
 
 
 def test_number_of_tracks_is_poisson_and_grows_one_by_one():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from readout_bench import Flat, Given, frames
 
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.stuck_pixels import StuckPixels
 
@@ -78,3 +78,31 @@ def test_guess_where_the_noise_is_below_a_code_and_many_pixels_never_change():
     mixed, high, low = StuckPixels.guess(clues)
     assert mixed.fraction == pytest.approx(35 / 65536)
     assert (low.code, high.code) == (0.0, 4095.0)
+
+
+def test_saturated_lines_stand_at_the_code_in_every_frame():
+    effect = StuckPixels(0.002, 4095.0, "any", columns=(7.0, 50.0), rows=(20.0,))
+    y = frames(ReadNoise(2.0), effect, count=3, shape=(64, 80))
+    assert np.all(y[:, :, [7, 50]] == 4095.0)
+    assert np.all(y[:, 20] == 4095.0)
+    others = np.delete(np.delete(y[0], 20, 0), [7, 50], 1)
+    plain = frames(ReadNoise(2.0), StuckPixels(0.002, 4095.0, "any"), shape=(64, 80))[0]
+    np.testing.assert_array_equal(others, np.delete(np.delete(plain, 20, 0), [7, 50], 1))
+    window = Window(10, 40, 30, 60)
+    part = frames(ReadNoise(2.0), effect, shape=(64, 80), window=window)
+    np.testing.assert_array_equal(part[0], y[0][window.slices])
+
+
+def test_saturated_lines_are_told_from_offset_ones():
+    clues = Given(
+        shape=(64, 128), whole=(128, 128),
+        seen={"dead_count": 64.0 + 8, "mean": 100.0, "temporal_noise_core": 3.0},
+        model={"dead_count": 0.0}, off={"dead_count": 8.0},
+        curves={"dead_codes": [np.array([4095.0])]},
+        standing_out={"columns": [[7, 15.0, 0, 128], [9, 5.0, 0, 128], [11, 15.0, 40, 128]]},
+    )  # fmt: skip
+    (found,) = StuckPixels.guess(clues)
+    assert (found.columns, found.rows, found.code) == ((7.0,), (), 4095.0)
+    assert found.fraction == pytest.approx(8 / 8192)
+    clues.seen["dead_count"] = 8.0  # too few for a line
+    assert all(g.columns == () for g in StuckPixels.guess(clues))
