@@ -24,7 +24,9 @@ SURFACE = (1.0, 0.0, 0.5, 1.0, 0.0)
 
 
 def effect(**words):
-    given = {"coefficients": SURFACE, "centre_y": 30.0, "centre_x": 20.0, "radius": 8.0} | words
+    given = {"centre_y": 30.0, "centre_x": 20.0, "radius": 8.0} | words
+    if given["where"] == "surface":
+        given.setdefault("coefficients", SURFACE)
     return CompositeEffect(**given)
 
 
