@@ -18,6 +18,7 @@ CLEAR = 5.0  # standard errors by which a line stands out
 # 1 - 2 / pi = .36 of a normal distribution; the middle.
 TWO_GROUPS = 0.18
 ALIKE = 0.25  # correlation along the rows over that along the columns: crosstalk has 1
+ROUNDING = 1.0 / 12.0  # DN^2
 AT_ONCE = 0.05  # frames, the time constant of what draws anew in every frame
 
 
@@ -135,7 +136,8 @@ def row_before(seen: Layers) -> list[Estimate]:
     for t in seen.taken:
         rest = t.temporal / np.float32(t.noise)
         rest = rest - rest.mean(axis=1, keepdims=True) - rest.mean(axis=2, keepdims=True)
-        power = float(np.mean(rest * rest))
+        # the rounding of the codes comes after the share is taken, and is not shared
+        power = max(float(np.mean(rest * rest)) - ROUNDING / t.noise**2, 1e-9)
         one = float(np.mean(rest[:, 1:] * rest[:, :-1])) / power
         two = float(np.mean(rest[:, 2:] * rest[:, :-2])) / power
         side = float(np.mean(rest[:, :, 1:] * rest[:, :, :-1])) / power

@@ -152,6 +152,22 @@ class Layers:
         return all(len(t.frames) > 1 for t in self.taken)
 
     @cached_property
+    def lost_gain(self) -> np.ndarray:
+        """By how much a fixed pattern of the gain is larger than its map shows, one a point.
+
+        Beside what any pattern loses in cut pixels (`Layer.kept`): these hold more than their share
+        of the dark signal.
+        """
+        found = []
+        for taken, dark in zip(self.taken, self.dark, strict=True):
+            rest = taken.mean - np.median(taken.mean)
+            charge = np.maximum(rest - rest.mean() + dark, 0.0)
+            cut = np.abs(rest) >= CLIP * taken.fixed.noise
+            share = 1.0 - float(charge[cut].sum()) / max(float(charge.sum()), 1e-9)
+            found.append(taken.fixed.kept / max(share, 0.5))
+        return np.array(found)
+
+    @cached_property
     def row(self) -> np.ndarray:
         """Row numbers in the full frame, a column vector."""
         return np.arange(self.window.top, self.window.bottom)[:, None]

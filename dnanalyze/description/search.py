@@ -26,7 +26,7 @@ def searched(seen: Layers, chance: dict[Kind, float], reference: OperatingPoint)
     """
     found = []
     for e in _words(seen):
-        lawful = with_law(e, seen.points, seen.dark, reference)
+        lawful = with_law(e, seen.points, seen.dark, reference, seen.lost_gain)
         found.append(replace(lawful, chance=LUCK * chance.get(e.kind, 0.0)))
     return _best(sorted((e for e in found if e.worth > LEAST), key=lambda e: -e.worth))
 
