@@ -208,10 +208,11 @@ def describe(
     begun = located(held, with_seed(held, model, seed) or model)
     tell("fitting the model")
     state = fitted_in_time(held.within(limit), begun)
-    if adequacy(held, state, FEW).adequate:
+    found = described(captures, held, state, known_effects(effects, known), limit, tell)
+    if found.effect is None and adequacy(held, state, FEW).adequate:
         text = "Nothing to describe: no residual of the model exceeds chance in these captures."
-        return replace(_without(captures, held, state, "adequate", text), after="adequate")
-    return described(captures, held, state, known_effects(effects, known), limit, tell)
+        return replace(found, verdict="adequate", text=text, after="adequate")
+    return found
 
 
 def described(

@@ -38,10 +38,12 @@ def _diagonals(seen: Layers, maps: list[Layer], layer: Layer, slant: str) -> Est
         return np.bincount(number.ravel(), rest.ravel())[used] / count[used]
 
     *_, gain = random_size(means(layer), 1.0 / count[used])
-    sizes = [random_size(means(m), m.noise**2 / count[used])[:2] for m in maps]
+    sizes = [_realised(means(m) / m.kept, m.scatter / m.kept**2 / count[used]) for m in maps]
     effect = CompositeEffect(where="diagonal", slant=slant)
     price = 2.0 * math.log(int(used.sum()))
-    return Estimate(effect, {}, gain, price, _squares(sizes), gain / layer.map.size)
+    return Estimate(
+        effect, {}, gain, price, _squares(sizes), gain / layer.map.size, elements=int(used.sum())
+    )
 
 
 def _blocks(
@@ -54,9 +56,10 @@ def _blocks(
     sizes = []
     for m in maps:
         value, number = block_means(seen, m.map, form)
-        sizes.append(random_size(value, m.noise**2 / number)[:2])
+        sizes.append(_realised(value / m.kept, m.scatter / m.kept**2 / number))
     effect = CompositeEffect(where="block", height=height, width=width, top=top, left=left)
-    return Estimate(effect, {}, gain, 5.0 * math.log(means.size), _squares(sizes))
+    price = 5.0 * math.log(means.size)
+    return Estimate(effect, {}, gain, price, _squares(sizes), elements=means.size)
 
 
 def _seams(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate]:
@@ -88,18 +91,33 @@ def _seams(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate
         left = data - both @ np.linalg.lstsq(both, data, rcond=None)[0]
         noise = max(float(left @ left) / (data.size - both.shape[1]), 1.0 / (rows * columns))
         gain = float(rest @ rest - left @ left) / noise
-        sizes = []
+        # two or four values: their signs and sizes are numbers of this sensor, no random draw
+        way = np.linalg.lstsq(both, data, rcond=None)[0][6:]
+        way = way / max(float(np.linalg.norm(way)), 1e-300)
         inverse = np.linalg.pinv(both.T @ both)[6:, 6:]
-        for m in maps:
-            value = np.linalg.lstsq(both, grid(m.map), rcond=None)[0][6:]
-            error = m.noise**2 / (rows * columns) * np.diag(inverse)
-            sizes.append(random_size(value, error)[:2])
+        error = math.sqrt(float(way @ inverse @ way) / (rows * columns))
+        parts = [np.linalg.lstsq(both, grid(m.map) / m.kept, rcond=None)[0][6:] for m in maps]
+        errors = np.array([math.sqrt(m.scatter) / m.kept * error for m in maps])
+        sizes = Sizes(np.array([float(way @ p) for p in parts]), errors)
         given: dict[str, Any] = (
             {"where": "quadrants"} if name == "quadrants" else {"where": "halves", "axis": name}
         )
         price = (1 + step.shape[1]) * math.log(data.size)
-        found.append(Estimate(CompositeEffect(**given), {}, gain, price, _squares(sizes)))
+        effect = CompositeEffect(coefficients=tuple(round(float(c), 4) for c in way), **given)
+        found.append(Estimate(effect, {}, gain, price, sizes))
     return found
+
+
+def _realised(values: np.ndarray, chance: np.ndarray) -> tuple[float, float]:
+    """A^2 of these values with the error of measuring it.
+
+    Without what another draw of the values would add, 2 A^4 / n: they are the same at all
+    operating points.
+    """
+    size, error, _ = random_size(values, chance)
+    draw = 2.0 * size**2 / values.size
+    least = 2.0 * float(np.mean(chance)) ** 2 / values.size
+    return size, math.sqrt(max(error**2 - draw, least))
 
 
 def _squares(sizes: list[tuple[float, float]]) -> Sizes:

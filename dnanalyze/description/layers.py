@@ -15,6 +15,7 @@ from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
+HOT = 6.0  # robust standard deviations of a variance: of six frames .06 % lie beyond
 CLIP = 4.0  # robust standard deviations: of white noise .006 % lie beyond, hot pixels all
 
 
@@ -30,11 +31,20 @@ class Layer:
         Standard deviation of a pixel, DN, robust.
     point : OperatingPoint
         Where.
+    kept : float
+        Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
+        map is smaller by this factor.
     """
 
     map: np.ndarray
     noise: float
     point: OperatingPoint
+    kept: float = 1.0
+
+    @cached_property
+    def scatter(self) -> float:
+        """Variance of the map, its tails included, DN^2: what a mean of pixels scatters by."""
+        return float(self.map.var())
 
 
 @dataclass(frozen=True)
@@ -88,14 +98,26 @@ class Taken:
     def _fixed(self, mean: np.ndarray) -> Layer:
         rest = (mean - np.median(mean)).astype(float)
         noise = robust(rest)
-        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, self.point)
+        kept = float(np.mean(np.abs(rest) < CLIP * noise))
+        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, self.point, kept)
+
+    def line_variances(self, axis: int) -> np.ndarray:
+        """Mean temporal variance of the rows (axis 1) or columns (0), DN^2.
+
+        Hot pixels are cut by the spread within their own line: a noisy line is not cut more than
+        another.
+        """
+        found = self.frames.var(axis=0, ddof=1, dtype=float)
+        low, middle, high = np.percentile(found, (25, 50, 75), axis=axis, keepdims=True)
+        cut = np.minimum(found, middle + HOT * (high - low) / 1.349)
+        return np.asarray(cut.mean(axis=axis))
 
     @cached_property
     def variance(self) -> Layer:
         """The temporal variance of the pixels less its mean, DN^2."""
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         middle, noise = float(np.median(found)), robust(found)
-        cut = np.minimum(found, middle + 6.0 * noise)
+        cut = np.minimum(found, middle + HOT * noise)
         return Layer(cut - cut.mean(), float(cut.std()), self.point)
 
 
@@ -128,6 +150,22 @@ class Layers:
     def several(self) -> bool:
         """Whether there are frames to compare."""
         return all(len(t.frames) > 1 for t in self.taken)
+
+    @cached_property
+    def lost_gain(self) -> np.ndarray:
+        """By how much a fixed pattern of the gain is larger than its map shows, one a point.
+
+        Beside what any pattern loses in cut pixels (`Layer.kept`): these hold more than their share
+        of the dark signal.
+        """
+        found = []
+        for taken, dark in zip(self.taken, self.dark, strict=True):
+            rest = taken.mean - np.median(taken.mean)
+            charge = np.maximum(rest - rest.mean() + dark, 0.0)
+            cut = np.abs(rest) >= CLIP * taken.fixed.noise
+            share = 1.0 - float(charge[cut].sum()) / max(float(charge.sum()), 1e-9)
+            found.append(taken.fixed.kept / max(share, 0.5))
+        return np.array(found)
 
     @cached_property
     def row(self) -> np.ndarray:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from scipy import optimize
 from scipy.signal import fftconvolve
 
 from dnanalyze.description.found import Estimate, Sizes
@@ -46,6 +48,73 @@ def spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Estimate
     price = 3 * len(frames) * math.log(GRID * GRID) if np.sum(values) > 0 else math.inf
     sizes = Sizes(np.array(values), np.maximum(errors, 1e-9))
     return Estimate(effect, {"radius": radius * error}, float(gains[best].sum()), price, sizes)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A spot that stays in its place and changes its height from frame to frame.
+
+    Parameters
+    ----------
+    centre : tuple of float
+        Row and column in the frame.
+    radius : float
+        Pixels.
+    errors : dict
+        Standard errors by parameter.
+    heights : list of ndarray
+        Of every frame less the mean of its operating point, DN.
+    chance : list of float
+        Variance of such a height by chance, DN^2.
+    """
+
+    centre: tuple[float, float]
+    radius: float
+    errors: dict[str, float]
+    heights: list[np.ndarray]
+    chance: list[float]
+
+
+def standing(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Standing | None:
+    """The strongest pattern of the coarse frames, where it is a Gaussian spot."""
+    white = np.concatenate([c.reshape(len(c), -1) / math.sqrt(n)
+                            for c, n in zip(coarse, noise, strict=True)])  # fmt: skip
+    _, strength, shapes = np.linalg.svd(white, full_matrices=False)
+    shape = shapes[0] * np.sign(shapes[0][np.abs(shapes[0]).argmax()])
+    y, x = (p.ravel().astype(float) for p in np.indices((GRID, GRID)))
+    place = int(shape.argmax())
+
+    def made(_: np.ndarray, *p: float) -> np.ndarray:
+        return p[0] * np.exp(-((y - p[1]) ** 2 + (x - p[2]) ** 2) / (2.0 * p[3] ** 2))
+
+    begun = (float(shape.max()), y[place], x[place], GRID / 8.0)
+    bounds = ([0.0, -0.5, -0.5, 0.4], [10.0, GRID - 0.5, GRID - 0.5, GRID / 4.0])
+    error = np.full(shape.size, 1.0 / strength[0])
+    try:
+        best, covariance = optimize.curve_fit(
+            made, y, shape, begun, error, absolute_sigma=True, bounds=bounds
+        )
+    except RuntimeError:
+        return None
+    template = made(y, 1.0, *best[1:])
+    amount = float(template @ template)
+    # blocks widen a spot by their own variance and lower it by as much
+    wide, true = best[3] ** 2, max(best[3] ** 2 - 1.0 / 12.0, 0.25 * best[3] ** 2)
+    taller = wide / true
+    steps = [n // GRID for n in seen.window.shape]
+    step = math.sqrt(math.prod(steps))
+    off = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    radius = math.sqrt(true)
+    errors = {
+        "radius": float(off[3]) * best[3] / radius * step,
+        "centre_y": float(off[1]) * steps[0],
+        "centre_x": float(off[2]) * steps[1],
+    }
+    centre = [first + (best[n] + 0.5) * steps[n - 1] - 0.5
+              for n, first in ((1, seen.window.top), (2, seen.window.left))]  # fmt: skip
+    heights = [c.reshape(len(c), -1) @ template / amount * taller for c in coarse]
+    chance = [n / amount * taller**2 for n in noise]
+    return Standing((float(centre[0]), float(centre[1])), radius * step, errors, heights, chance)
 
 
 def _peaks(frames: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.description.blocks import block_form
+from dnanalyze.description.changing import changing_lines, row_before, standing_spot
 from dnanalyze.description.found import Estimate, Sizes
 from dnanalyze.description.layers import Layers
 from dnanalyze.description.random_size import random_size
 from dnanalyze.description.spots import GRID, spot
+from dnanalyze.description.variance_lines import groups
 from dnanalyze.model.composite.effect import CompositeEffect
 
 TWO_LEVEL = 1.5  # fourth moment over the square of the second: 1 of two levels, 3 of a normal
@@ -23,13 +25,14 @@ def temporal(seen: Layers) -> list[Estimate]:
     """All that the temporal layer may show."""
     if not seen.several:
         return []
-    found = [*_pairs(seen), *_segments(seen)]
+    found = [*_pairs(seen), *_segments(seen), *changing_lines(seen), *row_before(seen)]
     if min(seen.window.shape) >= 4 * GRID:
         coarse = [_coarse(t.unclipped) for t in seen.taken]
         pixels = math.prod(n // GRID for n in seen.window.shape)
         noise = [t.noise**2 / pixels for t in seen.taken]
         found += [_surface(seen, coarse, noise), *_parts(seen, coarse, noise)]
         found.append(spot(seen, coarse, noise))
+        found += standing_spot(seen, coarse, noise)
     return found
 
 
@@ -222,7 +225,8 @@ def _segments(seen: Layers) -> list[Estimate]:
             scatter = float(by_line.std()) if chosen.sum() < 2 else float(by_line[chosen].std())
             errors.append(max(scatter / math.sqrt(chosen.sum()), 1e-9))
         given: dict[str, Any] = {"where": where, "distribution": "two_level", "share": share}
-        effect = CompositeEffect(when="frame", **given)
+        first = seen.window.left if axis == 1 else seen.window.top
+        effect = CompositeEffect(when="frame", lines=groups(chosen, first), **given)
         price = (float(chosen.sum()) + 2.0) * math.log(chosen.size * count)
         spread = math.sqrt(share * (1 - share) / chosen.size)
         sizes = Sizes(np.array(values), np.array(errors), squares=True)

@@ -19,7 +19,7 @@ def variance_lines(seen: Layers) -> list[Estimate]:
         return []
     found = []
     for where, axis in (("row", 1), ("column", 0)):
-        lines = [t.variance.map.mean(axis=axis) / t.noise**2 for t in seen.taken]
+        lines = [t.line_variances(axis) / t.noise**2 for t in seen.taken]
         mean = np.mean(lines, axis=0)
         middle = float(np.median(mean))
         error = 1.4826 * float(np.median(np.abs(mean - middle)))
@@ -34,8 +34,19 @@ def variance_lines(seen: Layers) -> list[Estimate]:
         ) / math.sqrt(chosen.sum())
         sizes = Sizes(size, scatter * [t.noise**2 for t in seen.taken], squares=True)
         gain = float(np.sum(((mean[chosen] - middle) / error) ** 2))
-        effect = CompositeEffect(what="noise", where=where, distribution="two_level", share=share)
+        first = seen.window.top if where == "row" else seen.window.left
+        effect = CompositeEffect(
+            what="noise", where=where, distribution="two_level", share=share,
+            lines=groups(chosen, first),
+        )  # fmt: skip
         spread = math.sqrt(share * (1 - share) / chosen.size)
         price = (float(chosen.sum()) + 2.0) * math.log(chosen.size)
         found.append(Estimate(effect, {"share": spread}, gain, price, sizes))
     return found
+
+
+def groups(chosen: np.ndarray, first: int) -> tuple[float, ...]:
+    """First and last line of each run of chosen ones, one pair after the other."""
+    edges = np.diff(np.concatenate([[0], chosen.astype(int), [0]]))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    return tuple(float(n + first) for pair in zip(starts, ends, strict=True) for n in pair)

@@ -162,6 +162,8 @@ def _estimate(
     values: np.ndarray,
 ) -> Estimate:
     """A wave or rings of a geometry: phase, envelope, errors, sizes over the points."""
+    if where == "wave":  # whole cycles a pixel are none
+        values = values - np.where(np.abs(values) > 0.5, np.round(values), 0.0)
     angle = (_plane(seen) if where == "wave" else _rings(seen))(values)
     basis = np.stack([np.cos(angle).ravel(), -np.sin(angle).ravel()])
     size = np.linalg.lstsq(basis @ basis.T, basis @ layer.map.ravel(), rcond=1e-6)[0]
@@ -186,8 +188,8 @@ def _estimate(
     amount = float(np.sum(pattern**2))
     peak = math.sqrt(2.0) if what == "noise" else 1.0  # a variance A^2 (1 + p / sqrt2)
     sizes = Sizes(
-        np.array([peak * float(np.sum(m.map * pattern)) / amount for m in maps]),
-        np.array([peak * m.noise / math.sqrt(amount) for m in maps]),
+        np.array([peak * float(np.sum(m.map * pattern)) / amount / m.kept for m in maps]),
+        np.array([peak * math.sqrt(m.scatter / amount) / m.kept for m in maps]),
         squares=what == "noise",
     )
     price = (2 + len(values)) * math.log(layer.map.size)

@@ -18,6 +18,7 @@ KNOWN = {
     ("gain", "quadrants", "frame"): "consistent with exposure times that differ by quadrant",
     ("level", "column_segments", "frame"): "consistent with telegraph noise of column circuits",
 }
+MOST_GROUPS = 8  # of lines, that a sentence names
 OPEN = "the geometry is determined, the cause is not"
 
 
@@ -44,6 +45,8 @@ def _structure(e: CompositeEffect, errors: dict[str, float]) -> str:
         "drifting": "drifting over the frames",
         "switching": "switching",
     }[e.when]
+    if e.where == "row_before":
+        return where
     whose = "relative changes of the dark signal: " if e.what == "gain" else ""
     return f"{whose}fixed {where}" if e.when == "fixed" else f"{whose}{where}, {when}"
 
@@ -78,7 +81,11 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
         ]
         return f"surface {' + '.join(parts)} of random sign and amplitude"
     if e.where == "blob":
-        return f"spot of radius {_told(e, 'radius', errors)} px"
+        place = ""
+        if e.when != "frame":
+            place = f" about ({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
+        half = ", there in half of the frames" if e.distribution == "on_off" else ""
+        return f"spot of radius {_told(e, 'radius', errors)} px{place}{half}"
     if e.where == "diagonal":
         return (
             f"values of the diagonals that {'fall' if e.slant == 'down' else 'rise'} to the right"
@@ -87,11 +94,20 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
         line = e.where.split("_")[0] + "s"
         return f"steps between two levels within {_percent(e, errors)} of the {line}"
     if e.where in ("row", "column"):
+        if e.lines and len(e.lines) <= 2 * MOST_GROUPS:
+            pairs = zip(e.lines[::2], e.lines[1::2], strict=True)
+            told = (f"{a:.0f}" if a == b else f"{a:.0f} to {b:.0f}" for a, b in pairs)
+            return f"{e.where}s {', '.join(told)}"
         few = f"{_percent(e, errors)} of the " if e.share < 1 else "values of the "
         return f"{few}{e.where}s"
+    if e.coefficients and e.where in ("halves", "quadrants"):
+        if e.where == "halves":
+            return f"step between the two halves of the {e.axis}"
+        return "levels of the four quadrants"
     names = {"quadrants": "values of the four quadrants", "pixel": "values of the pixels",
              "halves": f"values of the two halves of the {e.axis}",
-             "smooth": "smooth random pattern"}  # fmt: skip
+             "smooth": "smooth random pattern",
+             "row_before": "signal of the row before, added to every row"}  # fmt: skip
     return names[e.where]
 
 
@@ -115,7 +131,10 @@ def _direction(u: float, v: float) -> str:
 def _size(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.what == "gain":
         spread = 100.0 * errors.get("gain", 0.0)
-        return f"{with_error(100.0 * e.gain, spread)} % of it rms"
+        rms = "" if e.where == "row_before" else " rms"
+        return f"{with_error(100.0 * e.gain, spread)} % of it{rms}"
+    if e.where == "halves" and e.coefficients:
+        return f"{_told(e, 'amplitude', errors)} DN half the step"
     what = "height" if e.where == "blob" else "half the step" if "segments" in e.where else "rms"
     if e.what == "noise":
         what = "additional noise"
@@ -126,7 +145,7 @@ def _law(found: Estimate, seen: Layers) -> str:
     e = found.effect
     if len(seen.points) < 2:
         return "at the only operating point"
-    if e.what == "gain":
+    if e.what == "gain" and e.where != "row_before":
         return "in proportion to the dark signal"
     if e.law == "thermal":
         own = apparent_energy(seen.points, seen.dark)

@@ -92,6 +92,8 @@ def test_halves_are_told_from_shading():
     step = np.sign(ROW - 63.5)
     found = best(made(lambda n, f, rng: shade + 1.5 * step))
     assert (found.effect.where, found.effect.axis) == ("halves", "rows")
+    assert found.effect.coefficients == (1.0,)
+    near(found, amplitude=1.5)
 
 
 def test_quadrants_that_jitter_with_the_dark_signal():
@@ -171,3 +173,80 @@ def test_one_operating_point_and_one_frame_are_enough_for_a_fixed_wave():
     assert found.effect.where == "wave"
     near(found, amplitude=1.0)
     assert "at the only operating point" in sentence(found, seen)
+
+
+def test_blocks_whose_gain_differs_by_less_than_the_spread_of_the_pixels():
+    rng = np.random.default_rng(4)
+    charge = np.exp(0.3 * rng.standard_normal(SHAPE) - 0.045)
+    tiles = 1.0 + 0.12 * rng.standard_normal((40, 40))[(ROW + 3) // 5, (COLUMN + 1) // 6]
+    found = best(made(lambda n, f, rng: DARK[n] * (charge * tiles - 1.0)))
+    e = found.effect
+    assert (e.what, e.where, e.height, e.width, e.top, e.left) == ("gain", "block", 5, 6, 3, 1)
+    near(found, gain=0.12)
+
+
+def test_a_spot_that_blinks_in_its_place():
+    spot = 5.0 * np.exp(-0.5 * ((ROW - 40.0) ** 2 + (COLUMN - 90.0) ** 2) / 15.0**2)
+    seen = made(lambda n, f, rng: spot * (rng.random() < 0.5), frames=8)
+    found = best(seen)
+    e = found.effect
+    assert (e.when, e.where, e.distribution) == ("switching", "blob", "on_off")
+    near(found, amplitude=5.0, radius=15.0, centre_y=40.0, centre_x=90.0)
+    assert "there in half of the frames" in sentence(found, seen)
+
+
+def test_a_spot_in_its_place_whose_height_is_new_in_every_frame():
+    spot = np.exp(-0.5 * ((ROW - 40.0) ** 2 + (COLUMN - 90.0) ** 2) / 15.0**2)
+    found = best(made(lambda n, f, rng: 3.0 * spot * rng.standard_normal(), frames=8))
+    e = found.effect
+    assert (e.when, e.where, e.distribution) == ("persisting", "blob", "normal")
+    near(found, amplitude=3.0, radius=15.0)
+
+
+def test_columns_that_change_between_two_levels_from_frame_to_frame():
+    chosen = np.zeros(128, bool)
+    chosen[[5, 40, 41, 77, 100, 120, 121, 122, 60, 61, 62]] = True
+
+    def jumps(n, f, rng):
+        return 2.0 * chosen * rng.choice([-1.0, 1.0], 128) + 0.0 * ROW
+
+    found = best(made(jumps, frames=8))
+    e = found.effect
+    assert (e.when, e.where, e.distribution) == ("frame", "column", "two_level")
+    assert e.lines == (5, 5, 40, 41, 60, 62, 77, 77, 100, 100, 120, 122)
+    near(found, amplitude=2.0)
+
+
+def test_rows_that_keep_a_share_of_the_row_before():
+    rng = np.random.default_rng(5)
+    charge = np.exp(rng.standard_normal(SHAPE))
+    noise = np.random.default_rng(6)
+
+    def lag(n, f, rng):
+        x = READ * noise.standard_normal(SHAPE) + DARK[n] * charge
+        kept = np.round(x)
+        kept[1:] = np.round(x[1:] + 0.1 * x[:-1])
+        return kept
+
+    seen = made(lag, noise=1e-6)
+    found = best(seen)
+    assert (found.effect.what, found.effect.where) == ("gain", "row_before")
+    near(found, gain=0.1)
+    assert "Signal of the row before" in sentence(found, seen)
+
+
+def test_the_energy_is_told_between_the_steps_of_its_search():
+    from dnanalyze.model.laws import arrhenius
+
+    pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.083 * COLUMN + 0.041 * ROW))
+    grown = [0.3 * arrhenius(p.temperature_c, 25.0, 0.437) for p in POINTS]
+    found = best(made(lambda n, f, rng: grown[n] * pattern))
+    near(found, ea_ev=0.437, amplitude=0.3)
+    assert found.errors["ea_ev"] < 0.01
+
+
+def test_a_wave_beyond_half_a_cycle_a_pixel_is_its_alias():
+    pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.4995 * COLUMN + 0.2 * ROW))
+    found = best(made(lambda n, f, rng: pattern))
+    assert found.effect.where == "wave"
+    assert abs(found.effect.u) <= 0.5

@@ -31,17 +31,23 @@ FORMS = {
     "row_segments": elements.row_segments,
     "column_segments": elements.column_segments,
 }
+ECHOES = {"row_before": elements.row_before}  # of the signal itself
 KNOWN_FORM = ("wave", "rings", "surface", "blob")
+LINES = ("row", "column", "row_segments", "column_segments")
 OWN = {
     "wave": ("u", "v", "phase", "envelope"),
     "rings": ("centre_y", "centre_x", "period", "phase", "envelope"),
     "surface": ("coefficients",),
     "blob": ("centre_y", "centre_x", "radius"),
     "block": ("height", "width", "top", "left", "mask"),
-    "halves": ("axis",),
+    "halves": ("axis", "coefficients"),
+    "quadrants": ("coefficients",),
     "diagonal": ("slant",),
+    **dict.fromkeys(LINES, ("lines",)),
     "smooth": ("alpha",),
 }  # parameters of each geometry
+MOST_LINE = 1e6
+MOST_COEFFICIENT = 1e6  # only their ratios count
 WORDS = ("what", "when", "where", "law")
 
 
@@ -71,12 +77,12 @@ class CompositeEffect(Effect):
         "fixed", "how it changes over the frames",
         "fixed", "frame", "persisting", "drifting", "switching",
     )  # fmt: skip
-    where: str = choice("pixel", "geometry", *FORMS)
+    where: str = choice("pixel", "geometry", *FORMS, *ECHOES)
     law: str = choice(
         "constant", "dependence on the operating point", "constant", "gain", "exposure", "thermal"
     )
     distribution: str = choice(
-        "normal", "distribution of the values", "normal", "heavy", "two_level"
+        "normal", "distribution of the values", "normal", "heavy", "two_level", "on_off"
     )
     amplitude: float = parameter(0.5, "DN", 1e-4, 1e4, "rms of level or noise; height of a spot")
     gain: float = parameter(0.01, "1", 1e-6, 10.0, "rms of the relative change of the gain")
@@ -101,14 +107,35 @@ class CompositeEffect(Effect):
     envelope: str = choice(
         "flat", "towards which side the pattern grows from 0", "flat", "down", "up", "right", "left"
     )
-    coefficients: tuple[float, ...] = choice((), "of x, y, x^2, x y, y^2")
+    coefficients: tuple[float, ...] = choice(
+        (), "surface: of x, y, x^2, x y, y^2; halves, quadrants: known steps"
+    )
+
+    lines: tuple[float, ...] = choice(
+        (), "first and last row or column of each group that has it; without: a share of all"
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if len(self.lines) % 2 or any(
+            not 0 <= first <= last <= MOST_LINE
+            for first, last in zip(self.lines[::2], self.lines[1::2], strict=False)
+        ):
+            raise InputError(
+                f"{self.name}.lines: valid: pairs of a first and a last line, 0 to {MOST_LINE:g}"
+            )
+        if self.where in ECHOES and (self.what != "gain" or self.when != "fixed"):
+            raise InputError(f"{self.name}.what, when: valid with where: {self.where}: gain, fixed")
         if self.height < 1 or self.width < 1:
             raise InputError(f"{self.name}.height, width: valid: 1 pixel or more")
         if self.where == "surface" and (len(self.coefficients) != 5 or not any(self.coefficients)):
             raise InputError(f"{self.name}.coefficients: valid: five numbers, not all 0")
+        steps = {"halves": 1, "quadrants": 3}.get(self.where)
+        wrong = len(self.coefficients) != steps or not any(self.coefficients)
+        if steps and self.coefficients and wrong:
+            raise InputError(f"{self.name}.coefficients: valid: none or {steps}, not all 0")
+        if any(abs(c) > MOST_COEFFICIENT for c in self.coefficients):
+            raise InputError(f"{self.name}.coefficients: valid: up to {MOST_COEFFICIENT:g}")
         if self.where == "wave" and self.u == 0.0 and self.v == 0.0:
             raise InputError(f"{self.name}.u, v: valid: not both 0")
         if self.when == "persisting" and self.distribution != "normal":
@@ -123,9 +150,10 @@ class CompositeEffect(Effect):
         if self.where == "blob" and self.when == "frame":
             used -= {"centre_y", "centre_x"}
             varied = False
-        if self.where not in (*KNOWN_FORM, "smooth"):
+        steps = self.where in ("halves", "quadrants") and bool(self.coefficients)
+        if self.where not in (*KNOWN_FORM, *ECHOES, "smooth") and not steps:
             used |= {"share", "distribution"}
-        elif varied and self.where != "smooth":
+        elif varied and self.where not in ECHOES and self.where != "smooth":
             used |= {"distribution"}
         if self.law == "thermal":
             used |= {"ea_ev"}
@@ -140,13 +168,17 @@ class CompositeEffect(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the pattern, scale by it, or add noise that follows it."""
-        return changed(self, signal, site, FORMS[self.where])
+        return changed(self, signal, site, form_of(self.where))
+
+    def margin(self) -> int:
+        """The row before."""
+        return 1 if self.where in ECHOES else 0
 
     def variance(self, point: OperatingPoint) -> float | None:
         """A^2 share where the law is constant, DN^2."""
         if self.what == "gain" or self.law != "constant" or self.when == "drifting":
             return None
-        if self.where == "blob":
+        if self.where == "blob" or self.distribution == "on_off":
             return None
         share = self.value("amplitude", point) ** 2 * self.share
         return share / 2.0 if self._of_half() else share
@@ -156,11 +188,19 @@ class CompositeEffect(Effect):
         return self.where == "block" and self.mask != "all" and self.height == self.width == 2
 
 
+def form_of(where: str) -> Callable[..., np.ndarray]:
+    """The function that makes a geometry."""
+    return FORMS[where] if where in FORMS else ECHOES[where]
+
+
 def changed(
-    effect: Any, signal: np.ndarray, site: Site, form: Callable[[Any, Site], np.ndarray]
+    effect: Any, signal: np.ndarray, site: Site, form: Callable[..., np.ndarray]
 ) -> np.ndarray:
     """The signal with the effect, its pattern made by ``form``."""
     law = factor(effect, site)
+    if effect.where == "row_before":
+        size = np.float32(effect.value("gain", site.point) * law)
+        return signal + size * form(signal)
     if effect.when == "fixed":
         pattern = site.keep("pattern", lambda: form(effect, site))
     else:

@@ -60,13 +60,16 @@ def over_time(
 def drawn(effect: Any, stream: Stream, cells: Window, width: int) -> np.ndarray:
     """Independent values of unit variance of some cells in a row of ``width``, float32.
 
-    Normal; heavy: Laplace, with an excess kurtosis of 3; two_level: -1 or 1.
+    Normal; heavy: Laplace, with an excess kurtosis of 3; two_level: -1 or 1. Not of unit variance:
+    on_off, 0 or 1.
     """
     if effect.distribution == "normal":
         return stream.normal(cells, width)
     off = stream.uniform(cells, width).astype(float) - 0.5
     if effect.distribution == "two_level":
         return np.where(off < 0, -1.0, 1.0).astype(np.float32)
+    if effect.distribution == "on_off":
+        return np.where(off < 0, 0.0, 1.0).astype(np.float32)
     rest = np.maximum(1.0 - 2.0 * np.abs(off), 2.0**-32)
     return (-np.sign(off) * np.log(rest) / math.sqrt(2.0)).astype(np.float32)
 
@@ -87,13 +90,32 @@ def pixel(effect: Any, site: Site) -> np.ndarray:
 def row(effect: Any, site: Site) -> np.ndarray:
     """Every row has a value."""
     line = Window(0, 1, site.window.top, site.window.bottom)
-    return np.broadcast_to(values(effect, site, line, site.shape[0]).T, site.window.shape)
+    return np.broadcast_to(of_lines(effect, site, line, site.shape[0]).T, site.window.shape)
 
 
 def column(effect: Any, site: Site) -> np.ndarray:
     """Every column has a value."""
     line = Window(0, 1, site.window.left, site.window.right)
-    return np.broadcast_to(values(effect, site, line, site.shape[1]), site.window.shape)
+    return np.broadcast_to(of_lines(effect, site, line, site.shape[1]), site.window.shape)
+
+
+def of_lines(effect: Any, site: Site, line: Window, width: int) -> np.ndarray:
+    """Values of rows or columns: 0 in those that are not named, or not chosen by the silicon."""
+    if not effect.lines:
+        return values(effect, site, line, width)
+    number = np.arange(line.left, line.right)
+    named = np.zeros(number.size, bool)
+    for first, last in zip(effect.lines[::2], effect.lines[1::2], strict=True):
+        named |= (number >= first) & (number <= last)
+    made = over_time(effect, site, lambda stream: drawn(effect, stream, line, width), line, width)
+    return made * named[None, :].astype(np.float32)
+
+
+def row_before(signal: np.ndarray) -> np.ndarray:
+    """The signal of the row before; 0 before the first."""
+    moved = np.zeros_like(signal)
+    moved[1:] = signal[:-1]
+    return moved
 
 
 def block(effect: Any, site: Site) -> np.ndarray:
@@ -111,19 +133,50 @@ def block(effect: Any, site: Site) -> np.ndarray:
 
 
 def quadrants(effect: Any, site: Site) -> np.ndarray:
-    """The four quadrants have a value each."""
+    """The four quadrants have a value each, or known steps between them."""
     rows = 2 * site.row_index // site.shape[0]
-    return gathered(effect, site, rows, 2 * site.column_index // site.shape[1], 2)
+    columns = 2 * site.column_index // site.shape[1]
+    if effect.coefficients:
+        return stepped(effect, site, rows, columns)
+    return gathered(effect, site, rows, columns, 2)
 
 
 def halves(effect: Any, site: Site) -> np.ndarray:
-    """The upper and the lower half, or the left and the right one, have a value each."""
+    """The upper and lower half, or the left and right one: a value each, or a known step."""
     rows, columns = np.zeros_like(site.row_index), np.zeros_like(site.column_index)
     if effect.axis == "rows":
         rows = 2 * site.row_index // site.shape[0]
     else:
         columns = 2 * site.column_index // site.shape[1]
+    if effect.coefficients:
+        return stepped(effect, site, rows, columns)
     return gathered(effect, site, rows, columns, 2)
+
+
+def stepped(effect: Any, site: Site, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Steps of known sign and size, of mean square 1, from the halves' numbers 0 and 1.
+
+    Of halves: of the second over the first; of quadrants: of the rows, the columns, and both.
+    """
+    down, along = 2.0 * rows[:, None] - 1.0, 2.0 * columns[None, :] - 1.0
+    if effect.where == "halves":
+        size = math.copysign(1.0, effect.coefficients[0])
+        made = size * (down if effect.axis == "rows" else along) + 0.0 * down * along
+    else:
+        a, b, c = effect.coefficients
+        made = (a * down + b * along + c * down * along) / math.hypot(a, b, c)
+    return np.float32(sized(effect, site)) * made.astype(np.float32)
+
+
+def sized(effect: Any, site: Site) -> float:
+    """Sign and size of a known pattern in this frame: 1 if it is fixed, n if it drifts."""
+    if effect.when == "fixed":
+        return 1.0
+    if effect.when == "drifting":
+        return float(site.frame)
+    one = Window(0, 1, 0, 1)
+    made = over_time(effect, site, lambda stream: drawn(effect, stream, one, 1), one, 1)
+    return float(made[0, 0])
 
 
 def gathered(
@@ -159,7 +212,7 @@ def row_segments(effect: Any, site: Site) -> np.ndarray:
     """Rows that jump from their value to its opposite at some column."""
     line = Window(0, 1, site.window.top, site.window.bottom)
     turn = turns(effect, site, line, site.shape[0]) * np.float32(site.shape[1])
-    value = values(effect, site, line, site.shape[0])
+    value = of_lines(effect, site, line, site.shape[0])
     before = site.column_index[None, :] < turn.T
     return np.where(before, value.T, -value.T)
 
@@ -168,7 +221,7 @@ def column_segments(effect: Any, site: Site) -> np.ndarray:
     """Columns that jump from their value to its opposite at some row."""
     line = Window(0, 1, site.window.left, site.window.right)
     turn = turns(effect, site, line, site.shape[1]) * np.float32(site.shape[0])
-    value = values(effect, site, line, site.shape[1])
+    value = of_lines(effect, site, line, site.shape[1])
     before = site.row_index[:, None] < turn
     return np.where(before, value, -value)
 

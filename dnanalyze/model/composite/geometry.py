@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.loaders.captures import Window
-from dnanalyze.model.composite.elements import drawn, over_time
+from dnanalyze.model.composite.elements import sized
 from dnanalyze.model.effect import Site
 
 
@@ -65,17 +65,6 @@ def blob(effect: Any, site: Site) -> np.ndarray:
     along = (site.column_index - centre[1]) / effect.value("radius", site.point)
     made = np.exp(-0.5 * down**2)[:, None] * np.exp(-0.5 * along**2)[None, :]
     return np.float32(size) * made.astype(np.float32)
-
-
-def sized(effect: Any, site: Site) -> float:
-    """Sign and size of the pattern in this frame: 1 where it is fixed, n where it drifts."""
-    if effect.when == "fixed":
-        return 1.0
-    if effect.when == "drifting":
-        return float(site.frame)
-    one = Window(0, 1, 0, 1)
-    made = over_time(effect, site, lambda stream: drawn(effect, stream, one, 1), one, 1)
-    return float(made[0, 0])
 
 
 def envelope(effect: Any, site: Site) -> np.ndarray | float:

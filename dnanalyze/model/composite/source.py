@@ -9,7 +9,7 @@ from typing import Any
 
 from dnanalyze.model.composite import effect as composite
 from dnanalyze.model.composite import elements, geometry
-from dnanalyze.model.composite.effect import FORMS, CompositeEffect
+from dnanalyze.model.composite.effect import CompositeEffect, form_of
 from dnanalyze.model.effect import ParameterInfo
 
 _HEAD = '''\
@@ -46,10 +46,17 @@ class {class_name}(Effect):
     formula = "{formula}"
 
 {fields}
-
-    def apply(self, signal, site):
+{margin}    def apply(self, signal, site):
         """The signal with the effect, DN."""
         return changed(self, signal, site, {form})
+'''
+
+
+_MARGIN = '''
+    def margin(self):
+        """Pixels around a window that it reads."""
+        return {}
+
 '''
 
 
@@ -62,7 +69,7 @@ def own_effect(effect: CompositeEffect, title: str) -> str:
     title : str
         What it is, in a sentence.
     """
-    form = FORMS[effect.where].__name__
+    form = form_of(effect.where).__name__
     title = " ".join(title.split()).replace('"', "'").replace("\\", "/")
     text = _CLASS.format(
         class_name="".join(part.title() for part in effect.where.split("_")) + "Effect",
@@ -72,6 +79,7 @@ def own_effect(effect: CompositeEffect, title: str) -> str:
         formula=effect.formula,
         fields="\n".join(_field(effect, name) for name in _active(effect)),
         form=form,
+        margin=_MARGIN.format(effect.margin()) if effect.margin() else "\n",
     )
     needed = _functions([form, "changed"])
     constants = f"MOST_PAST = {elements.MOST_PAST}  # earlier frames that a value may depend on\n"

@@ -24,7 +24,9 @@ SURFACE = (1.0, 0.0, 0.5, 1.0, 0.0)
 
 
 def effect(**words):
-    given = {"coefficients": SURFACE, "centre_y": 30.0, "centre_x": 20.0, "radius": 8.0} | words
+    given = {"centre_y": 30.0, "centre_x": 20.0, "radius": 8.0} | words
+    if given["where"] == "surface":
+        given.setdefault("coefficients", SURFACE)
     return CompositeEffect(**given)
 
 
@@ -181,6 +183,68 @@ def test_persisting_and_switching_values_forget_by_their_time_constant():
             assert found == pytest.approx(expected, abs=5 * math.sqrt(2.0 / drawn[0].size))
 
 
+def test_known_steps_have_their_sign_and_size_in_every_sensor():
+    drawn = frames(effect(where="halves", axis="columns", coefficients=(-1.0,), amplitude=2.0))[0]
+    assert np.all(drawn[:, :60] == 2.0)
+    assert np.all(drawn[:, 60:] == -2.0)
+    made = effect(where="quadrants", coefficients=(0.6, 0.0, 0.8), amplitude=1.0)
+    drawn = frames(made)[0]
+    corners = [drawn[0, 0], drawn[0, -1], drawn[-1, 0], drawn[-1, -1]]
+    np.testing.assert_allclose(corners, [0.2, -1.4, -0.2, 1.4], atol=1e-6)
+    assert "share" not in made.to_plain()
+
+
+def test_named_lines_alone_have_a_value():
+    drawn = frames(effect(where="row", when="frame", lines=(2.0, 4.0, 90.0, 90.0)))
+    assert list(np.flatnonzero(np.abs(drawn[0]).max(axis=1))) == [2, 3, 4, 90]
+    noisy = frames(effect(what="noise", where="column", lines=(7.0, 8.0), distribution="two_level"))
+    assert list(np.flatnonzero(np.abs(noisy[0]).max(axis=0))) == [7, 8]
+    jumping = frames(effect(where="column_segments", when="frame", lines=(5.0, 5.0)))
+    assert list(np.flatnonzero(np.abs(jumping[1]).max(axis=0))) == [5]
+
+
+def test_a_spot_that_blinks_is_there_or_not():
+    made = effect(where="blob", when="switching", distribution="on_off", tau=0.05, amplitude=5.0)
+    heights = frames(made, 24)[:, 30, 20]
+    assert set(np.round(heights, 4)) == {0.0, 5.0}
+    assert 3 <= np.sum(heights > 0) <= 21  # 24 draws of 1/2: 3.7 standard deviations
+
+
+def test_a_row_keeps_a_share_of_the_row_before(tmp_path):
+    noise, lag = ReadNoise(2.0), effect(what="gain", where="row_before", gain=0.1)
+    model = NoiseModel((noise, lag), 64.0, POINT, 3)
+    drawn = Simulator(model, (64, 60)).frame(POINT, 1).astype(float) - 64.0
+    plain = Simulator(NoiseModel((noise,), 64.0, POINT, 3), (64, 60)).frame(POINT, 1) - 64.0
+    np.testing.assert_allclose(drawn[1:], plain[1:] + 0.1 * plain[:-1], atol=1e-4)
+    np.testing.assert_allclose(drawn[0], plain[0], atol=1e-4)
+    window = Window(7, 30, 3, 41)
+    own = Simulator(model, (64, 60)).frame(POINT, 1, window)
+    np.testing.assert_array_equal(own - 64.0, drawn[window.slices])
+    (tmp_path / "own.py").write_text(own_effect(lag, "A lag."))
+    (tmp_path / "m.yaml").write_text(dump_model(model))
+    read = load_model(tmp_path / "m.yaml", catalogue((tmp_path / "own.py",)))
+    np.testing.assert_array_equal(Simulator(read, (64, 60)).frame(POINT, 1, window), own)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"where": "halves", "coefficients": (-1.0,)},
+        {"where": "quadrants", "coefficients": (1.0, 0.5, 0.0), "when": "frame"},
+        {"where": "row", "lines": (3.0, 9.0), "what": "noise"},
+        {"where": "blob", "when": "switching", "distribution": "on_off"},
+    ],
+)
+def test_a_file_draws_the_same_of_known_steps_lines_and_spots(tmp_path, words):
+    model = NoiseModel((ReadNoise(1.0), effect(**words)), 64.0, POINT, 3)
+    (tmp_path / "own.py").write_text(own_effect(model.effects[1], "A structure."))
+    (tmp_path / "m.yaml").write_text(dump_model(model))
+    read = load_model(tmp_path / "m.yaml", catalogue((tmp_path / "own.py",)))
+    drawn = [Simulator(m, (64, 60)).frame(POINT, 1) for m in (model, read)]
+    np.testing.assert_array_equal(*drawn)
+    assert load_model(tmp_path / "m.yaml").to_plain() == model.to_plain()
+
+
 @pytest.mark.parametrize(
     ("law", "factor"),
     [
@@ -237,6 +301,16 @@ def test_no_diagnosis_tries_it_by_itself():
         ({"what": "noise", "when": "frame"}, "valid with what: noise: fixed"),
         ({"amplitude": 1e9}, "amplitude: 1e.09 DN is outside"),
         ({"radius": "wide"}, "radius: 'wide' is no law"),
+        ({"amplitude": 1e300}, r"amplitude: 1e\+300 DN is outside"),
+        ({"amplitude": math.nan}, "amplitude: 'nan' is no law"),
+        ({"period": 0.0}, "period: 0 pixel is outside"),
+        ({"lines": [3]}, "lines: valid: pairs of a first and a last line"),
+        ({"lines": [5, 2]}, "lines: valid: pairs of a first and a last line"),
+        ({"lines": [math.nan, 4]}, "lines: .* is no list of finite numbers"),
+        ({"coefficients": [1e300, 1, 1, 1, 1]}, "coefficients: valid: up to"),
+        ({"where": "halves", "coefficients": [1, 2]}, "coefficients: valid: none or 1"),
+        ({"where": "quadrants", "coefficients": [0, 0, 0]}, "coefficients: valid: none or 3"),
+        ({"where": "row_before"}, "valid with where: row_before: gain, fixed"),
     ],
 )
 def test_absurd_parameters_are_told_in_one_line(given, told):
