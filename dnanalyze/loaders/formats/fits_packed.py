@@ -20,6 +20,10 @@ from dnanalyze.loaders.plain import PlainPixels
 
 MAX_SIDE = 1 << 17  # pixels of a tile; the widest sensors have a quarter of that
 
+# HCOMPRESS_1 is left out: on damaged tiles its decoder (of CFITSIO, in astropy) writes out of
+# bounds and ends the process.
+ALGORITHMS = ("RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1", "NOCOMPRESS")
+
 
 @dataclass(frozen=True)
 class GzipPixels:
@@ -71,13 +75,19 @@ class TilePixels:
 
 
 def check_tiles(header: fits.Header, axes: Sequence[int], name: str) -> None:
-    """Refuse a table of tiles that does not cover the image once.
+    """Refuse a table of tiles that does not cover the image once, or that is not safe to decode.
 
     Raises
     ------
     InputError
-        Tiles larger than any image, or too few or many of them.
+        Tiles larger than any image, or too few or many of them, or an algorithm of another name.
     """
+    how = str(header.get("ZCMPTYPE", "")).strip()
+    if how not in ALGORITHMS:
+        raise InputError(
+            f"{name}: ZCMPTYPE = {how[:20]!r}; valid: {', '.join(ALGORITHMS)}; decompress it with "
+            "funpack"
+        )
     tiles = 1
     for k, length in enumerate(reversed(axes), 1):
         side = whole(header, f"ZTILE{k}", length if k == 1 else 1)

@@ -119,14 +119,14 @@ class CosmicRays(Effect):
         u = random.random((number, 5))
         mean_length = self.value("length", site.point)
         length = -mean_length * np.log1p(-u[:, 3])
-        energy = self.value("energy", site.point) * site.gain_ratio
+        mean_energy = self.value("energy", site.point) * site.gain_ratio
         if self.charge in STEPPED:
             steps = np.rint(length).astype(int) + 1
             length = steps - 1.0
-            energy = energy / (1.0 + mean_rounded(mean_length)) * steps
+            energy = mean_energy / (1.0 + mean_rounded(mean_length)) * steps
         else:
             steps = np.ceil(length / SPACING).astype(int) + 1
-            energy = -energy * np.log1p(-u[:, 4])
+            energy = -mean_energy * np.log1p(-u[:, 4])
         if self.charge == "path":  # the silicon is about a pixel deep
             energy *= (1.0 + length) / (1.0 + mean_length)
         track = np.repeat(np.arange(number), steps)

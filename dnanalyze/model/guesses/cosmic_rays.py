@@ -90,8 +90,8 @@ def _clumps(clues: Clues, hits: np.ndarray, good: np.ndarray) -> _Clumps | None:
     """What these settings show beyond the model; None where the sizes of clumps are not at hand."""
     count, pixels, exposed = 0.0, 0.0, 0.0
     high = np.asarray(clues.measured("transient_high"), float)
-    for j in np.flatnonzero(good):
-        sizes, codes = (curve(clues, n, int(j)) for n in ("transient_clumps", "histogram_counts"))
+    for j in map(int, np.flatnonzero(good)):
+        sizes, codes = (curve(clues, n, j) for n in ("transient_clumps", "histogram_counts"))
         if sizes is None or codes is None:
             continue
         share = min(hits[j] / max(high[j], 1.0), 1.0)

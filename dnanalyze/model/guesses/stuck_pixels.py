@@ -44,7 +44,8 @@ def guess(effect: type[StuckPixels], clues: Clues) -> list[Effect]:
         count = max(count - len(lines["columns"]) * rows, 0.0)
         count -= columns * min(len(lines["rows"]), count // columns)  # some in the other half
         rest = bounded(effect, "fraction", count / (rows * columns))
-        return [effect(rest, bounded(effect, "code", float(stuck[0])), **lines)]
+        code = bounded(effect, "code", float(stuck[0]))
+        return [effect(rest, code, "one", lines["columns"], lines["rows"])]
     if stuck is not None:
         most, top = (bounded(effect, "code", float(c)) for c in (stuck[0], np.max(stuck)))
         return [effect(fraction, top, "any"), effect(fraction, most)]
