@@ -142,7 +142,7 @@ class Simulator:
 
     def _dn_per_e(self, point: OperatingPoint) -> float | None:
         """Conversion gain by which the model counts its charge."""
-        shot = self.model.get("dark_shot_noise")
+        shot = next((e for e in self.model.effects if e.name == "dark_shot_noise"), None)
         if shot is None:
             return None
         gain = point.gain_over(self.model.reference_of(point.channel))
