@@ -35,7 +35,7 @@ TOGETHER: dict[str, tuple[str, ...]] = {
 """Sources that are alike, by one word."""
 NEAREST = "border"  # light from the nearest edge alone, as through a seal all around
 PLACES: dict[str, tuple[str, ...]] = {
-    **{name: (name,) for name in SOURCES},
+    **dict(zip(SOURCES, zip(SOURCES, strict=True), strict=True)),  # each alone
     **TOGETHER,
     NEAREST: TOGETHER["edges"],
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 
 import numpy as np
 
@@ -10,6 +11,11 @@ import numpy as np
 def ndtr(x: np.ndarray) -> np.ndarray:
     """Normal distribution function."""
     return 0.5 * np.vectorize(math.erfc, otypes=[float])(-np.asarray(x, float) / math.sqrt(2.0))
+
+
+def ndtri(p: np.ndarray) -> np.ndarray:
+    """Quantiles of the normal distribution."""
+    return np.vectorize(statistics.NormalDist().inv_cdf, otypes=[float])(np.asarray(p, float))
 
 
 def pdtrc(k: np.ndarray, mean: float) -> np.ndarray:
