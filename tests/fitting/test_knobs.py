@@ -86,7 +86,7 @@ def test_a_sign_that_was_measured_is_kept(sign):
     ("effect", "held"),
     [
         ("periodic_pattern", {"u", "v", "phase"}),
-        ("stuck_pixels", {"code", "codes"}),
+        ("stuck_pixels", {"code", "codes", "columns", "rows"}),
         ("digital_gain", {"gain", "offset", "top"}),
         ("black_clipping", {"level"}),
         (
