@@ -28,11 +28,14 @@ class Job:
         ``time.monotonic()`` at its start.
     progress : str
         What is being tried.
+    first : str
+        A first answer, before the search has confirmed it.
     """
 
     task: Task
     began: float = field(default_factory=time.monotonic)
     progress: str = "starting"
+    first: str = ""
     cancelled: bool = False
     over: Event = field(default_factory=Event)
 
@@ -87,6 +90,8 @@ class Worker:
                     kind, content = pipe.recv()
                     if kind == "progress":
                         job.progress = content
+                    elif kind == "first":
+                        job.first = content
                     elif kind == "step":
                         if not job.cancelled:
                             step(content)
@@ -97,9 +102,11 @@ class Worker:
                 self._end()  # so that the next task begins with a new process
             with self._lock:
                 self.job = None
-            if not job.cancelled:
-                (done if answer[0] == "done" else failed)(answer[1])
-            job.over.set()
+            try:
+                if not job.cancelled:
+                    (done if answer[0] == "done" else failed)(answer[1])
+            finally:  # whoever waits for the task is not kept by an error of its callbacks
+                job.over.set()
 
         Thread(target=listen, daemon=True).start()
         return job

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from threading import RLock, Thread
@@ -446,13 +447,13 @@ class WorkbenchSession:
         step: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> Job:
         self._idle()
+        began = time.monotonic()
 
         def timed(found: dict[str, Any]) -> None:
-            self._took[task.kind] = job.elapsed_s
+            self._took[task.kind] = time.monotonic() - began
             done(found)
 
-        job = self.worker.start(task, timed, self.tell, step)
-        return job
+        return self.worker.start(task, timed, self.tell, step)
 
     def _grow(
         self,

@@ -117,6 +117,7 @@ def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.diagnosis.diagnose import diagnose
+    from dnanalyze.report.words import first_answer
 
     found = diagnose(
         bed.captures,
@@ -124,6 +125,7 @@ def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         known=bed.known,
         held=bed.bench,
         tell=lambda text: tell("progress", f"trying {text}"),
+        first=lambda effects: tell("first", first_answer(effects) if effects else ""),
     )
     models = {t.effect: t.state.model.to_plain() for t in found.trials}
     return {
@@ -139,6 +141,7 @@ def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.diagnosis.refine import Refinement, refine
+    from dnanalyze.report.words import first_answer
 
     def keep(now: Refinement) -> None:
         tell("step", {"model": now.model.to_plain(), "steps": _steps(now.steps)})
@@ -149,6 +152,7 @@ def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         known=bed.known,
         held=bed.bench,
         trying=lambda name: tell("progress", f"trying {name}"),
+        first=lambda effects: tell("first", first_answer(effects) if effects else ""),
         keep=keep,
     )
     return {
@@ -186,7 +190,7 @@ _TASKS: dict[str, Callable[[Bed, Task, Tell], dict[str, Any]]] = {
 def serve(pipe: Connection, source: CaptureSource) -> None:
     """Carry out tasks from a pipe until its other end is closed.
 
-    Messages are pairs: ("progress", text), ("step", mapping), and at the end ("done", mapping) or
+    Messages are pairs: ("progress", text), ("first", text), ("step", mapping), and at the end ("done", mapping) or
     ("failed", text).
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides

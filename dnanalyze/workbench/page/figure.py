@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import io
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -119,9 +120,9 @@ class CurveFigure:
         )
         for name, source in self._sources.items():
             c = found.get(name)
-            source.data = (
-                dict(EMPTY) if c is None else {"x": c.x, "y": c.y, "low": c.low, "high": c.high}
-            )
+            data = dict(EMPTY) if c is None else {k: getattr(c, k) for k in EMPTY}
+            if not _same(source.data, data):  # a preview changes one layer: the others stay drawn
+                source.data = data
         self._plot(axes, labels).label(axes, labels, address)
 
     def _plot(self, axes: curves.Axes, labels: list[str]) -> CurvePlot:
@@ -169,3 +170,8 @@ class CurveFigure:
         fig.savefig(out, format=form, dpi=150)
         out.seek(0)
         return out
+
+
+def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether two tables of a layer hold the same numbers."""
+    return all(np.array_equal(one[k], other[k], equal_nan=True) for k in EMPTY)

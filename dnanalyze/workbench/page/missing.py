@@ -61,6 +61,8 @@ class Missing:
         self.cancel.on_click(lambda _: context.act(session.cancel))
         self.progress = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.message = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
+        self.verdict = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
+        self.filters = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.of = pn.pane.HTML("", stylesheets=style, margin=0)
         self.list = CandidateList(
             stylesheets=[inner(p) + _rows(p)], sizing_mode="stretch_width", margin=0
@@ -73,7 +75,7 @@ class Missing:
                 pn.pane.HTML("<h2>What is missing</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
                 self.diagnose, self.refine, self.detect, self.cancel, margin=0,
             ),
-            self.progress, self.message, self.of,
+            self.progress, self.message, self.filters, self.verdict, self.of,
             pn.Column(
                 self.list, self.notes, margin=0, sizing_mode="stretch_both",
                 styles={"overflow-y": "auto", "min-height": "0"},
@@ -92,7 +94,8 @@ class Missing:
         elif what == "history":
             self._aged()
         elif what == "message":
-            self.message.object = f"<b>{html.escape(self.context.session.message)}</b>"
+            said = html.escape(self.context.session.message)
+            self.message.object = f"<b>{said}</b>" if said else ""
             self._tick()  # a message often tells the end of a task
 
     def _tick(self) -> None:
@@ -107,13 +110,15 @@ class Missing:
             text = f"{job.task.kind}: {html.escape(job.progress)} · {job.elapsed_s:.0f} s elapsed"
             if (left := self.context.session.remaining_s(job)) is not None:
                 text += f", about {left:.0f} s left"
+            if job.first:
+                text += f"<br>{html.escape(job.first)}"
         if text != self.progress.object:
             self.progress.object = text
 
     def _diagnosed(self) -> None:
         found = self.context.session.diagnosis
         if found is None:
-            self.list.rows, self.notes.object = [], ""
+            self.list.rows, self.notes.object, self.verdict.object = [], "", ""
             return
         self._models = {c["effect"]: c["model"] for c in found["candidates"] if c["model"]}
         present = set(self.context.session.present.model.names)
@@ -135,7 +140,7 @@ class Missing:
             "missing": "An effect is missing.",
             "unexplained": "Unexplained: no effect of the catalogue accounts for the residual.",
         }
-        self.message.object = f"<b>{words[found['verdict']]}</b>"
+        self.verdict.object = f"<b>{words[found['verdict']]}</b>"
         parts = []
         if found["unexplained"]:
             parts.append(_details("Statistics not explained", found["unexplained"]))
@@ -163,22 +168,23 @@ class Missing:
             self.context.tell("candidate")
         present = set(history.present.model.names)
         self.list.rows = [r | {"can_add": r["effect"] not in present} for r in self.list.rows]
-        self.message.object = ""
+        self.verdict.object = ""
 
     def _detected(self) -> None:
         found = self.context.session.detection
         if found is None:
             return
         kind = found["kind"] if found["filtered"] else "no filter found"
-        self.message.object = f"<b>Hidden filters: {html.escape(kind)}</b>"
         rows = [
             f"{f['test']} ({f['kind']}): p = {f['p_value']:.2g}, effect {f['effect_size']:.2g}"
             f"{', flagged' if f['flagged'] else ''}"
             for f in found["findings"]
             if f["p_value"] is not None
         ]
-        self.notes.object = _details("Tests", rows) + _details(
-            "Not determined", [str(x) for x in found.get("ambiguous", [])]
+        self.filters.object = (
+            f"<b>Hidden filters: {html.escape(kind)}</b>"
+            + _details("Tests", rows)
+            + _details("Not determined", [str(x) for x in found.get("ambiguous", [])])
         )
 
     def _hovered(self, event: Any) -> None:
