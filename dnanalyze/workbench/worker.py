@@ -190,8 +190,8 @@ _TASKS: dict[str, Callable[[Bed, Task, Tell], dict[str, Any]]] = {
 def serve(pipe: Connection, source: CaptureSource) -> None:
     """Carry out tasks from a pipe until its other end is closed.
 
-    Messages are pairs: ("progress", text), ("first", text), ("step", mapping), and at the end ("done", mapping) or
-    ("failed", text).
+    Messages are pairs: ("progress", text), ("first", text), ("step", mapping), and at the end
+    ("done", mapping) or ("failed", text).
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
     bed = Bed(source)

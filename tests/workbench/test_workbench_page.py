@@ -244,11 +244,46 @@ def test_model_report_and_targets_are_downloaded(bench, tmp_path):
         assert len(text) > 100
 
 
-def test_the_open_figure_is_downloaded(bench):
-    for label, begins in (("CSV", b"layer,"), ("PNG", b"\x89PNG"), ("SVG", b"<?xml")):
-        with bench.page.expect_download() as caught:
-            bench.page.get_by_text(label, exact=True).last.click()
-        assert Path(caught.value.path()).read_bytes().startswith(begins)
+HEADS = b"row,column,measured", b"name,family", b"layer,", b"layer,column,row"  # sensor, fails, ...
+
+
+def test_every_figure_is_downloaded(bench):
+    """The images, the model error, the open statistic and the pixel, as CSV, PNG and SVG."""
+    for label in ("CSV", "PNG", "SVG"):
+        buttons = bench.page.get_by_text(label, exact=True)
+        assert buttons.count() == len(HEADS)
+        heads = []
+        for i in range(len(HEADS)):
+            with bench.page.expect_download() as caught:
+                buttons.nth(i).click()
+            heads.append(Path(caught.value.path()).read_bytes()[:200])
+        begins = {"PNG": b"\x89PNG", "SVG": b"<?xml"}.get(label)
+        assert all(h.startswith(begins) for h in heads) if begins else _all_tables(heads)
+
+
+def _all_tables(heads: list[bytes]) -> bool:
+    """Whether each table is there once; their order on the page does not matter."""
+    return all(any(h.startswith(begins) for h in heads) for begins in HEADS)
+
+
+def test_a_step_is_named_redone_and_copied_as_commands(bench):
+    before = bench.settled()
+    bench.page.get_by_placeholder("name of this step").fill("with columns")
+    bench.page.get_by_placeholder("name of this step").press("Enter")
+    named = bench.page.locator("option").filter(has_text="with columns")
+    bench.until(lambda: named.count() > 0, "the name")
+    bench.click("Undo")
+    bench.until(lambda: bench.error != f"{before:.3g}", "the step before")
+    bench.settled()
+    bench.click("Redo")
+    bench.until(lambda: bench.error == f"{before:.3g}", "the step again")
+    choice = bench.page.locator("select").filter(has_text="copy as")
+    text = bench.page.locator("textarea")
+    for what, begins in (("commands", "dnanalyze "), ("Python", "import ")):
+        choice.select_option(label=what)
+        bench.until(lambda b=begins: text.count() and b in text.input_value(), what)
+    choice.select_option(label="copy as …")
+    bench.until(lambda: not text.is_visible(), "the figure again")
 
 
 def test_an_effect_that_raises_under_its_slider_is_a_message(browser, folder, fitted, tmp_path):

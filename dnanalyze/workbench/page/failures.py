@@ -7,15 +7,19 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import panel as pn
 from bokeh.models import ColumnDataSource, FixedTicker, Range1d, TapTool
+from matplotlib.figure import Figure
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.digits import number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.report.figures.heatmap import draw_families, draw_heatmap
 from dnanalyze.report.words import family_title
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.downloads import SMALL, downloads
 from dnanalyze.workbench.page.figure import CurveFigure
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
@@ -49,7 +53,14 @@ class Failures:
         style = [inner(p)]
         self.title = pn.pane.HTML("<h2>Where it fails</h2>", stylesheets=style, margin=0)
         self.view = pn.Column(
-            self.title,
+            pn.Row(
+                self.title, pn.layout.HSpacer(),
+                *downloads(
+                    "model_error", self._table, self._picture, [*style, SMALL],
+                    "families and statistics",
+                ),
+                margin=0, sizing_mode="stretch_width",
+            ),
             pn.Row(
                 pn.pane.Bokeh(self.bars, margin=0),
                 pn.pane.Bokeh(self.matrix, margin=0),
@@ -60,7 +71,7 @@ class Failures:
             styles=card(p),
             sizing_mode="stretch_both",
             margin=0,
-        )
+        )  # fmt: skip
         context.listeners.append(self.update)
 
     def _make_bars(self) -> Any:
@@ -214,6 +225,25 @@ class Failures:
             sizes = [abs(float(r["discrepancy"])) for r in rows if r["name"] in names]
             context.address = addresses[int(np.argmax(sizes))]
             context.tell("address")
+
+    def _rows(self) -> list[dict[str, Any]]:
+        """Statistics of the model whose full error is known."""
+        evaluation = self.context.session.evaluation
+        return [] if evaluation is None else evaluation.rows
+
+    def _table(self) -> pd.DataFrame:
+        return pd.DataFrame(self._rows())
+
+    def _picture(self) -> Figure:
+        """The families' errors, and the statistics of the chosen family."""
+        evaluation = self.context.session.evaluation
+        rows = [r for r in self._rows() if r["family"] == self.context.family]
+        made = Figure(figsize=(11, 6), layout="constrained")
+        if evaluation is not None and rows:
+            left, right = made.subplots(1, 2, width_ratios=(2, 3))
+            draw_families(left, evaluation.families, {}, evaluation.error)
+            draw_heatmap(right, rows, MOST_ROWS)
+        return made
 
     def _axes(self, names: list[str], points: list[tuple[OperatingPoint, str]]) -> None:
         made, known = self.matrix, infos()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import io
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,6 +17,7 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.digits import symbol
 from dnanalyze.workbench import curves
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.plot import EMPTY, LAYERS, CurvePlot, Kind
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import inner
@@ -41,18 +41,6 @@ class CurveFigure:
             options=["curve", "all points"], value="curve", stylesheets=style,
             margin=0, width=130,
         )  # fmt: skip
-        self.csv = pn.widgets.FileDownload(
-            callback=self._csv, filename="figure.csv", label="CSV", button_type="default",
-            stylesheets=style, margin=0, width=48,
-        )  # fmt: skip
-        self.png = pn.widgets.FileDownload(
-            callback=lambda: self._drawn("png"), filename="figure.png", label="PNG",
-            button_type="default", stylesheets=style, margin=0, width=48,
-        )  # fmt: skip
-        self.svg = pn.widgets.FileDownload(
-            callback=lambda: self._drawn("svg"), filename="figure.svg", label="SVG",
-            button_type="default", stylesheets=style, margin=0, width=48,
-        )  # fmt: skip
         self.what.param.watch(lambda _: self._draw(), "value")
         self._sources = {
             name: ColumnDataSource(dict(EMPTY), name=f"curve of {name}") for name in LAYERS
@@ -62,7 +50,8 @@ class CurveFigure:
         self.view = pn.Column(
             pn.Row(self.title, margin=0, sizing_mode="stretch_width"),
             pn.Row(
-                self.what, pn.layout.HSpacer(), self.csv, self.png, self.svg,
+                self.what, pn.layout.HSpacer(),
+                *downloads("statistic", self._table, self._drawn, style, "the curves shown"),
                 margin=0, sizing_mode="stretch_width",
             ),
             self.plots,
@@ -140,16 +129,16 @@ class CurveFigure:
             pane.visible = other == kind
         return self._plots[kind][0]
 
-    def _csv(self) -> Any:
+    def _table(self) -> pd.DataFrame:
         axes, labels, found = self._curves()
         tables = []
         for name, c in found.items():
             where = [labels[int(i)] for i in c.x] if labels else c.x
             table = pd.DataFrame({"layer": name, axes.x: where, axes.y: c.y})
             tables.append(table.assign(low=c.low, high=c.high))
-        return io.BytesIO(pd.concat(tables).to_csv(index=False).encode())
+        return pd.concat(tables)
 
-    def _drawn(self, form: str) -> Any:
+    def _drawn(self) -> Figure:
         axes, labels, found = self._curves()
         fig = Figure(figsize=(7, 4.2), layout="constrained")
         ax = fig.add_subplot()
@@ -166,10 +155,7 @@ class CurveFigure:
         if labels:
             ax.set_xticks(range(len(labels)), without_shared(labels))
         ax.legend(frameon=False)
-        out = io.BytesIO()
-        fig.savefig(out, format=form, dpi=150)
-        out.seek(0)
-        return out
+        return fig
 
 
 def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:

@@ -5,15 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import panel as pn
 from bokeh.models import BasicTicker, ColumnDataSource, FixedTicker
+from matplotlib.figure import Figure
 
 from dnanalyze.model.simulate import simulate
 from dnanalyze.report.words import celsius
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
-from dnanalyze.workbench.page.points import labelled
+from dnanalyze.workbench.page.downloads import SMALL, downloads
+from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import hover, inner, plain_figure
 
 ASIDE = 0.12  # of a place on the abscissa, between measured and simulated values
@@ -57,7 +60,12 @@ class Pixel:
             "<span class=quiet>A click on a pixel shows its values.</span>",
             stylesheets=[inner(p)], margin=(2, 0, 0, 0), css_classes=["pixel"],
         )  # fmt: skip
-        self.title_bar = pn.Row(self.title, margin=0)
+        style = [inner(p), SMALL]
+        self.title_bar = pn.Row(
+            self.title, pn.layout.HSpacer(),
+            *downloads("pixel", self._table, self._picture, style, "values of the pixel"),
+            margin=0, sizing_mode="stretch_width",
+        )  # fmt: skip
         context.listeners.append(self.update)
 
     def update(self, what: str) -> None:
@@ -127,6 +135,32 @@ class Pixel:
                 "y": list(here),
                 "where": [labelled(settings[self._setting].point)] * len(here),
             }
+
+    def _table(self) -> pd.DataFrame:
+        """One row a value."""
+        settings = self.context.session.captures.settings
+        row, column = self._at or (-1, -1)
+        return pd.DataFrame(
+            {"layer": name, "column": column, "row": row, **vars(s.point), "frame": k, "value": v}
+            for name, values in self._values.items()
+            for s, here in zip(settings, values, strict=False)
+            for k, v in enumerate(here)
+        )
+
+    def _picture(self) -> Figure:
+        """Values over the operating points."""
+        made = Figure(figsize=(7, 4), layout="constrained")
+        ax = made.add_subplot()
+        looks = {"measured": ("#16191d", "o"), "simulated": ("#0072b2", "^")}
+        for name, source in self._points.items():
+            colour, marker = looks[name]
+            ax.plot(source.data["x"], source.data["y"], marker, color=colour, label=name, ms=4)
+        settings = self.context.session.captures.settings
+        ax.set_xticks(range(len(settings)), without_shared([labelled(s.point) for s in settings]))
+        row, column = self._at or (-1, -1)
+        ax.set(ylabel="pixel value [DN]", title=f"column {column}, row {row}")
+        ax.legend(frameon=False)
+        return made
 
 
 def _sources() -> dict[str, ColumnDataSource]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
 from collections import OrderedDict
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import panel as pn
 from bokeh.events import Tap
 from bokeh.models import (
@@ -20,6 +20,8 @@ from bokeh.models import (
     TapTool,
 )
 from bokeh.palettes import cividis, gray
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.noise_model import NoiseModel
@@ -29,13 +31,14 @@ from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.downloads import SMALL, downloads
 from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
-LIVE_S = 0.4  # least time between frames while a slider moves: curve and error come first
+STILL_S = 0.3  # without a preview, after which the frame is drawn: curve and error come first
 MARGINS = 46, 82  # of an image's figure around the image: axes, title and colour bar
 WIDTH, HEIGHT = 150, 166  # of an image side by side at most, screen pixels
 LEAST = 100  # width and height of an image: its title and its ticks need them
@@ -54,7 +57,7 @@ class Sensor:
         self.shape = self.captures.sensor.shape
         self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
         self._latest = Latest(context.back)
-        self._asked_s = -math.inf
+        self._still: Any = None
         self._timer: Any = None
         style = [inner(p)]
         settings = self.captures.settings
@@ -109,7 +112,12 @@ class Sensor:
         self.lower = pn.Row(images[2], self.over_frames, margin=0)
         self.points = self._points()
         self.view = pn.Column(
-            pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
+            pn.Row(
+                pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
+                pn.layout.HSpacer(),
+                *downloads("frames", self._table, self._picture, [*style, SMALL], "the images"),
+                margin=0, sizing_mode="stretch_width",
+            ),
             pn.pane.Bokeh(self.points, margin=0),
             pn.Row(self.kind, self.frame, self.plane, self.colours, margin=(2, 0, 2, 0)),
             pn.Row(self.mode, self.contrast, margin=(0, 0, 4, 0)),
@@ -201,10 +209,20 @@ class Sensor:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        live = self.kind.value == "frame" and math.prod(self.shape) <= LARGE
-        due = time.monotonic() - self._asked_s > LIVE_S
-        if what == "evaluation" or (what == "preview" and live and due):
+        if what not in ("evaluation", "preview"):
+            return
+        document = self.context.document
+        if self._still is not None:
+            document.remove_timeout_callback(self._still)
+            self._still = None
+        if what == "evaluation":
             self._changed()
+        elif self.kind.value == "frame" and math.prod(self.shape) <= LARGE:
+            self._still = document.add_timeout_callback(self._stands, round(1000 * STILL_S))
+
+    def _stands(self) -> None:
+        self._still = None
+        self._changed()
 
     def _moved(self, attr: str, old: float, new: float) -> None:
         self._changed()
@@ -234,7 +252,6 @@ class Sensor:
         scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
         window = self._window(scale)
         self._blink()
-        self._asked_s = time.monotonic()
         self._latest.ask(
             lambda: self._images(view, window, model, preview),
             lambda x: self._show(x, view, window, scale),
@@ -341,6 +358,36 @@ class Sensor:
             self._timer = None
         if self.mode.value == "side by side":
             self.figures["measured"].title.text = "measured [DN]"
+
+    def _table(self) -> pd.DataFrame:
+        """One row a pixel of the images as they are shown."""
+        if not self._shown or self._drawn is None:
+            return pd.DataFrame()
+        window = self._drawn[1]
+        rows, columns = self._shown["measured"].shape
+        y = np.linspace(window.top, window.bottom, rows, endpoint=False)
+        x = np.linspace(window.left, window.right, columns, endpoint=False)
+        row, column = (z.astype(int).ravel() for z in np.meshgrid(y, x, indexing="ij"))
+        return pd.DataFrame(
+            {"row": row, "column": column} | {n: z.ravel() for n, z in self._shown.items()}
+        )
+
+    def _picture(self) -> Figure:
+        """The images side by side, with the contrasts of the page."""
+        made = Figure(figsize=(12, 4), layout="constrained")
+        if not self._shown or self._drawn is None:
+            return made
+        window = self._drawn[1]
+        extent = (window.left, window.right, window.bottom, window.top)
+        for ax, (name, image) in zip(made.subplots(1, 3), self._shown.items(), strict=True):
+            mapper = self.difference if name == "difference" else self.mapper
+            drawn = ax.imshow(
+                image, cmap=ListedColormap(mapper.palette), vmin=mapper.low, vmax=mapper.high,
+                extent=extent, interpolation="nearest",
+            )  # fmt: skip
+            ax.set(title=name, xlabel="column", ylabel="row")
+            made.colorbar(drawn, ax=ax, label="pixel value [DN]")
+        return made
 
     def _tapped(self, event: Any) -> None:
         self._pixel(int(event.y), int(event.x))
