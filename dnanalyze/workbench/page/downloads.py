@@ -10,8 +10,12 @@ import pandas as pd
 import panel as pn
 from matplotlib.figure import Figure
 
-WIDTHS = {"csv": 48, "png": 48, "svg": 48}
-SMALL = "button, a { padding:0 5px !important; font-size:11px !important; }"
+FORMS = "csv", "png", "svg"
+WIDTH = 38  # screen pixels
+SMALL = (  # a button no wider than its three letters ask
+    ".bk-btn, a, button { padding:0 3px !important; font-size:11px !important; "
+    "min-width:0 !important; }"
+)
 
 
 def downloads(
@@ -30,7 +34,7 @@ def downloads(
     table, figure : callable
         Numbers and figure as they are when a button is pressed.
     style : list of str
-        Style sheets.
+        Style sheets of the page's widgets.
     what : str
         What is saved, for the tooltip.
     """
@@ -46,8 +50,8 @@ def downloads(
     return [
         pn.widgets.FileDownload(
             callback=lambda form=form: saved(form), filename=f"{name}.{form}", label=form.upper(),
-            button_type="default", stylesheets=style, margin=0, width=width,
+            button_type="default", stylesheets=[*style, SMALL], margin=0, width=WIDTH,
             description=f"{what} as {form.upper()}" if what else None,
         )
-        for form, width in WIDTHS.items()
+        for form in FORMS
     ]  # fmt: skip

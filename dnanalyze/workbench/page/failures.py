@@ -19,7 +19,7 @@ from dnanalyze.report.figures.heatmap import draw_families, draw_heatmap
 from dnanalyze.report.words import family_title
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
-from dnanalyze.workbench.page.downloads import SMALL, downloads
+from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.figure import CurveFigure
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
@@ -56,7 +56,7 @@ class Failures:
             pn.Row(
                 self.title, pn.layout.HSpacer(),
                 *downloads(
-                    "model_error", self._table, self._picture, [*style, SMALL],
+                    "model_error", self._table, self._picture, style,
                     "families and statistics",
                 ),
                 margin=0, sizing_mode="stretch_width",

@@ -15,7 +15,7 @@ from dnanalyze.report.words import celsius
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
-from dnanalyze.workbench.page.downloads import SMALL, downloads
+from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import hover, inner, plain_figure
 
@@ -60,7 +60,7 @@ class Pixel:
             "<span class=quiet>A click on a pixel shows its values.</span>",
             stylesheets=[inner(p)], margin=(2, 0, 0, 0), css_classes=["pixel"],
         )  # fmt: skip
-        style = [inner(p), SMALL]
+        style = [inner(p)]
         self.title_bar = pn.Row(
             self.title, pn.layout.HSpacer(),
             *downloads("pixel", self._table, self._picture, style, "values of the pixel"),

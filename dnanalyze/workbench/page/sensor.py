@@ -31,7 +31,7 @@ from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
-from dnanalyze.workbench.page.downloads import SMALL, downloads
+from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
@@ -115,7 +115,7 @@ class Sensor:
             pn.Row(
                 pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
                 pn.layout.HSpacer(),
-                *downloads("frames", self._table, self._picture, [*style, SMALL], "the images"),
+                *downloads("frames", self._table, self._picture, style, "the images"),
                 margin=0, sizing_mode="stretch_width",
             ),
             pn.pane.Bokeh(self.points, margin=0),
