@@ -143,7 +143,7 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
                 ]
             ).writeto
         )
-        for how in ("RICE_1", "GZIP_2", "PLIO_1")
+        for how in ("RICE_1", "GZIP_1", "GZIP_2")
     }
     grey = np.stack([CODES[0].astype(np.uint8)] * 3, -1)
     mono = {"metadata": None, "photometric": "minisblack"}

@@ -44,23 +44,22 @@ def test_gzipped_fits(tmp_path, suffix):
         list(load(tmp_path).frames())[-1].read()
 
 
-@pytest.mark.parametrize("how", ["RICE_1", "GZIP_1", "GZIP_2", "PLIO_1"])
+@pytest.mark.parametrize("how", ["RICE_1", "GZIP_1", "GZIP_2"])
 @pytest.mark.parametrize("dtype", ["int16", "uint16"])
 def test_tiled_fits(tmp_path, how, dtype):
     array = STACK[0].astype(dtype)
     image = fits.CompImageHDU(array, compression_type=how)
     image.header["CCD-TEMP"] = -10.0
-    if how == "PLIO_1" and dtype == "uint16":
-        pytest.skip("PLIO holds no negative numbers, and BZERO makes them")
     fits.HDUList([fits.PrimaryHDU(), image]).writeto(tmp_path / "a.fits.fz")
     captures = check(tmp_path, [array], np.dtype(dtype))
     assert captures.settings[0].point.temperature_c == -10.0
 
 
-def test_an_algorithm_without_a_safe_decoder_is_refused(tmp_path):
-    image = fits.CompImageHDU(STACK[0].astype(np.int16), compression_type="HCOMPRESS_1")
+@pytest.mark.parametrize("how", ["HCOMPRESS_1", "PLIO_1"])
+def test_an_algorithm_without_a_safe_decoder_is_refused(tmp_path, how):
+    image = fits.CompImageHDU(STACK[0].astype(np.int16), compression_type=how)
     fits.HDUList([fits.PrimaryHDU(), image]).writeto(tmp_path / "a.fits.fz")
-    with pytest.raises(InputError, match=r"ZCMPTYPE = 'HCOMPRESS_1'; valid: RICE_1.*funpack"):
+    with pytest.raises(InputError, match=rf"ZCMPTYPE = '{how}'; valid: RICE_1.*funpack"):
         load(tmp_path)
 
 

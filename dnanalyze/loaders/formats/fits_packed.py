@@ -20,9 +20,9 @@ from dnanalyze.loaders.plain import PlainPixels
 
 MAX_SIDE = 1 << 17  # pixels of a tile; the widest sensors have a quarter of that
 
-# HCOMPRESS_1 is left out: on damaged tiles its decoder (of CFITSIO, in astropy) writes out of
-# bounds and ends the process.
-ALGORITHMS = ("RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1", "NOCOMPRESS")
+# Two decoders (of CFITSIO, in astropy) cannot be trusted with a damaged tile: that of HCOMPRESS_1
+# writes out of bounds and ends the process, that of PLIO_1 leaves pixels of the tile unset.
+ALGORITHMS = ("RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "NOCOMPRESS")
 
 
 @dataclass(frozen=True)
