@@ -9,7 +9,8 @@ every sensor has (``refine`` with no effect added). One line a sensor: words rig
 where, law), numbers beside the truth, model error without and with the description. ``ordinary``
 is a sensor without an effect. ``--models`` keeps and reads the models without the effect.
 ``--search`` compares the structure with most evidence in the layers only, without a model: 2 s a
-sensor, no model error.
+sensor, no model error. ``--blind`` takes the eight effects of `describe_blind`, written by someone
+who had seen neither the estimators nor the effects here.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import describe_blind
 import numpy as np
 
 import dnanalyze
@@ -156,7 +158,9 @@ ORDINARY = "ordinary"
 def sensor(name: str, seed: int) -> tuple[list[np.ndarray], Case | None]:
     """Frames at each temperature, (frames, rows, columns) of codes, and what is in them."""
     silicon = np.random.default_rng([seed, *name.encode()])
-    case = EFFECTS[name](silicon) if name in EFFECTS else None
+    of, _, own = name.rpartition(":")
+    known: dict[str, Callable[[Rng], Any]] = describe_blind.EFFECTS if of else EFFECTS
+    case = known[own](silicon) if own in known else None
     read, spread = READ_E, SPREAD
     if case is None:  # ordinary sensors differ among themselves
         read, spread = silicon.uniform(1.2, 3.0), silicon.uniform(0.2, 0.5)
@@ -302,7 +306,7 @@ def line(row: dict[str, Any]) -> str:
             parts.append(f"{key} {n.get('found', '-')} (true {n['true']})")
     after = "-" if math.isnan(row["after"]) else f"{row['after']:.3g}"
     return (
-        f"{row['name']:17} {row['seed']} {row['verdict']:9} {right:4} "
+        f"{row['name']:23} {row['seed']} {row['verdict']:9} {right:4} "
         f"error {row['before']:.3g} -> {after} {row['model']:11} confidence "
         f"{row['confidence']:.2f} {row['refine_s']:.0f} + {row['describe_s']:.0f} s  "
         + ", ".join(parts)
@@ -317,11 +321,16 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     parser.add_argument("--models", type=Path)
     parser.add_argument("--search", action="store_true")
+    parser.add_argument("--blind", action="store_true")
     options = parser.parse_args()
     seeds = [int(s) for s in options.seeds.split(",")]
-    unknown = sorted({*options.names} - {*EFFECTS, ORDINARY})
+    blind = [f"blind:{name}" for name in describe_blind.EFFECTS]
+    if options.blind:
+        options.names = blind
+    valid = [*EFFECTS, ORDINARY, *blind]
+    unknown = sorted({*options.names} - {*valid})
     if unknown:
-        parser.error(f"unknown: {', '.join(unknown)}; valid: {', '.join([*EFFECTS, ORDINARY])}")
+        parser.error(f"unknown: {', '.join(unknown)}; valid: {', '.join(valid)}")
     if options.search:
         searched_only(options.names, seeds)
         return

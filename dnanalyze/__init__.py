@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from dnanalyze.checking.targets import load_targets
     from dnanalyze.comparator.compare import Comparison, compare
     from dnanalyze.description.describe import Description, describe
+    from dnanalyze.description.pattern import LearnedPattern, learn_pattern
     from dnanalyze.detection.detect import detect
     from dnanalyze.detection.results import Detection
     from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
@@ -55,6 +56,7 @@ __all__ = [
     "Effect",
     "Fit",
     "InputError",
+    "LearnedPattern",
     "NoiseModel",
     "OperatingPoint",
     "Refinement",
@@ -75,6 +77,7 @@ __all__ = [
     "diagnose",
     "dump_model",
     "fit",
+    "learn_pattern",
     "load",
     "load_model",
     "load_targets",
@@ -93,6 +96,7 @@ _HOME = {
     "dnanalyze.comparator.compare": ("Comparison", "compare"),
     "dnanalyze.checking.targets": ("load_targets",),
     "dnanalyze.description.describe": ("Description", "describe"),
+    "dnanalyze.description.pattern": ("LearnedPattern", "learn_pattern"),
     "dnanalyze.detection.detect": ("detect",),
     "dnanalyze.detection.results": ("Detection",),
     "dnanalyze.diagnosis.diagnose": ("Diagnosis", "diagnose"),

@@ -266,15 +266,16 @@ class Session:
         page: Callable[[], str] | None = None,
         table: Callable[[], Any] | None = None,
         model: Callable[[], str] | None = None,
-        more: Mapping[Path, str] | None = None,
+        more: Mapping[Path, str | bytes] | None = None,
     ) -> None:
         """Write what was asked for, and ``more`` files, all made before the first appears."""
         with self.progress("Writing the results"):
-            made = [*self._made(content, page, table, model), *(more or {}).items()]
-            write_together({path: text for path, text in made if path != STDOUT})
-        for path, text in made:
+            own = self._made(content, page, table, model)
+            made: dict[Path, str | bytes] = {**dict(own), **(more or {})}
+            write_together({path: text for path, text in made.items() if path != STDOUT})
+        for path, text in made.items():
             if path == STDOUT:
-                sys.stdout.write(text)
+                sys.stdout.write(str(text))
             else:
                 self.say(f"wrote {path}")
 

@@ -267,7 +267,9 @@ def _judged(
     except TimeUp:
         finished = False
     if not tried:
-        told = _without(captures, held, state, "possible", sentence(found[0], seen))
+        told = _without(
+            captures, held, state, "possible", sentence(found[0], seen, state.model.reference)
+        )
         return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
     best, trial = max(tried, key=lambda pair: pair[1].evidence)
     supported = missing(held, state, [trial])
@@ -289,7 +291,7 @@ def _judged(
     if not limit.over:
         tell("nearest effects of the catalogue")
         near = nearest(held, state, ended, best.effect, known)
-    text = sentence(best, seen)
+    text = sentence(best, seen, state.model.reference)
     rival = as_good(near, error_of(held, ended))
     if rival is not None:
         supported, verdict, sure = None, "possible", min(sure, STANDS_IN)
@@ -309,7 +311,7 @@ def _judged(
         near,
         removed,
         more_captures(best.effect, seen),
-        [sentence(e, seen) for e in found if _layer(e) != _layer(best)][:2],
+        [sentence(e, seen, state.model.reference) for e in found if _layer(e) != _layer(best)][:2],
         ended.model if supported is not None else state.model,
         look(best, seen),
         finished,

@@ -9,6 +9,7 @@ import numpy as np
 from dnanalyze.description.found import Estimate, apparent_energy
 from dnanalyze.description.layers import Layers
 from dnanalyze.digits import number, with_error
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
 
 # Known causes of such a structure; a geometry alone proves no cause.
@@ -22,10 +23,16 @@ MOST_GROUPS = 8  # of lines, that a sentence names
 OPEN = "the geometry is determined, the cause is not"
 
 
-def sentence(found: Estimate, seen: Layers) -> str:
-    """Time, geometry, size, law, and a known cause of such a structure."""
+def sentence(found: Estimate, seen: Layers, reference: OperatingPoint | None = None) -> str:
+    """Time, geometry, size, law, and a known cause of such a structure.
+
+    ``reference``: where the size of a thermal structure is stated.
+    """
     e = found.effect
-    text = ", ".join([_structure(e, found.errors), _size(e, found.errors), _law(found, seen)])
+    size = _size(e, found.errors)
+    if e.law == "thermal" and reference is not None:
+        size += f" at {reference.label()}"
+    text = ", ".join([_structure(e, found.errors), size, _law(found, seen)])
     cause = KNOWN.get((e.what, e.where, e.when), OPEN)
     return f"{text[0].upper()}{text[1:]}: {cause}."
 
@@ -35,7 +42,9 @@ def _structure(e: CompositeEffect, errors: dict[str, float]) -> str:
     where = _geometry(e, errors)
     if e.what == "noise":
         lines = e.where in ("row", "column")
-        return f"additional noise in {where}" if lines else f"noise modulated as a {where}"
+        if lines:
+            return f"additional noise, independent in each pixel, in {where}"
+        return f"pixel noise modulated as a {where}"
     if (e.where == "blob" and e.when == "frame") or "segments" in e.where:
         return where + ", at a new position in every frame"
     when = {
@@ -60,18 +69,23 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.where == "rings":
         centre = f"({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
         apart = _told(e, "period", errors)
-        return f"rings, period {apart} px about row and column {centre}{_grows(e)}"
+        phase = f"phase {number(e.phase)} rad at the centre"
+        return f"sinusoidal rings, period {apart} px about row and column {centre}, {phase}{_grows(e)}"
     if e.where == "wave":
         if abs(e.u) == abs(e.v) == 0.5:
             return f"checkerboard of single pixels{_grows(e)}"
         period = 1.0 / math.hypot(e.u, e.v)
         spread = math.hypot(errors.get("u", 0.0), errors.get("v", 0.0)) * period**2 / math.sqrt(2.0)
         way = _direction(e.u, e.v)
-        return f"plane wave, period {with_error(period, spread)} px {way}{_grows(e)}"
+        phase = f"phase {number(e.phase)} rad at row 0, column 0"
+        return f"sinusoidal plane wave, period {with_error(period, spread)} px {way}, {phase}{_grows(e)}"
     if e.where == "block":
         pixels = {"all": "all their pixels", "diagonal": "the pixels of their falling diagonal",
                   "antidiagonal": "the pixels of their rising diagonal"}[e.mask]  # fmt: skip
-        return f"values of blocks of {e.height} × {e.width} px, shared by {pixels}"
+        cut = ""
+        if e.top or e.left:  # without the phase the blocks could not be drawn again
+            cut = f" (the first {e.height - (e.top or 0)} × {e.width - (e.left or 0)} px)"
+        return f"values of blocks of {e.height} × {e.width} px{cut}, shared by {pixels}"
     if e.where == "surface":
         terms = ("x", "y", "x²", "xy", "y²")
         parts = [
@@ -83,9 +97,11 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.where == "blob":
         place = ""
         if e.when != "frame":
-            place = f" about ({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
-        half = ", there in half of the frames" if e.distribution == "on_off" else ""
-        return f"spot of radius {_told(e, 'radius', errors)} px{place}{half}"
+            at = f"({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
+            place = f" about row and column {at}"
+        half = ", present in half of the frames" if e.distribution == "on_off" else ""
+        size = f"standard deviation {_told(e, 'radius', errors)} px"
+        return f"Gaussian spot, {size}{place}{half}"
     if e.where == "diagonal":
         return (
             f"values of the diagonals that {'fall' if e.slant == 'down' else 'rise'} to the right"

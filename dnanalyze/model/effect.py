@@ -21,6 +21,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
+from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.streams import Stream
 
 if TYPE_CHECKING:
@@ -364,6 +365,10 @@ class Effect:
                     raise InputError(f"{where}: {value!r} is no list of finite numbers")
                 if info.choices and value not in info.choices:
                     raise InputError(f"{where}: {value!r} is not one of {list(info.choices)}")
+                if isinstance(item.default, FieldMap):
+                    if not isinstance(value, FieldMap):
+                        raise InputError(f"{where}: valid: a map of the frame")
+                    continue
                 if not info.choices and item.default != () and not _whole(value):
                     raise InputError(f"{where}: {value!r} is no whole number of 0 to {MOST_WHOLE}")
                 continue

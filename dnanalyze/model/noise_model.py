@@ -17,6 +17,7 @@ from dnanalyze.model.laws import Law, law_from_plain
 from dnanalyze.model.registry import catalogue, described, find
 
 SCHEMA = "dnanalyze/model/1"
+PATTERN = "pattern_map"  # the effect whose map is a file beside the model
 _AT_25_C = {"temperature_c": 25.0, "exposure_s": 1.0}
 KEYS = {"schema", "pedestal", "reference", "channel_references", "seed", "effects", "fit"}
 
@@ -243,7 +244,24 @@ def load_model(
     >>> dnanalyze.load_model("sample_configs/model.yaml").names[:2]
     ['convolved_lognormal', 'dark_shot_noise']
     """
-    return model_from_plain(read_yaml(Path(path)), str(path), known)
+    raw = read_yaml(Path(path))
+    return model_from_plain(_with_files(raw, Path(path).parent), str(path), known)
+
+
+def _with_files(raw: Any, folder: Path) -> Any:
+    """The same with the paths of maps, which are stated from the model file, from here."""
+    if not isinstance(raw, dict) or not isinstance(raw.get("effects"), list):
+        return raw
+    return raw | {"effects": [_with_file(item, folder) for item in raw["effects"]]}
+
+
+def _with_file(item: Any, folder: Path) -> Any:
+    values = item.get(PATTERN) if isinstance(item, dict) else None
+    held = values.get("map") if isinstance(values, dict) else None
+    if not isinstance(held, dict) or not isinstance(held.get("file"), str):
+        return item
+    assert isinstance(values, dict)
+    return item | {PATTERN: values | {"map": held | {"file": str(folder / held["file"])}}}
 
 
 def dump_model(model: NoiseModel) -> str:

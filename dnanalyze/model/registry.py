@@ -67,8 +67,9 @@ def catalogue(files: tuple[Path, ...] = ()) -> dict[str, type[Effect]]:
 def described() -> dict[str, type[Effect]]:
     """Effects that a model may hold but no diagnosis tries: `dnanalyze describe` makes them."""
     from dnanalyze.model.composite.effect import CompositeEffect
+    from dnanalyze.model.learned.pattern_map import PatternMap
 
-    return {CompositeEffect.name: CompositeEffect}
+    return {kind.name: kind for kind in (CompositeEffect, PatternMap)}
 
 
 def known_effects(

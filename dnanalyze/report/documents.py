@@ -160,8 +160,13 @@ def diagnosis(where: str, result: Any) -> Document:
     )
 
 
-def description(where: str, result: Any, output: Path | None = None) -> Document:
-    """Structure of the residual that no effect of the catalogue explains, in words and numbers."""
+def description(
+    where: str, result: Any, output: Path | None = None, pattern: Any = None
+) -> Document:
+    """Structure of the residual that no effect of the catalogue explains, in words and numbers.
+
+    ``pattern``: the learned pattern of the sensor, if any.
+    """
     effect = result.effect
     return document(
         "describe",
@@ -184,7 +189,23 @@ def description(where: str, result: Any, output: Path | None = None) -> Document
         effects=result.model.names,
         model=output,
         fitted=result.model.to_plain(),
+        **({} if pattern is None else {"pattern": _pattern(pattern)}),
     )
+
+
+def _pattern(pattern: Any) -> Document:
+    """The learned pattern of one sensor, and what it predicts."""
+    return {
+        "supported": pattern.supported,
+        "text": pattern.sentence(),
+        "law": pattern.effect.law,
+        "ea_ev": pattern.effect.ea_ev if pattern.effect.law == "thermal" else None,
+        "rms": pattern.rms,
+        "frames_share": pattern.frames_share,
+        "points_share": pattern.points_share,
+        "error_before": pattern.error_before,
+        "error_after": pattern.error_after,
+    }
 
 
 def refinement(

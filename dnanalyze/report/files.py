@@ -33,7 +33,7 @@ def atomic_write(path: Path, content: str | bytes) -> None:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
-def write_together(contents: Mapping[Path, str]) -> None:
+def write_together(contents: Mapping[Path, str | bytes]) -> None:
     """Several files, all of them or none: each is written whole before the first gets its name.
 
     Ctrl-C and SIGTERM wait until all have theirs.
@@ -49,7 +49,8 @@ def write_together(contents: Mapping[Path, str]) -> None:
     try:
         with _undisturbed(), ExitStack() as stack:
             for path, content in contents.items():
-                stack.enter_context(atomic(path)).write(content.encode("utf-8"))
+                made = content.encode("utf-8") if isinstance(content, str) else content
+                stack.enter_context(atomic(path)).write(made)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
 

@@ -26,27 +26,48 @@ def describe(
     ] = None,
     force: Annotated[
         bool,
-        typer.Option("--force", rich_help_panel=FILES, help="Overwrite the file of --write."),
+        typer.Option(
+            "--force", rich_help_panel=FILES, help="Overwrite the files of --write and --map."
+        ),
     ] = False,
+    map_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--map",
+            metavar="MAP.npy",
+            rich_help_panel=FILES,
+            help="Learn the fixed pattern of this very sensor; -o adds it to the model.",
+        ),
+    ] = None,
     budget: Budget = None,
 ) -> None:
     """Describe the residual that no effect of the catalogue explains; add it to the model."""
     from dnanalyze.description.describe import describe as run
+    from dnanalyze.description.pattern import learn_pattern
+    from dnanalyze.model.learned.field_map import map_bytes
+    from dnanalyze.model.learned.pattern_map import named
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables
     from dnanalyze.report.files import check_output
     from dnanalyze.report.pages.describe import describe_page
+    from dnanalyze.report.terminal.common import points
     from dnanalyze.report.terminal.description import description as show
     from dnanalyze.report.terminal.refinement import not_kept
 
     session = options.session("describe", output=output)
     session.remaining(budget)
-    if write is not None:
-        check_output(write, options.captures)
-        if write.exists() and not force:
-            raise InputError(f"--write {write}: exists; name another file, or give --force")
-        if write in session.files:
-            raise InputError(f"{write}: named for two outputs; give each its own file")
+    taken = list(session.files)
+    for option, path in (("--write", write), ("--map", map_file)):
+        if path is None:
+            continue
+        check_output(path, options.captures)
+        if path.exists() and not force:
+            raise InputError(f"{option} {path}: exists; name another file, or give --force")
+        if path in taken:
+            raise InputError(f"{path}: named for two outputs; give each its own file")
+        taken.append(path)
+    if map_file is not None and map_file.suffix != ".npy":
+        raise InputError(f"--map {map_file}: valid: a name that ends in .npy")
     found, own = options.begin(session)
     if len(found.channels) > 1:
         names = ", ".join(str(c) for c in found.channels)
@@ -61,14 +82,25 @@ def describe(
             held=held,
             tell=progress.now,
         )
+        pattern = None
+        if map_file is not None:
+            pattern = learn_pattern(found, result.model, tell=progress.now)
     show(session.console, found, result)
+    extra: dict[Path, str | bytes] = {}
+    model = result.model
+    if pattern is not None and map_file is not None:
+        points(session.console, "Learned pattern", [pattern.sentence()])
+        if pattern.supported:
+            model = pattern.model.with_effect(named(pattern.effect, map_file, output))
+            extra[map_file] = map_bytes(pattern.effect.map)
     if output is None and result.verdict == "described":
         not_kept(session.console)
-    extra = {write: result.source()} if write is not None and result.effect is not None else {}
+    if write is not None and result.effect is not None:
+        extra[write] = result.source()
     session.write(
-        documents.description(options.captures, result, output),
+        documents.description(options.captures, result, output, pattern),
         lambda: describe_page(found, result),
         lambda: tables.description(result),
-        lambda: dump_model(result.model),
+        lambda: dump_model(model),
         extra,
     )

@@ -85,7 +85,8 @@ def rows(model: NoiseModel, temperatures: Sequence[float] = ()) -> list[dict[str
 
 def _row(effect: str, parameter: str, choice: Any) -> dict[str, Any]:
     empty = dict.fromkeys(("temperature_c", "exposure_s", "gain", "channel", "unit"))
-    return {"effect": effect, "parameter": parameter, **empty, "value": choice, "law": choice}
+    plain = _plain(choice)
+    return {"effect": effect, "parameter": parameter, **empty, "value": plain, "law": plain}
 
 
 def _plain(law: Law) -> Any:

@@ -1,0 +1,1 @@
+"""A pattern learned from one sensor: a map beside the model, and the effect that adds it."""
