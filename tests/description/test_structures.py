@@ -192,7 +192,7 @@ def test_a_spot_that_blinks_in_its_place():
     e = found.effect
     assert (e.when, e.where, e.distribution) == ("switching", "blob", "on_off")
     near(found, amplitude=5.0, radius=15.0, centre_y=40.0, centre_x=90.0)
-    assert "there in half of the frames" in sentence(found, seen)
+    assert "present in half of the frames" in sentence(found, seen)
 
 
 def test_a_spot_in_its_place_whose_height_is_new_in_every_frame():
