@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import OrderedDict
 from typing import Any
 
@@ -38,7 +39,8 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
-STILL_S = 0.3  # without a preview, after which the frame is drawn: curve and error come first
+LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
+STILL_S = 0.3  # without a preview, after which the frame is drawn
 MARGINS = 46, 82  # of an image's figure around the image: axes, title and colour bar
 WIDTH, HEIGHT = 150, 166  # of an image side by side at most, screen pixels
 LEAST = 100  # width and height of an image: its title and its ticks need them
@@ -58,6 +60,7 @@ class Sensor:
         self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
         self._latest = Latest(context.back)
         self._still: Any = None
+        self._asked_s = -math.inf
         self._timer: Any = None
         style = [inner(p)]
         settings = self.captures.settings
@@ -215,10 +218,14 @@ class Sensor:
         if self._still is not None:
             document.remove_timeout_callback(self._still)
             self._still = None
+        due = time.monotonic() - self._asked_s > LIVE_S
         if what == "evaluation":
             self._changed()
         elif self.kind.value == "frame" and math.prod(self.shape) <= LARGE:
-            self._still = document.add_timeout_callback(self._stands, round(1000 * STILL_S))
+            if due:
+                self._changed()
+            else:
+                self._still = document.add_timeout_callback(self._stands, round(1000 * STILL_S))
 
     def _stands(self) -> None:
         self._still = None
@@ -252,6 +259,7 @@ class Sensor:
         scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
         window = self._window(scale)
         self._blink()
+        self._asked_s = time.monotonic()
         self._latest.ask(
             lambda: self._images(view, window, model, preview),
             lambda x: self._show(x, view, window, scale),
