@@ -70,7 +70,9 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
         centre = f"({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
         apart = _told(e, "period", errors)
         phase = f"phase {number(e.phase)} rad at the centre"
-        return f"sinusoidal rings, period {apart} px about row and column {centre}, {phase}{_grows(e)}"
+        return (
+            f"sinusoidal rings, period {apart} px about row and column {centre}, {phase}{_grows(e)}"
+        )
     if e.where == "wave":
         if abs(e.u) == abs(e.v) == 0.5:
             return f"checkerboard of single pixels{_grows(e)}"

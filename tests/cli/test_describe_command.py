@@ -87,3 +87,33 @@ def test_what_stays_unexplained_is_described(command, folder, tmp_path, capsys, 
     found.verdict = "missing"
     assert main([command, folder]) == 0
     assert seen == [False]
+
+
+def test_a_map_is_written_with_the_model_that_names_it(tmp_path, capsys, monkeypatch):
+    import numpy as np
+
+    from dnanalyze.description.pattern import LearnedPattern
+    from dnanalyze.model.learned.field_map import FieldMap
+    from dnanalyze.model.learned.pattern_map import PatternMap
+
+    effect = PatternMap(map=FieldMap(np.full((8, 8), 0.5, np.float32)))
+
+    def learned(captures, model, **_):
+        one = np.ones(1)
+        return LearnedPattern(
+            effect, model.with_effect(effect), 0.5, one, one, [], 0.4, 0.3, 2.0, 1.1
+        )
+
+    monkeypatch.setattr("dnanalyze.description.pattern.learn_pattern", learned)
+    folder = str(write_captures(fakes.captures(), tmp_path / "sensor"))
+    made, model = tmp_path / "map.npy", tmp_path / "m.yaml"
+    call = ["describe", folder, "--map", str(made), "-o", str(model)]
+    assert main(call) == 0
+    assert "It predicts 40 % of the variance" in " ".join(capsys.readouterr().out.split())
+    assert np.load(made).shape == (8, 8)
+    (held,) = (e for e in yaml.safe_load(model.read_text())["effects"] if "pattern_map" in e)
+    assert held["pattern_map"]["map"]["file"] == "map.npy"
+    assert main(call) == 2
+    assert "exists; name another file, or give --force" in capsys.readouterr().err
+    assert main(["describe", folder, "--map", str(tmp_path / "map.tif")]) == 2
+    assert "a name that ends in .npy" in capsys.readouterr().err

@@ -8,6 +8,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.model.channel_models import channels_of
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.export.bundle import Bundle
+from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 
 _MARK = "The model:\n"
@@ -80,6 +81,11 @@ def numpy_source(model: NoiseModel) -> str:
     ):
         bundle.add(module, name)
     for effect in model.effects:
+        if any(isinstance(getattr(effect, name), FieldMap) for name in effect.parameters()):
+            raise InputError(
+                f"effect {effect.name}: an exported function holds no map; simulate the frames, or "
+                "export a model without it"
+            )
         try:
             bundle.add(type(effect).__module__, type(effect).__name__)
         except InputError as error:

@@ -6,6 +6,8 @@ import pytest
 import dnanalyze
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.export.numpy_code import numpy_source
+from dnanalyze.model.export.table import rows
 from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap, map_bytes
 from dnanalyze.model.learned.pattern_map import PatternMap, named
@@ -68,3 +70,11 @@ def test_a_model_without_its_map_is_refused(tmp_path):
 def test_its_variance_is_that_of_the_map():
     assert PatternMap(amplitude=2.0, map=MAP).variance(AT) == pytest.approx(4 * MAP.array.var())
     assert PatternMap(law="thermal", map=MAP).variance(AT) is None
+
+
+def test_exports_say_what_they_cannot_hold():
+    model = NoiseModel((PatternMap(map=MAP),), 64.0)
+    with pytest.raises(InputError, match="pattern_map: an exported function holds no map"):
+        numpy_source(model)
+    (row,) = (r for r in rows(model) if r["parameter"] == "map")
+    assert row["value"]["sha256"] == MAP.checksum
