@@ -80,7 +80,8 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
         spread = math.hypot(errors.get("u", 0.0), errors.get("v", 0.0)) * period**2 / math.sqrt(2.0)
         way = _direction(e.u, e.v)
         phase = f"phase {number(e.phase)} rad at row 0, column 0"
-        return f"sinusoidal plane wave, period {with_error(period, spread)} px {way}, {phase}{_grows(e)}"
+        apart = with_error(period, spread)
+        return f"sinusoidal plane wave, period {apart} px {way}, {phase}{_grows(e)}"
     if e.where == "block":
         pixels = {"all": "all their pixels", "diagonal": "the pixels of their falling diagonal",
                   "antidiagonal": "the pixels of their rising diagonal"}[e.mask]  # fmt: skip
