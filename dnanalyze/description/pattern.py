@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from dnanalyze.comparator.error import pooled
+from dnanalyze.comparator.error import LUCK, pooled
 from dnanalyze.description.layers import CLIP, robust
 from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
@@ -69,11 +69,24 @@ class LearnedPattern:
 
     @property
     def supported(self) -> bool:
-        """Whether it predicts frames that it was not learned from."""
-        return self.rms > 0 and self.frames_share > 0
+        """Whether it predicts frames that it was not learned from, at no cost to the model error.
+
+        The error may rise by what it varies between simulated sensors.
+        """
+        return self.rms > 0 and self.frames_share > 0 and not self._harmful
+
+    @property
+    def _harmful(self) -> bool:
+        return self.error_after > self.error_before * (1.0 + LUCK)
 
     def sentence(self) -> str:
         """What was learned, in a sentence."""
+        if self._harmful:
+            before, after = number(self.error_before), number(self.error_after)
+            return (
+                "A fixed pattern is not added: with it the model error on frames that it was not "
+                f"learned from rises from {before} to {after}."
+            )
         if not self.supported:
             return (
                 "No fixed pattern exceeds that of the model and chance, or none predicts frames "
@@ -136,10 +149,7 @@ def learn_pattern(
     >>> dnanalyze.learn_pattern(captures, model).effect.map.shape
     (64, 64)
     """
-    if model.get(PatternMap.name) is not None:
-        raise InputError("model: it already has the effect 'pattern_map'; learn it without")
-    if min(len(s.frames) for s in captures.settings) < 2:
-        raise InputError(f"{captures.name}: a pattern needs two frames at each operating point")
+    check_pattern(captures, model)
     tell("mean frames")
     seen = halves(captures)
     tell("simulated sensors")
@@ -180,6 +190,24 @@ def learn_pattern(
         after,
         captures,
     )
+
+
+def check_pattern(captures: CaptureSet, model: NoiseModel | None = None) -> None:
+    """Refuse captures and models of which no pattern can be learned, before the long work.
+
+    Raises
+    ------
+    InputError
+        Single frames, or a model that has a pattern already.
+    """
+    if model is not None and model.get(PatternMap.name) is not None:
+        raise InputError("model: it already has the effect 'pattern_map'; learn it without")
+    for setting in captures.settings:
+        if len(setting.frames) < 2:
+            raise InputError(
+                f"{captures.name}: one frame at {setting.point.label()}; a pattern needs two at "
+                "each operating point"
+            )
 
 
 @dataclass(frozen=True)

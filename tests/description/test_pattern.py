@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dnanalyze
-from dnanalyze.description.pattern import learn_pattern
+from dnanalyze.description.pattern import LearnedPattern, learn_pattern
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import arrhenius
@@ -55,7 +55,16 @@ def test_chance_is_no_pattern():
 
 def test_single_frames_and_a_second_pattern_are_refused():
     single = simulate(MODEL, SHAPE, [(AT, 1)])
-    with pytest.raises(InputError, match="two frames"):
+    with pytest.raises(InputError, match="one frame at .* a pattern needs two"):
         learn_pattern(single, MODEL)
     with pytest.raises(InputError, match="already has the effect 'pattern_map'"):
         learn_pattern(captures(), MODEL.with_effect(PatternMap(map=FieldMap(PATTERN))))
+
+
+def test_a_pattern_that_raises_the_error_is_not_added():
+    effect = PatternMap(map=FieldMap(PATTERN))
+    one = np.ones(1)
+    found = LearnedPattern(effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.76)
+    assert not found.supported
+    assert "rises from 1.45 to 1.76" in found.sentence()
+    assert LearnedPattern(effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.5).supported

@@ -43,7 +43,7 @@ def describe(
 ) -> None:
     """Describe the residual that no effect of the catalogue explains; add it to the model."""
     from dnanalyze.description.describe import describe as run
-    from dnanalyze.description.pattern import learn_pattern
+    from dnanalyze.description.pattern import check_pattern, learn_pattern
     from dnanalyze.model.learned.field_map import map_bytes
     from dnanalyze.model.learned.pattern_map import named
     from dnanalyze.model.noise_model import dump_model
@@ -72,6 +72,8 @@ def describe(
     if len(found.channels) > 1:
         names = ", ".join(str(c) for c in found.channels)
         raise InputError(f"--channel: describe takes one channel; valid: {names}")
+    if map_file is not None:
+        check_pattern(found, own)
     with session.progress("Reading frames") as progress:
         held = progress.bench(found)
         result = run(
