@@ -124,7 +124,7 @@ def learn_pattern(
     Parameters
     ----------
     captures : CaptureSet
-        Dark frames, two or more at each operating point.
+        Dark frames; operating points of a single frame are left out.
     model : NoiseModel
         The model to which the pattern is added.
     tell : callable
@@ -138,7 +138,7 @@ def learn_pattern(
     Raises
     ------
     InputError
-        Single frames, or a model that has a pattern already.
+        Single frames alone, or a model that has a pattern already.
 
     Examples
     --------
@@ -150,6 +150,7 @@ def learn_pattern(
     (64, 64)
     """
     check_pattern(captures, model)
+    captures = _repeated(captures)
     tell("mean frames")
     seen = halves(captures)
     tell("simulated sensors")
@@ -198,16 +199,19 @@ def check_pattern(captures: CaptureSet, model: NoiseModel | None = None) -> None
     Raises
     ------
     InputError
-        Single frames, or a model that has a pattern already.
+        Single frames alone, or a model that has a pattern already.
     """
     if model is not None and model.get(PatternMap.name) is not None:
         raise InputError("model: it already has the effect 'pattern_map'; learn it without")
-    for setting in captures.settings:
-        if len(setting.frames) < 2:
-            raise InputError(
-                f"{captures.name}: one frame at {setting.point.label()}; a pattern needs two at "
-                "each operating point"
-            )
+    if not _repeated(captures).settings:
+        raise InputError(
+            f"{captures.name}: one frame at each operating point; a pattern needs two at one"
+        )
+
+
+def _repeated(captures: CaptureSet) -> CaptureSet:
+    """The operating points with two frames or more."""
+    return replace(captures, settings=tuple(s for s in captures.settings if len(s.frames) > 1))
 
 
 @dataclass(frozen=True)
