@@ -81,7 +81,7 @@ def nearest(
     for name in [n for n in names if n in known]:
         if state.model.get(name) is not None:
             error = error_of(held, state)
-            found.append(Nearest(name, error, f"already in the model, model error {number(error)}"))
+            found.append(Nearest(name, nan, f"already in the model, model error {number(error)}"))
             continue
         seen = prospects(held, state, {name: known[name]})
         if not seen:
