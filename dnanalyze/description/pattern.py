@@ -22,6 +22,7 @@ from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.result import Result
 
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
 # Squared standard scores by which a law with one number more must be better: one pattern of a
@@ -30,12 +31,14 @@ CLEAR = 10.83
 ROUNDS = 3  # of bands, law and weights; the third changes the energy by less than its step
 
 
-@dataclass(frozen=True)
-class LearnedPattern:
+@dataclass(frozen=True, repr=False)
+class LearnedPattern(Result):
     """The fixed pattern of one sensor and how well it predicts.
 
     Parameters
     ----------
+    captures : str
+        Name of the captures.
     effect : PatternMap
         The pattern, from all frames.
     model : NoiseModel
@@ -53,8 +56,11 @@ class LearnedPattern:
     error_before, error_after : float
         Model error on the odd frames, without and with the map of the even frames; NaN where an
         operating point has fewer than four frames.
+    capture_set : CaptureSet, optional
+        The measured frames.
     """
 
+    captures: str
     effect: PatternMap
     model: NoiseModel
     rms: float
@@ -65,7 +71,10 @@ class LearnedPattern:
     points_share: float
     error_before: float
     error_after: float
-    capture_set: CaptureSet | None = field(default=None, compare=False, repr=False)
+    capture_set: CaptureSet | None = field(default=None, compare=False)
+
+    def _brief(self) -> str:
+        return f"{self.captures}, {number(self.rms)} DN rms, {self.effect.law}"
 
     @property
     def supported(self) -> bool:
@@ -179,6 +188,7 @@ def learn_pattern(
     tell("unseen frames")
     before, after = _unseen_error(captures, model, even)
     return LearnedPattern(
+        captures.name,
         whole,
         model.with_effect(whole),
         float(whole.map.array.std()),

@@ -193,6 +193,11 @@ def description(
     )
 
 
+def learned_pattern(where: str, result: Any) -> Document:
+    """The pattern of one sensor, and the model with it."""
+    return document("pattern", where, **_pattern(result), fitted=result.model.to_plain())
+
+
 def _pattern(pattern: Any) -> Document:
     """The learned pattern of one sensor, and what it predicts."""
     return {

@@ -43,7 +43,10 @@ def test_map_and_law_are_those_of_the_sensor(law, energy):
     assert found.frames_share > 0.9
     assert found.points_share > 0.8
     assert found.error_after < found.error_before
-    assert "Pattern of this sensor" in found.sentence()
+    assert "Pattern of this sensor" in found.summary()
+    assert found.to_dict()["law"] == law
+    assert len(found.to_dataframe()) == len(POINTS)
+    assert len(found.plot()) == 2
 
 
 def test_chance_is_no_pattern():
@@ -64,7 +67,7 @@ def test_single_frames_and_a_second_pattern_are_refused():
 def test_a_pattern_that_raises_the_error_is_not_added():
     effect = PatternMap(map=FieldMap(PATTERN))
     one = np.ones(1)
-    found = LearnedPattern(effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.76)
+    found = LearnedPattern("sensor", effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.76)
     assert not found.supported
     assert "rises from 1.45 to 1.76" in found.sentence()
-    assert LearnedPattern(effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.5).supported
+    assert LearnedPattern("sensor", effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.5).supported

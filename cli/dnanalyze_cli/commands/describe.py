@@ -101,7 +101,7 @@ def describe(
         extra[write] = result.source()
     session.write(
         documents.description(options.captures, result, output, pattern),
-        lambda: describe_page(found, result),
+        lambda: describe_page(found, result, pattern),
         lambda: tables.description(result),
         lambda: dump_model(model),
         extra,

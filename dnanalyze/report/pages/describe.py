@@ -8,6 +8,7 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.description import description
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages.model import model_section
+from dnanalyze.report.pages.pattern import pattern_section
 from dnanalyze.report.terminal.description import nearest_rows, number_rows
 from dnanalyze.report.words import describe_headline, listing, sentence
 
@@ -36,13 +37,17 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def describe_page(captures: Any, result: Any) -> str:
-    """HTML of the page."""
+def describe_page(captures: Any, result: Any, pattern: Any = None) -> str:
+    """HTML of the page, with the learned pattern, if any."""
     page = Page(
         "Description",
         capture.title(captures),
         describe_headline(result),
-        [*sections(result), model_section(result.model)],
+        [
+            *sections(result),
+            *([] if pattern is None else [pattern_section(pattern)]),
+            model_section(result.model),
+        ],
         tone=TONES[result.verdict],
         points=[sentence(e) for e in result.evidence],
         facts=capture.facts(captures),
