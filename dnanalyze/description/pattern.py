@@ -17,6 +17,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
@@ -128,7 +129,8 @@ def learn_pattern(
     The mean frames of all operating points are combined with the weights of a common law, and every
     frequency band is shrunk by what simulated sensors of the model show there: the model's own
     fixed pattern and chance. So the map and the model together have the sensor's power. Hot pixels
-    are cut at 4 standard deviations; the model's effects draw them.
+    are cut at 4 standard deviations; the model's effects draw them. A fixed structure of a composite
+    effect, which has the values of another sensor, is taken out of the model: the map has its own.
 
     Parameters
     ----------
@@ -159,7 +161,7 @@ def learn_pattern(
     (64, 64)
     """
     check_pattern(captures, model)
-    captures = _repeated(captures)
+    captures, model = _repeated(captures), _without_structure(model)
     tell("mean frames")
     seen = halves(captures)
     tell("simulated sensors")
@@ -217,6 +219,13 @@ def check_pattern(captures: CaptureSet, model: NoiseModel | None = None) -> None
         raise InputError(
             f"{captures.name}: one frame at each operating point; a pattern needs two at one"
         )
+
+
+def _without_structure(model: NoiseModel) -> NoiseModel:
+    """The model without a composite effect of fixed levels or gains."""
+    made = model.get(CompositeEffect.name)
+    fixed = isinstance(made, CompositeEffect) and made.when == "fixed" and made.what != "noise"
+    return model.without(CompositeEffect.name) if fixed else model
 
 
 def _repeated(captures: CaptureSet) -> CaptureSet:

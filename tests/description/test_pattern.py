@@ -7,6 +7,7 @@ import dnanalyze
 from dnanalyze.description.pattern import LearnedPattern, learn_pattern
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
@@ -71,3 +72,13 @@ def test_a_pattern_that_raises_the_error_is_not_added():
     assert not found.supported
     assert "rises from 1.45 to 1.76" in found.sentence()
     assert LearnedPattern("sensor", effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.5).supported
+
+
+def test_the_map_takes_the_place_of_a_fixed_structure():
+    wave = CompositeEffect(where="wave", u=0.05, amplitude=2.0)
+    blink = CompositeEffect(where="blob", when="switching", distribution="on_off")
+    hidden = PatternMap(map=FieldMap(PATTERN))
+    names = [
+        learn_pattern(captures(hidden), MODEL.with_effect(e)).model.names for e in (wave, blink)
+    ]
+    assert names == [["read_noise", "pattern_map"], ["read_noise", "composite", "pattern_map"]]
