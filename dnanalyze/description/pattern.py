@@ -129,8 +129,8 @@ def learn_pattern(
     The mean frames of all operating points are combined with the weights of a common law, and every
     frequency band is shrunk by what simulated sensors of the model show there: the model's own
     fixed pattern and chance. So the map and the model together have the sensor's power. Hot pixels
-    are cut at 4 standard deviations; the model's effects draw them. A fixed structure of a composite
-    effect, which has the values of another sensor, is taken out of the model: the map has its own.
+    are cut at 4 standard deviations; the model's effects draw them. A fixed composite structure,
+    which has the values of another sensor, is taken out of the model: the map has its own.
 
     Parameters
     ----------
