@@ -49,6 +49,7 @@ class LearnedPattern(Result):
     sizes, errors : ndarray
         Size of the pattern at each operating point relative to the reference, with standard errors.
     points : list of OperatingPoint
+        Operating points with two frames or more.
     frames_share : float
         Share of the variance of the fixed pattern that the map of the even frames predicts in the
         odd frames; NaN for single frames.
@@ -90,7 +91,22 @@ class LearnedPattern(Result):
         return self.error_after > self.error_before * (1.0 + LUCK)
 
     def sentence(self) -> str:
-        """What was learned, in a sentence."""
+        """Return what was learned, in a sentence.
+
+        Returns
+        -------
+        str
+            Size and law of the pattern, and what it predicts; or why there is none.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> captures = tiny()
+        >>> model = dnanalyze.fit(captures, replicates=0).model
+        >>> dnanalyze.learn_pattern(captures, model).sentence().endswith(".")
+        True
+        """
         if self._harmful:
             before, after = number(self.error_before), number(self.error_after)
             return (
