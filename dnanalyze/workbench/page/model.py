@@ -14,7 +14,7 @@ from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.session import Slider
 
-REST_S = 0.35  # without a move after a preview is drawn, after which the full error is computed
+REST_S = 0.2  # without a move after a preview is drawn, after which the full error is computed
 SPAN = 4.0  # factor to either side of the present value that a logarithmic slider covers
 TICKS = 200  # positions of a slider
 

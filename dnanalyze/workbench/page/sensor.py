@@ -326,8 +326,10 @@ class Sensor:
             "dw": [(window.right - window.left) * scale],
             "dh": [(window.bottom - window.top) * scale],
         }  # fmt: skip
+        same = self._drawn == (view, window, self.mode.value)
         for name, source in self.sources.items():
-            if name != "measured" or self._drawn != (view, window, self.mode.value):
+            # drawing an image takes a browser as long as the curve: the difference follows at rest
+            if not same or name == "simulated" or (name == "difference" and ends is not None):
                 source.data = {"image": [self._shown[name]], **place}
         self._drawn = view, window, self.mode.value
         if self.mode.value == "swipe":
