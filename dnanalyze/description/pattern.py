@@ -90,6 +90,21 @@ class LearnedPattern(Result):
     def _harmful(self) -> bool:
         return self.error_after > self.error_before * (1.0 + LUCK)
 
+    def kept(self, model: NoiseModel) -> NoiseModel:
+        """Return the model with the pattern, or another where the pattern is not supported.
+
+        Parameters
+        ----------
+        model : NoiseModel
+            The other.
+
+        Returns
+        -------
+        NoiseModel
+            One of the two.
+        """
+        return self.model if self.supported else model
+
     def sentence(self) -> str:
         """Return what was learned, in a sentence.
 
@@ -327,8 +342,9 @@ def _learned(
         law, energy = _law(sizes, errors, points, reference)
     array = filtered(joined[0], kept)
     made = PatternMap(law=law, ea_ev=energy if law == "thermal" else 0.6, map=FieldMap(array))
-    told = np.isfinite(errors)
-    scale = float(np.sum((growth * sizes)[told]) / np.sum(growth[told] ** 2)) if told.any() else 0.0
+    known = np.where(np.isfinite(errors), 1.0 / np.maximum(errors, 1e-12) ** 2, 0.0)
+    total = float(np.sum(known * growth**2))
+    scale = float(np.sum(known * growth * sizes)) / total if total > 0 else 0.0
     scale = scale if scale > 0 else 1.0
     return made, sizes / scale, errors / scale
 

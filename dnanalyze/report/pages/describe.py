@@ -46,7 +46,7 @@ def describe_page(captures: Any, result: Any, pattern: Any = None) -> str:
         [
             *sections(result),
             *([] if pattern is None else [pattern_section(pattern)]),
-            model_section(result.model),
+            model_section(result.model if pattern is None else pattern.kept(result.model)),
         ],
         tone=TONES[result.verdict],
         points=[sentence(e) for e in result.evidence],
