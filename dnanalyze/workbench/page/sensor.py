@@ -40,7 +40,6 @@ from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
-STILL_S = 0.3  # without a preview, after which the frame is drawn
 MARGINS = 46, 82  # of an image's figure around the image: axes, title and colour bar
 WIDTH, HEIGHT = 150, 166  # of an image side by side at most, screen pixels
 LEAST = 100  # width and height of an image: its title and its ticks need them
@@ -59,7 +58,6 @@ class Sensor:
         self.shape = self.captures.sensor.shape
         self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
         self._latest = Latest(context.back)
-        self._still: Any = None
         self._asked_s = -math.inf
         self._timer: Any = None
         style = [inner(p)]
@@ -212,24 +210,10 @@ class Sensor:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        if what not in ("evaluation", "preview"):
-            return
-        document = self.context.document
-        if self._still is not None:
-            document.remove_timeout_callback(self._still)
-            self._still = None
+        live = self.kind.value == "frame" and math.prod(self.shape) <= LARGE
         due = time.monotonic() - self._asked_s > LIVE_S
-        if what == "evaluation":
+        if what == "evaluation" or (what == "preview" and live and due):
             self._changed()
-        elif self.kind.value == "frame" and math.prod(self.shape) <= LARGE:
-            if due:
-                self._changed()
-            else:
-                self._still = document.add_timeout_callback(self._stands, round(1000 * STILL_S))
-
-    def _stands(self) -> None:
-        self._still = None
-        self._changed()
 
     def _moved(self, attr: str, old: float, new: float) -> None:
         self._changed()
