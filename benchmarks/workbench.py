@@ -17,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -85,67 +87,72 @@ def settled(page: Any, limit_s: float = 300.0) -> None:
     raise SystemExit("the page never came to rest")
 
 
-def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None:
-    """Print every figure."""
-    from playwright.sync_api import sync_playwright
-
+@contextmanager
+def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """The server's process and the address of its page, while it runs."""
     process = subprocess.Popen(
         [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser"],
         stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONUNBUFFERED": "1"},
     )  # fmt: skip
     assert process.stdout is not None
-    address = process.stdout.readline().split()[0]
     try:
-        with sync_playwright() as play:
-            browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-            context = browser.new_context(viewport={"width": 1440, "height": 900})
-            page = context.new_page()
-            page.goto(address)
-            settled(page)  # statistics, compiled loops and scripts are in the caches now
-            page.close()
-            page = context.new_page()
-            begun = time.perf_counter()
-            page.goto(address)
-            page.get_by_text("Where it fails").wait_for()
-            print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3)")
-            settled(page)
-            handle = page.locator(".parameter").nth(1).locator("[role=slider]")
-            handle.evaluate(MOVES, [3, 400])
-            settled(page)
-            for _ in range(SERIES):
-                took = handle.evaluate(MOVES, [moves, 60])
-                p50, p95 = np.percentile(took, [50, 95])
-                print(
-                    f"{moves} slider moves, key to drawn curve: p50 {p50:.0f} ms, "
-                    f"p95 {p95:.0f} ms (limit 250)"
-                )
-                settled(page)
-            rests = []
-            for _ in range(10):
-                handle.evaluate(MOVES, [1, 0])
-                begun = time.perf_counter()
-                page.locator(".error").filter(has_text="≈").wait_for(timeout=5000)
-                settled(page)
-                rests.append(time.perf_counter() - begun)
-            print(
-                f"full error after rest: p50 {np.median(rests):.2f} s, most {max(rests):.2f} s "
-                f"(limit 1.5; {REST_S:g} s of it the wait)"
-            )
-            if pictures is not None:
-                page.screenshot(path=str(pictures / "workbench.png"))
-            before = memory_mib(process.pid)
-            handle.evaluate(MOVES, [long, 10])
-            settled(page)
-            after = memory_mib(process.pid)
-            print(
-                f"server's memory: {before:.0f} MiB, {after:.0f} MiB after {long} moves more "
-                "(limit 1536)"
-            )
-            browser.close()
+        yield process, process.stdout.readline().split()[0]
     finally:
         process.terminate()
         process.wait(20)
         process.stdout.close()
+
+
+def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None:
+    """Print every figure."""
+    from playwright.sync_api import sync_playwright
+
+    with served(folder) as (process, address), sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        context = browser.new_context(viewport={"width": 1440, "height": 900})
+        page = context.new_page()
+        page.goto(address)
+        settled(page)  # statistics, compiled loops and scripts are in the caches now
+        page.close()
+        page = context.new_page()
+        begun = time.perf_counter()
+        page.goto(address)
+        page.get_by_text("Where it fails").wait_for()
+        print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3)")
+        settled(page)
+        handle = page.locator(".parameter").nth(1).locator("[role=slider]")
+        handle.evaluate(MOVES, [3, 400])
+        settled(page)
+        for _ in range(SERIES):
+            took = handle.evaluate(MOVES, [moves, 60])
+            p50, p95 = np.percentile(took, [50, 95])
+            print(
+                f"{moves} slider moves, key to drawn curve: p50 {p50:.0f} ms, "
+                f"p95 {p95:.0f} ms (limit 250)"
+            )
+            settled(page)
+        rests = []
+        for _ in range(10):
+            handle.evaluate(MOVES, [1, 0])
+            begun = time.perf_counter()
+            page.locator(".error").filter(has_text="≈").wait_for(timeout=5000)
+            settled(page)
+            rests.append(time.perf_counter() - begun)
+        print(
+            f"full error after rest: p50 {np.median(rests):.2f} s, most {max(rests):.2f} s "
+            f"(limit 1.5; {REST_S:g} s of it the wait)"
+        )
+        if pictures is not None:
+            page.screenshot(path=str(pictures / "workbench.png"))
+        before = memory_mib(process.pid)
+        handle.evaluate(MOVES, [long, 10])
+        settled(page)
+        after = memory_mib(process.pid)
+        print(
+            f"server's memory: {before:.0f} MiB, {after:.0f} MiB after {long} moves more "
+            "(limit 1536)"
+        )
+        browser.close()
 
 
 def main() -> None:

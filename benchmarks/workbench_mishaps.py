@@ -14,15 +14,13 @@ import argparse
 import os
 import shutil
 import signal
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from workbench import FLAGS, RUN, settled, virtual_sensor
+from workbench import FLAGS, served, settled, virtual_sensor
 
 
 def workers(server: int) -> list[int]:
@@ -71,35 +69,24 @@ def measured(folder: Path, cancels: int) -> None:
     """Print every figure."""
     from playwright.sync_api import sync_playwright
 
-    process = subprocess.Popen(
-        [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser"],
-        stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONUNBUFFERED": "1"},
-    )  # fmt: skip
-    assert process.stdout is not None
-    address = process.stdout.readline().split()[0]
-    try:
-        with sync_playwright() as play:
-            browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-            page = browser.new_page(viewport={"width": 1440, "height": 900})
-            page.set_default_timeout(120_000)
-            page.goto(address)
-            settled(page)
-            error = page.locator(".error").inner_text()
-            took = [cancelled(page, after) for after in np.linspace(0.1, 6.0, cancels)]
-            print(
-                f"{cancels} cancelled refinements, click to page at rest: "
-                f"p50 {np.median(took):.2f} s, most {max(took):.2f} s (limit 1)"
-            )
-            settled(page)
-            print(f"killed worker: message after {killed(page, process.pid):.2f} s", end="; ")
-            page.get_by_role("button", name="Fit").click()
-            settled(page)
-            print(f"error before {error}, after a fit {page.locator('.error').inner_text()}")
-            browser.close()
-    finally:
-        process.terminate()
-        process.wait(20)
-        process.stdout.close()
+    with served(folder) as (process, address), sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.set_default_timeout(120_000)
+        page.goto(address)
+        settled(page)
+        error = page.locator(".error").inner_text()
+        took = [cancelled(page, after) for after in np.linspace(0.1, 6.0, cancels)]
+        print(
+            f"{cancels} cancelled refinements, click to page at rest: "
+            f"p50 {np.median(took):.2f} s, most {max(took):.2f} s (limit 1)"
+        )
+        settled(page)
+        print(f"killed worker: message after {killed(page, process.pid):.2f} s", end="; ")
+        page.get_by_role("button", name="Fit").click()
+        settled(page)
+        print(f"error before {error}, after a fit {page.locator('.error').inner_text()}")
+        browser.close()
 
 
 def main() -> None:
