@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from dnanalyze_cli.session import Session
 
 if TYPE_CHECKING:
-    from dnanalyze.diagnosis.channels import ChannelRefinement
+    from dnanalyze.channels.refinement import ChannelRefinement
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.noise_model import NoiseModel
 
@@ -64,7 +64,7 @@ def diagnose(
     budget: float | None = None,
 ) -> None:
     """Run, show and write the diagnosis of every channel."""
-    from dnanalyze.diagnosis.channels import diagnose_channels, worst_verdict
+    from dnanalyze.channels.refinement import diagnose_channels, worst_verdict
     from dnanalyze.report import channel_results, tables
     from dnanalyze.report.terminal.channels import diagnosis as show
 

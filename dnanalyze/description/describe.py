@@ -15,12 +15,11 @@ from dnanalyze.description.look import Look, look
 from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
-from dnanalyze.diagnosis.adequacy import FEW, adequacy
-from dnanalyze.diagnosis.confidence import STANDS_IN, confidence_of
-from dnanalyze.diagnosis.diagnose import missing
-from dnanalyze.diagnosis.evidence import evidence_for
-from dnanalyze.diagnosis.needless import needless
-from dnanalyze.diagnosis.trial import Trial, error_of, judged
+from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.explain import evidence_for
+from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
+from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
@@ -209,7 +208,7 @@ def describe(
     tell("fitting the model")
     state = fitted_in_time(held.within(limit), begun)
     found = described(captures, held, state, known_effects(effects, known), limit, tell)
-    if found.effect is None and adequacy(held, state, FEW).adequate:
+    if found.effect is None and Null(held, state).adequate:
         text = "Nothing to describe: no residual of the model exceeds chance in these captures."
         return replace(found, verdict="adequate", text=text, after="adequate")
     return found
@@ -255,7 +254,7 @@ def _judged(
     found: list[Estimate],
 ) -> Description:
     """The structures put in and refitted, the best of them described."""
-    error, limited, finished = error_of(held, state), held.within(limit), True
+    null, limited, finished = Null(held, state), held.within(limit), True
     tried: list[tuple[Estimate, Trial]] = []
     try:
         for one in _best_of_layers(found)[:MOST]:
@@ -263,7 +262,7 @@ def _judged(
             larger = state.model.with_effect(one.effect)
             begun = start(limited, larger, knobs_of(larger), like=state)
             ended = minimise(limited, begun, STEPS)
-            tried.append((one, judged(held, state, CompositeEffect.name, ended)))
+            tried.append((one, judged(null, CompositeEffect.name, ended)))
     except TimeUp:
         finished = False
     if not tried:
@@ -272,20 +271,19 @@ def _judged(
         )
         return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
     best, trial = max(tried, key=lambda pair: pair[1].evidence)
-    supported = missing(held, state, [trial])
-    kept = supported or trial
-    sure = confidence_of(kept, [kept], error)
-    verdict = "described" if supported is not None else "possible"
-    ended = kept.state
+    certain = supported(null, [trial]) is not None
+    sure = confidence_of(trial, [trial], null.error)
+    verdict = "described" if certain else "possible"
+    ended = trial.state
     removed: list[str] = []
-    if supported is None:
+    if not certain:
         sure *= STANDS_IN
     elif not limit.over:
         tell("testing which effects are still needed")
-        ended, removed = needless(held, ended)
+        ended, removed = reduced(held, ended)
         removed = [name for name in removed if name != CompositeEffect.name]
         if ended.model.get(CompositeEffect.name) is None:
-            ended, removed = kept.state, []
+            ended, removed = trial.state, []
     why = evidence_for(held, state, ended, CompositeEffect)
     near: list[Nearest] = []
     if not limit.over:
@@ -294,15 +292,15 @@ def _judged(
     text = sentence(best, seen, state.model.reference)
     rival = as_good(near, error_of(held, ended))
     if rival is not None:
-        supported, verdict, sure = None, "possible", min(sure, STANDS_IN)
+        certain, verdict, sure = False, "possible", min(sure, STANDS_IN)
         text = f"{text[:-1]}; the catalogue effect {rival} explains as much: add it first."
-    left = adequacy(held, ended, FEW)
+    left = Null(held, ended)
     return Description(
         captures.name,
         verdict,
         text,
-        error,
-        error_of(held, ended),
+        null.error,
+        left.error,
         sure,
         "adequate" if left.adequate else "unexplained",
         best.effect,
@@ -312,7 +310,7 @@ def _judged(
         removed,
         more_captures(best.effect, seen),
         [sentence(e, seen, state.model.reference) for e in found if _layer(e) != _layer(best)][:2],
-        ended.model if supported is not None else state.model,
+        ended.model if certain else state.model,
         look(best, seen),
         finished,
         captures,

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dnanalyze.comparator.error import LUCK
-from dnanalyze.diagnosis.evidence import evidence_against
-from dnanalyze.diagnosis.screening import prospects
-from dnanalyze.diagnosis.trial import error_of
+from dnanalyze.diagnosis.explain import evidence_against
+from dnanalyze.diagnosis.predictive_check import error_of
+from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.digits import number
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise
@@ -83,7 +83,7 @@ def nearest(
             error = error_of(held, state)
             found.append(Nearest(name, nan, f"already in the model, model error {number(error)}"))
             continue
-        seen = prospects(held, state, {name: known[name]})
+        seen = score_tests(held, state, {name: known[name]})
         if not seen:
             found.append(Nearest(name, nan, "not indicated by the statistics"))
             continue

@@ -1,137 +1,43 @@
-"""Which effect is missing: every candidate tried, ranked by what the unseen half says."""
+"""Which effect is missing in a model."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from functools import cache
+from dataclasses import replace
 from pathlib import Path
 
-from dnanalyze.diagnosis.adequacy import (
-    FEW,
-    WORST,
-    adequacy,
-    leaves,
-    mends,
-    on_average,
-    sobered,
-    unexplained,
-)
-from dnanalyze.diagnosis.advice import detection_limits, next_capture
-from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.confidence import (
-    CERTAIN,
-    PLAIN,
+from dnanalyze.diagnosis.baseline import EVERY_SENSOR, lacks_baseline, with_baseline
+from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, judged
+from dnanalyze.diagnosis.detectability import detection_limits
+from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
+from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.results import Candidate, Diagnosis
+from dnanalyze.diagnosis.score_test import score_tests
+from dnanalyze.diagnosis.selection import (
     STANDS_IN,
+    Trial,
     apart,
+    competitors,
     confidence_of,
     confidences,
-    lowers,
-    rivals,
     significant,
 )
-from dnanalyze.diagnosis.deviance import DEFLATION
-from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
-from dnanalyze.diagnosis.evidence import evidence_against, evidence_for
-from dnanalyze.diagnosis.first_answer import first_answer
-from dnanalyze.diagnosis.leftover import leftover
-from dnanalyze.diagnosis.spread_law import spread_law, told
-from dnanalyze.diagnosis.trial import (
-    STEPS,
-    SoFar,
-    Trial,
-    by_standing,
-    candidates_of,
-    error_of,
-    judged,
-    trials,
-)
-from dnanalyze.digits import number
+from dnanalyze.diagnosis.spread_law import in_words
+from dnanalyze.diagnosis.stepwise import choose, completed
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
-from dnanalyze.fitting.from_part import fitted_in_time
-from dnanalyze.fitting.least_squares import State, converge, derive, minimise, start
-from dnanalyze.fitting.level import Level
+from dnanalyze.fitting.from_part import fitted, fitted_in_time
+from dnanalyze.fitting.least_squares import State, converge
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
-from dnanalyze.result import Result
+from dnanalyze.model.registry import BASE, known_effects
 
-LITTLE = 0.05  # of the error beyond 1, that what leaves the worst of it must take away
-DISAGREE = 0.3  # share of what one half gains that the other has at the most, if they disagree
-EVERY_SENSOR = (
-    "baseline effect, present in every sensor: added with the other baseline effects, untested"
-)
-UNDONE = 120.0  # evidence, in units of the misfit left, beyond what last steps of a fit may gain
-
-
-@dataclass(frozen=True, repr=False)
-class Diagnosis(Result):
-    """Diagnosis of a model: verdict and candidates.
-
-    Parameters
-    ----------
-    captures : str
-        Name of the captures.
-    error : float
-        Model error, dimensionless.
-    verdict : str
-        "adequate", "missing" or "unexplained".
-    candidates : list of Candidate
-        In the order of confidence, the identified effect first. If the model has no baseline
-        effects, these follow an effect that is missing in addition. Empty where the model is
-        adequate.
-    unexplained : list of str
-        Statistics not explained, worst first: by the identified effect, or by the model where the
-        captures support no candidate.
-    detection_limits : dict
-        Effect to a sentence with its detection limit.
-    next_capture : list of str
-        Recommended captures.
-    model : NoiseModel
-        The refitted model, to which the candidates were added.
-    trials : list of Trial
-        The candidates as they were refitted.
-    ordinary : list of str
-        Baseline effects that the model lacked; they were added before other effects were tested.
-    level : Level, optional
-        Difference of the mean dark signal, which is within limits for an adequate model.
-    law : str
-        Sentence on the relative standard deviation of the dark current over temperature, where the
-        model includes this dependence; else empty.
-    capture_set : CaptureSet, optional
-        The measured frames.
-    finished : bool
-        Whether every candidate was tested; False where the time limit ended the search.
-    screened : list of str
-        If not finished: effects in the order of the fall of the error that first-order screening
-        expects; no refit has confirmed them.
-    """
-
-    captures: str
-    error: float
-    verdict: str
-    candidates: list[Candidate]
-    unexplained: list[str]
-    detection_limits: dict[str, str] = field(default_factory=dict)
-    next_capture: list[str] = field(default_factory=list)
-    model: NoiseModel | None = None
-    trials: list[Trial] = field(default_factory=list)
-    ordinary: list[str] = field(default_factory=list)
-    level: Level | None = None
-    law: str = ""
-    capture_set: CaptureSet | None = field(default=None, compare=False)
-    finished: bool = True
-    screened: list[str] = field(default_factory=list)
-
-    def _brief(self) -> str:
-        best = f", {self.candidates[0].effect}" if self.candidates else ""
-        return f"{self.captures}, model error {number(self.error)}, {self.verdict}{best}"
+__all__ = ["Diagnosis", "diagnose"]
 
 
 def diagnose(
@@ -212,10 +118,39 @@ def diagnose(
     try:
         found = _in_full(captures.name, limited, asked, exclude, open_to, stages, so_far, tell)
     except TimeUp:
-        state = stages[-1][1] if stages else asked
-        found = unfinished(captures.name, held, state, so_far, open_to)
+        null = Null(held, stages[-1][1] if stages else asked)
+        found = unfinished(captures.name, null, so_far, open_to)
     found = replace(found, capture_set=captures)
-    return beside_everyday(held, asked, stages, found) if stages else found
+    return _with_baseline_listed(held, asked, stages, found) if stages else found
+
+
+def first_answer(
+    held: Bench, model: NoiseModel, known: dict[str, type[Effect]], exclude: Sequence[str] = ()
+) -> list[str]:
+    """Effects in the order of their score tests on the middle quarter of the field.
+
+    No refit has confirmed them. Empty where nothing is expected, or where the captures are so small
+    that the whole field takes no longer.
+
+    Parameters
+    ----------
+    held : Bench
+        Statistics of the captures.
+    model : NoiseModel
+        Where to begin.
+    known : dict
+        Candidates by name.
+    exclude : sequence of str
+        Baseline effects to leave out.
+    """
+    part = held.part
+    if part is None:
+        return []
+    state = fitted(part, model)
+    if lacks_baseline(model, exclude):
+        state = with_baseline(part, state, exclude, lambda *_: None)
+    found = score_tests(part, state, candidates_of(state, known, [BASE]))
+    return list(dict.fromkeys(g.effect for g in found if g.promise > 0.0))
 
 
 def _in_full(
@@ -229,66 +164,159 @@ def _in_full(
     tell: Callable[[str], None],
 ) -> Diagnosis:
     """The whole of a diagnosis; ``stages`` takes the baseline effects as they are put in."""
-    model = asked.model
-    if lacks_everyday(model, exclude):
+    if lacks_baseline(asked.model, exclude):
         tell("baseline effects")
-        everyday(held, asked, exclude, lambda name, stage: stages.append((name, stage)))
-    state = stages[-1][1] if stages else asked
-    tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell, so_far)
-    best, law, said = missing(held, state, tried), spread_law(held, state), ""
-    if law is not None and (best is None or law.evidence > best.evidence):
-        state = converge(held, law.state)
-        said = told(held, state.model)
-        tried = ranked(held, state, candidates_of(state, open_to, [BASE]), tell)
-        best = missing(held, state, tried)
+        with_baseline(held, asked, exclude, lambda *stage: stages.append(stage))
+    null, law = Null(held, stages[-1][1] if stages else asked), ""
+    tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell, so_far)
+    if best is not None and best.effect == BASE:
+        null = Null(held, converge(held, best.state))
+        law = in_words(held, null.state.model)
+        tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell)
     tell("detection limits")
-    return replace(judge(name, held, state, tried, best, open_to), law=said)
+    found = judge(name, null, tried, best, open_to)
+    limits = detection_limits(held, null.state, open_to)
+    return replace(found, law=law, detection_limits=limits)
 
 
-def unfinished(
+def judge(
     name: str,
-    held: Bench,
-    state: State,
-    so_far: SoFar,
+    null: Null,
+    tried: Sequence[Trial],
+    best: Trial | None,
     known: dict[str, type[Effect]],
 ) -> Diagnosis:
-    """What is known of a model when the time is up: the candidates refitted by then.
+    """The verdict on a model, with its candidates.
 
-    Others may explain as much or more: the confidence is that of one that may stand in for them.
+    Parameters
+    ----------
+    name : str
+        Of the captures.
+    null : Null
+        The model.
+    tried : sequence of Trial
+    best : Trial, optional
+        The one that is significant.
+    known : dict
+        Effects by name.
     """
-    error = error_of(held, state)
-    tried = by_standing({t.effect: t for t in so_far.trials}.values())
-    candidates = [
-        Candidate(
-            t.effect,
-            t.error,
-            _explained(error, t.error),
-            confidence_of(t, tried, error) * STANDS_IN,
-            rivals(t, tried),
-            evidence_for(held, state, t.state, known[t.effect]),
+    held, state, error = null.held, null.state, null.error
+    open_yet = null.unexplained
+    if best is not None:
+        first, open_yet = _leader(null, best, tried, known)
+        rest = [t for t in tried if t is not best and t.gain > 0.0 and t.error < error]
+        candidates = [first, *_by_confidence(_candidate(null, t, tried, known) for t in rest)]
+    elif open_yet:
+        candidates = _by_confidence(
+            replace(
+                c := _candidate(null, t, tried, known),
+                confidence=c.confidence * STANDS_IN,
+                leaves=[n for n in open_yet if not null.mends([n], t.state)],
+            )
+            for t in tried
+            if t.gain > 0.0 and t.error < error
         )
-        for t in tried
-        if t.gain > 0 and lowers(t, error)
-    ]
-    plain = bool(candidates) and significant(tried[0], error)
+    else:
+        candidates = []
+    verdict = "missing" if best is not None else "unexplained" if open_yet else "adequate"
     return Diagnosis(
         name,
         error,
-        "missing" if plain else "unexplained",
+        verdict,
         candidates,
-        [],
+        open_yet,
+        next_capture=next_capture(held, verdict, candidates),
         model=state.model,
-        trials=list(tried),
+        trials=[best, *(t for t in tried if t is not best)] if best is not None else list(tried),
         level=held.level(state.train, state.test),
+    )
+
+
+def _candidate(
+    null: Null, found: Trial, tried: Sequence[Trial], known: dict[str, type[Effect]]
+) -> Candidate:
+    return Candidate(
+        found.effect,
+        found.error,
+        _explained(null.error, found.error),
+        confidence_of(found, tried, null.error),
+        competitors(found, tried),
+        evidence_for(null.held, null.state, found.state, known[found.effect]),
+    )
+
+
+def _leader(
+    null: Null, best: Trial, tried: Sequence[Trial], known: dict[str, type[Effect]]
+) -> tuple[Candidate, list[str]]:
+    """The identified effect, with what it leaves: another candidate may correct that, or none.
+
+    Where none does, the effect may stand in for one that is in no catalogue.
+    """
+    told, held = _candidate(null, best, tried, known), null.held
+    rival = next((t for t in tried if t is not best and not apart(best, t)), None)
+    if rival is not None:
+        against = evidence_against(held, rival.state, best.state, rival.effect, best.effect)
+        told.evidence.extend([against] if against else [])
+    left = Null(held, best.state).unexplained
+    others = [t for t in tried if t is not best and significant(t, null.error)]
+    if left and not any(null.mends(left[:1], t.state) for t in others):
+        after = Null(held, completed(held, best))
+        left = after.unexplained
+        open_to = candidates_of(after.state, known, [BASE])
+        others = choose(after, open_to)[0][:1] if left else []
+        others = [t for t in others if significant(t, after.error)]
+        told = replace(told, error_after=after.error)
+        told = replace(told, explained=_explained(null.error, after.error))
+    if not left:
+        return told, left
+    worst = ", ".join(left[:3])
+    if others:
+        words = f"it does not explain {worst}, which {others[0].effect} in addition would correct"
+        return replace(told, evidence=[*told.evidence, words], leaves=left), left
+    words = (
+        f"it does not explain {worst}, and no other candidate does: it may replace an effect that "
+        "is not in the catalogue"
+    )
+    sure = told.confidence * STANDS_IN
+    return replace(told, confidence=sure, evidence=[*told.evidence, words], leaves=left), left
+
+
+def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effect]]) -> Diagnosis:
+    """What is known of a model when the time is up: the candidates refitted by then.
+
+    Others may explain as much or more: the confidence is that of one that may stand in for them.
+
+    Parameters
+    ----------
+    name : str
+        Of the captures.
+    null : Null
+        The model.
+    so_far : SoFar
+    known : dict
+        Effects by name.
+    """
+    error = null.error
+    tried = by_standing(so_far.trials)
+    told = [_candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error < error]
+    return Diagnosis(
+        name,
+        error,
+        "missing" if tried and significant(tried[0], error) else "unexplained",
+        [replace(c, confidence=c.confidence * STANDS_IN) for c in told],
+        [],
+        model=null.state.model,
+        trials=tried,
+        level=null.held.level(null.state.train, null.state.test),
         finished=False,
         screened=so_far.screened,
     )
 
 
-def beside_everyday(
+def _with_baseline_listed(
     held: Bench, asked: State, stages: Sequence[tuple[str, State]], found: Diagnosis
 ) -> Diagnosis:
-    """A diagnosis of the model with what every sensor has, as one of the model without.
+    """A diagnosis of the model with the baseline effects, as one of the model without.
 
     Parameters
     ----------
@@ -300,246 +328,42 @@ def beside_everyday(
     found : Diagnosis
         Of the last of these states.
     """
-    error, before = error_of(held, asked), asked
+    before = start = Null(held, asked)
     # only all of them are refitted; beside what is missing, if that was found
     ended = found.trials[0].state if found.verdict == "missing" else stages[-1][1]
-    together = judged(held, asked, stages[-1][0], ended)
-    chance = float(confidences([together], error)[0])
-    ordinary = []
-    for name, stage in stages:
-        was, now = error_of(held, before), error_of(held, stage)
-        effect = stage.model.get(name)
+    together = judged(start, stages[-1][0], ended)
+    chance = float(confidences([together], start.error)[0])
+    baseline = []
+    for name, state in stages:
+        stage = Null(held, state)
+        effect = state.model.get(name)
         assert effect is not None
-        words = evidence_for(held, before, stage, type(effect))
-        words.append(EVERY_SENSOR)
-        share = min(1.0, max(0.0, was - now) / max(error - 1.0, 1e-6))
-        ordinary.append(Candidate(name, now, share, chance, [], words))
+        words = [*evidence_for(held, before.state, state, type(effect)), EVERY_SENSOR]
+        share = _share(start.error, before.error - stage.error)
+        baseline.append(Candidate(name, stage.error, share, chance, [], words))
         before = stage
-    first = int(found.verdict == "missing")
     others = [  # in shares of the same error
-        replace(c, explained=min(1.0, max(0.0, found.error - c.error_after) / max(error - 1, 1e-6)))
+        replace(c, explained=_share(start.error, found.error - c.error_after))
         for c in found.candidates
     ]
+    first = int(found.verdict == "missing")
     return replace(
         found,
-        error=error,
+        error=start.error,
         verdict="missing" if found.verdict == "adequate" else found.verdict,
-        candidates=[*others[:first], *ordinary, *others[first:]],
-        ordinary=[c.effect for c in ordinary],
-    )
-
-
-def ranked(
-    held: Bench,
-    state: State,
-    known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = lambda _: None,
-    so_far: SoFar | None = None,
-) -> list[Trial]:
-    """The trials of what may be missing, the likeliest first, and not one that is refuted.
-
-    A count of clusters scatters as these do, and to a model without any it is no great surprise in
-    such errors. Its own sensors never show it: where those of the leader refute it, and a rival
-    that explains nearly as much puts that right and leaves nothing else, the rival is certain
-    beside it.
-    """
-    tried = trials(held, state, known, tell, so_far=so_far)
-    close = rivals(tried[0], tried) if tried else []
-    if not close or not tried[0].tolerable:
-        return tried
-    leader, left = tried[0], adequacy(held, tried[0].state, FEW).left
-    near = (t for t in tried[1:] if left and t.effect in close)
-    menders = (t for t in near if mends(held, left[:1], leader.state, t.state))
-    mender = next((t for t in menders if not leaves(held, t.state)), None)
-    if mender is None:
-        return tried
-    odds = 2.0 * DEFLATION * (leader.log_odds - mender.log_odds)
-    less = leader.evidence - mender.evidence + odds + CERTAIN
-    refuted = replace(leader, gain=leader.gain - less, fitted_gain=leader.fitted_gain - less)
-    return by_standing([refuted, *tried[1:]])
-
-
-def missing(held: Bench, state: State, tried: Sequence[Trial]) -> Trial | None:
-    """The effect to add next: the leader, or None where the data do not support it.
-
-    Where one half speaks for the leader and the other hardly, and where both say so little that the
-    luck of the simulated sensors may make it, all are asked once more, of what the models show on
-    average: one simulated sensor has its luck of the places of few defects, of its clouds, and of
-    noise that the leader draws anew. To take the next in its place would be to choose by luck.
-    """
-    if not tried:
-        return None
-    state, leader = _fitted_alike(held, state, tried[0])
-    best = _supported(held, state, leader)
-    least, most = sorted((leader.gain, leader.fitted_gain))
-    disagree = least < DISAGREE * most
-    if best is None:
-        open_yet = disagree and most > CERTAIN * leader.spread
-    else:
-        open_yet = leader.evidence < (UNDONE if disagree else CERTAIN) * leader.spread
-    return _on_average(held, state, leader, CERTAIN * disagree) if open_yet else best
-
-
-def _on_average(held: Bench, state: State, leader: Trial, least: float) -> Trial | None:
-    """The leader, judged and fitted by averages over sensors, if the evidence is enough then.
-
-    ``least``: what it must be beyond, whatever it puts right.
-
-    A fit bends around the tracks or defects of the one sensor that it is made with.
-    """
-    bench, before = on_average(held, state)
-    its_own, after = on_average(held, leader.state)
-    if judged(held, before, leader.effect, after).evidence < 0.0:
-        return None
-    before, after = minimise(bench, before, STEPS), minimise(its_own, after, STEPS)
-    again = judged(held, before, leader.effect, after)
-    again = replace(again, spread=leader.spread)  # averages lie nearer to the measurement
-    enough = significant(again, error_of(held, before), least)
-    if not enough or _supported(held, before, again) is None:
-        return None
-    ended = start(held, after.model, after.knobs, like=after)
-    return replace(again, state=ended, others=leader.others)
-
-
-def _fitted_alike(held: Bench, state: State, found: Trial) -> tuple[State, Trial]:
-    """An effect of little evidence, and the model without it, one fitted as well as the other.
-
-    The refit had derivatives that the model without may have lacked, and may have come upon better
-    numbers for what else was added: its last steps are not the effect's. Where the model without
-    comes lower by its own or by these, so may the one with it.
-    """
-    little = found.evidence < UNDONE * found.spread
-    if not (little and significant(found, error_of(held, state), least=0.0)):
-        return state, found
-    begun = [derive(held, state, anew=True)]
-    others = _as_with_it(state.model, found)
-    if others != state.model:
-        begun.append(start(held, others, state.knobs, like=begun[0]))
-    without = min((minimise(held, s, STEPS) for s in begun), key=lambda s: s.loss)
-    if not without.loss < state.loss:
-        return state, found
-    within = minimise(held, derive(held, found.state, anew=True), STEPS)
-    return without, replace(judged(held, without, found.effect, within), others=found.others)
-
-
-def _as_with_it(model: NoiseModel, found: Trial) -> NoiseModel:
-    """A model with the numbers that a trial gives to what is in both, what every sensor has apart:
-    these may have made room for the effect.
-    """
-    for effect in found.state.model.effects:
-        if model.get(effect.name) is not None and effect.name not in (BASE, *EVERYDAY):
-            model = model.with_effect(effect)
-    return model
-
-
-def retold(tried: Sequence[Trial], best: Trial | None) -> list[Trial]:
-    """The trials, the one to be added as it is told last."""
-    return [best if best is not None and t.effect == best.effect else t for t in tried]
-
-
-def _supported(held: Bench, state: State, leader: Trial) -> Trial | None:
-    """The leader, if the evidence is enough.
-
-    Where something is left that no second sensor of the model's make would show, "nothing is
-    missing" is refuted already, and less evidence is asked for if it puts that right. One of no
-    plain evidence must put the worst of it right, or some of it and the error with it: else it but
-    bends around what is really missing.
-    """
-    error = error_of(held, state)
-    left = cache(lambda: adequacy(held, state).left)  # by what the verdict goes
-
-    def puts_right(names: Sequence[str]) -> bool:
-        return mends(held, names, state, leader.state)
-
-    if not significant(leader, error) and not (
-        significant(leader, error, least=0.0) and puts_right(left()[:WORST])
-    ):
-        return None
-    if leader.evidence > PLAIN * leader.spread:
-        return leader
-    if left() and not puts_right(left()[:1]):
-        little = error - leader.error < LITTLE * (error - 1.0)
-        if little or not puts_right(left()):
-            return None
-    sober = sobered(held, state, leader)
-    return leader if significant(sober, error, least=0.0) else None
-
-
-def judge(
-    name: str,
-    held: Bench,
-    state: State,
-    tried: Sequence[Trial],
-    best: Trial | None,
-    known: dict[str, type[Effect]],
-    in_full: bool = True,
-) -> Diagnosis:
-    """The verdict, with candidates in the order of what they explain; ``best``: see `missing`.
-
-    ``in_full``: with what these captures would not show, and with what the leader leaves over
-    followed up.
-    """
-    error = error_of(held, state)
-    over = None
-    if best is not None:
-        over = leftover(held, state, best, tried, known if in_full else {})
-        best = over.found
-    tried = retold(tried, best)
-    kept = [t for t in tried if t is best or (t.gain > 0 and lowers(t, error))]
-    candidates = []
-    for t in kept:
-        words = evidence_for(held, state, t.state, known[t.effect])
-        near = next((o for o in kept[1:] if t is kept[0] and not apart(t, o)), None)
-        if near is not None:
-            more = evidence_against(held, near.state, t.state, near.effect, t.effect)
-            words += [more] if more else []
-        candidates.append(
-            Candidate(
-                t.effect,
-                t.error,
-                _explained(error, t.error),
-                confidence_of(t, tried, error),
-                rivals(t, kept),
-                words,
-            )
-        )
-    if over is not None:
-        verdict, open_yet = "missing", over.left
-        candidates = [over.told(candidates[0]), *_by_confidence(candidates[1:])]
-    else:
-        open_yet = unexplained(held, state)
-        verdict = "unexplained" if open_yet else "adequate"
-        candidates = _by_confidence(
-            _unsupported(held, state, c, t, open_yet)
-            for c, t in zip(candidates if open_yet else (), kept, strict=False)
-        )
-    made = Diagnosis(name, error, verdict, candidates, open_yet, {}, [], state.model, tried)
-    return replace(
-        made,
-        level=held.level(state.train, state.test),
-        detection_limits=detection_limits(held, state, known) if in_full else {},
-        next_capture=next_capture(held, verdict, candidates),
+        candidates=[*others[:first], *baseline, *others[first:]],
+        ordinary=[c.effect for c in baseline],
     )
 
 
 def _by_confidence(candidates: Iterable[Candidate]) -> list[Candidate]:
-    """The most probable first; those alike in the order of the evidence."""
     return sorted(candidates, key=lambda c: -c.confidence)
 
 
-def _unsupported(
-    held: Bench, state: State, candidate: Candidate, found: Trial, left: Sequence[str]
-) -> Candidate:
-    """A candidate that the data do not support, where something stays unexplained.
-
-    It may bend around what is really missing, as one that leaves what nothing else explains.
-    """
-    return replace(
-        candidate,
-        confidence=candidate.confidence * STANDS_IN,
-        leaves=[name for name in left if not mends(held, [name], state, found.state)],
-    )
-
-
 def _explained(before: float, after: float) -> float:
-    return min(1.0, max(0.0, (before - after) / max(before - 1.0, 1e-6))) if before > after else 0.0
+    return _share(before, before - after)
+
+
+def _share(error: float, fall: float) -> float:
+    """A fall as a share of the error above 1, within 0 and 1."""
+    return min(1.0, max(0.0, fall) / max(error - 1.0, 1e-6))

@@ -1,32 +1,26 @@
-"""Diagnose and add until nothing more is missing."""
+"""Add the missing effects to a model: one by one on evidence, or the one that the user names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path as FilePath
 
-from dnanalyze.diagnosis.confidence import STANDS_IN, confidence_of
-from dnanalyze.diagnosis.diagnose import EVERY_SENSOR, Diagnosis, judge, missing
-from dnanalyze.diagnosis.everyday import everyday, lacks_everyday
-from dnanalyze.diagnosis.evidence import evidence_for
-from dnanalyze.diagnosis.first_answer import first_answer
-from dnanalyze.diagnosis.other_way import by_another_way
-from dnanalyze.diagnosis.path import Path, Step
-from dnanalyze.diagnosis.screening import prospects
-from dnanalyze.diagnosis.strength import parameters_of
-from dnanalyze.diagnosis.trial import error_of, judged
-from dnanalyze.diagnosis.walk import Walk
-from dnanalyze.digits import number
+from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.diagnose import first_answer, judge
+from dnanalyze.diagnosis.explain import evidence_for
+from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.results import Refinement, Step
+from dnanalyze.diagnosis.score_test import score_tests
+from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
+from dnanalyze.diagnosis.stepwise import Path, Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import Parameter, fit, paper_start, with_seed
+from dnanalyze.fitting.fit import fit, paper_start, with_seed
 from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
-from dnanalyze.fitting.level import Level
+from dnanalyze.fitting.least_squares import State, converge, minimise, start
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -34,80 +28,8 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import find, known_effects
-from dnanalyze.result import Result
 
-
-@dataclass(frozen=True, repr=False)
-class Refinement(Result):
-    """Result of a stepwise refinement.
-
-    Parameters
-    ----------
-    captures : str
-        Name of the captures.
-    steps : list of Step
-        The first entry is the starting model.
-    effects : list of str
-        In the final model.
-    verdict : str
-        "adequate", "missing" (stopped early) or "unexplained".
-    model : NoiseModel
-        The final model.
-    diagnosis : Diagnosis or None
-        Of the final model; None where the refinement is not finished.
-    bench : Bench
-        The statistics that were fitted, and the simulations of it.
-    state : State
-        The last step of the fit.
-    by_hand : bool
-        Of `add`: the user chose the effect.
-    timed_out : bool
-        Whether the time limit ended the search, or the computation of the standard errors.
-    capture_set : CaptureSet, optional
-        The measured frames.
-    """
-
-    captures: str
-    steps: list[Step]
-    effects: list[str]
-    verdict: str
-    model: NoiseModel
-    diagnosis: Diagnosis | None
-    bench: Bench
-    state: State
-    by_hand: bool = False
-    timed_out: bool = False
-    capture_set: CaptureSet | None = field(default=None, compare=False)
-
-    def _brief(self) -> str:
-        first, last = (number(self.steps[i].error) for i in (0, -1))
-        return f"{self.captures}, model error {first} to {last}, {', '.join(self.effects)}"
-
-    @property
-    def finished(self) -> bool:
-        """Whether it came to its end."""
-        return self.diagnosis is not None
-
-    @property
-    def unexplained(self) -> list[str]:
-        """Statistics that the final model leaves unexplained, worst first."""
-        return [] if self.diagnosis is None else self.diagnosis.unexplained
-
-    @cached_property
-    def parameters(self) -> list[Parameter]:
-        """The numbers of the final model with their standard errors; simulates when first asked.
-
-        Of a refinement that is not finished, or whose time was up, without the errors (NaN), which
-        would take long.
-        """
-        if self.finished and not self.timed_out:
-            return parameters_of(self.bench, self.state)
-        return parameters_of(self.bench, self.state, 0)
-
-    @property
-    def level(self) -> Level | None:
-        """The mean dark level of the final model, which an adequate one keeps."""
-        return None if self.diagnosis is None else self.diagnosis.level
+__all__ = ["Refinement", "add", "refine"]
 
 
 def refine(
@@ -198,41 +120,27 @@ def refine(
         so_far.append(path)
         keep(_so_far(captures, unlimited, path))
 
-    walk = Walk(held, open_to, tuple(begun.names), most, until_error, tell, trying, kept)
-    path = walk.note(Path(state, ()), state, None)
-    kept(path)
+    search = Search(held, open_to, tuple(begun.names), most, until_error, tell, trying, kept)
     try:
-        path = _to_its_end(walk, path, exclude)
+        path = search.run(state, exclude)
     except TimeUp:
         return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
-    held = unlimited
-    found = judge(captures.name, held, path.state, path.tried, path.best, known, in_full=False)
-    found = replace(found, capture_set=captures)
-    steps = list(path.steps)
-    if found.verdict == "unexplained" and walk.near_enough(path):
+    found = judge(captures.name, Null(unlimited, path.state), path.tried, path.best, known)
+    if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
-    if found.verdict == "unexplained":
-        steps = [doubted(s) for s in steps]
-    state = path.state
-    return Refinement(
-        captures.name, steps, state.model.names, found.verdict, state.model, found, held, state,
-        timed_out=limit.over, capture_set=captures,
-    )  # fmt: skip
-
-
-def _to_its_end(walk: Walk, path: Path, exclude: Sequence[str]) -> Path:
-    """What every sensor has, then what else is missing."""
-    if lacks_everyday(path.state.model, exclude):
-        stages: list[tuple[str, State]] = []
-        everyday(walk.held, path.state, exclude, lambda name, s: stages.append((name, s)))
-        for name, stage in stages:
-            path = walk.note(path, stage, name, why=[EVERY_SENSOR])
-        walk.keep(path)
-    path = walk.to_end(path)
-    try:
-        return by_another_way(walk, path)
-    except TimeUp:
-        return path
+    steps = list(path.steps)
+    if found.verdict == "unexplained":  # what stays unexplained, an effect may stand in for
+        steps = [
+            s if s.confidence is None else replace(s, confidence=s.confidence * STANDS_IN)
+            for s in steps
+        ]
+    return replace(
+        _so_far(captures, unlimited, path),
+        steps=steps,
+        verdict=found.verdict,
+        diagnosis=replace(found, capture_set=captures),
+        timed_out=limit.over,
+    )
 
 
 def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
@@ -242,13 +150,6 @@ def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
         captures.name, list(path.steps), state.model.names, "missing", state.model, None, held,
         state, capture_set=captures,
     )  # fmt: skip
-
-
-def doubted(step: Step) -> Step:
-    """The step with half its confidence: what stays unexplained, the effect may stand in for."""
-    if step.confidence is None:
-        return step
-    return replace(step, confidence=step.confidence * STANDS_IN)
 
 
 def add(
@@ -316,20 +217,18 @@ def add(
     if model is None:
         model = fit(captures, replicates=0, held=held, tell=tell).model
     model = located(held, model)
-    before = minimise(held, start(held, model, knobs_of(model)))
-    seen = prospects(held, before, {name: kind})
-    larger = seen[0].model if seen else before.model.with_effect(kind())
-    begun = start(held, larger, knobs_of(larger), like=before)
-    after = judged(held, before, name, minimise(held, begun, 8))
-    why = evidence_for(held, before, after.state, kind)
-    error = error_of(held, before)
-    supported = missing(held, before, [after]) is not None
-    sure = confidence_of(after, [after], error) * (1.0 if supported else STANDS_IN)
-    steps = [Step(None, error), Step(name, after.error, sure, why, supported=supported)]
-    found = judge(captures.name, held, after.state, [], None, known, in_full=False)
-    found = replace(found, capture_set=captures)
-    state = after.state
+    null = Null(held, minimise(held, start(held, model, knobs_of(model))))
+    seen = score_tests(held, null.state, {name: kind})
+    larger = seen[0].model if seen else model.with_effect(kind())
+    begun = start(held, larger, knobs_of(larger), like=null.state)
+    after = judged(null, name, converge(held, begun))
+    yes = supported(null, [after]) is not None
+    sure = confidence_of(after, [after], null.error) * (1.0 if yes else STANDS_IN)
+    why = evidence_for(held, null.state, after.state, kind)
+    steps = [Step(None, null.error), Step(name, after.error, sure, why, supported=yes)]
+    found = judge(captures.name, Null(held, after.state), [], None, known)
     return Refinement(
-        captures.name, steps, state.model.names, found.verdict, state.model, found, held, state,
-        by_hand=True, capture_set=captures,
+        captures.name, steps, after.state.model.names, found.verdict, after.state.model,
+        replace(found, capture_set=captures), held, after.state, by_hand=True,
+        capture_set=captures,
     )  # fmt: skip

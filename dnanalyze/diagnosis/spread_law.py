@@ -1,9 +1,9 @@
-"""Whether the relative spread of dark current changes with temperature.
+"""Whether the relative standard deviation of the dark current changes with temperature.
 
-The dark current of a pixel is the sum of two: diffusion from the neutral bulk, nearly the same in
-all pixels, which grows as n_i^2 (about 1.1 eV), and generation in depleted silicon, which differs
-from pixel to pixel and grows as n_i (about .6 eV). As a sensor warms the even part takes over, and
-the spread falls. One spread for all temperatures then trades the level for the width.
+The dark current of a pixel is the sum of diffusion from the neutral bulk, nearly the same in all
+pixels, which grows as n_i^2 (about 1.1 eV), and generation in depleted silicon, which differs from
+pixel to pixel and grows as n_i (about .6 eV). As a sensor warms, diffusion takes over and the
+relative standard deviation falls.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2
 
-from dnanalyze.diagnosis.confidence import significant
-from dnanalyze.diagnosis.trial import Trial, error_of, judged
+from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.knobs import Knob, knobs_of
 from dnanalyze.fitting.least_squares import State, converge, derive, weights
 from dnanalyze.fitting.predictor import Bench
@@ -23,62 +25,56 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE
 
 SPREAD = "delta"
-# Squared standard score of the slope that one sensor of constant spread in a thousand exceeds
-# (chi^2 of one number); of 35 virtual sensors of constant spread the highest had 5.
-CLEAR = 10.83
 
 
-def spread_law(bench: Bench, state: State) -> Trial | None:
-    """The model with a spread that changes with temperature, refitted, where the data carry it.
+def spread_law(null: Null) -> Trial | None:
+    """The model with a slope of the spread over 1/kT, refitted, where that is significant.
 
     Parameters
     ----------
-    bench : Bench
-    state : State
-        Fitted model; of one whose spread has a law already, nothing is asked.
+    null : Null
+        The model with a constant spread; one with a law is not tested.
 
     Returns
     -------
     Trial or None
-        None where the slope is not beyond what one sensor in a thousand shows by chance, or the
-        refit gains no more than one of a useless effect.
+        None where the score test of the slope does not reach what one sensor in a thousand shows
+        by chance, or the refit is not significant.
     """
-    temperatures = {p.temperature_c for p, _ in bench.plan.settings} - {None}
+    held, state = null.held, null.state
+    temperatures = {p.temperature_c for p, _ in held.plan.settings} - {None}
     larger = with_law(state.model)
     if larger is None or len(temperatures) < 2:
         return None
-    begun = derive(bench, _begun(state, larger), only=_is_slope)
-    if promise(begun) < CLEAR:
+    begun = derive(held, _begun(state, larger), only=_is_slope)
+    if score(begun) < chi2.isf(1e-3, 1):
         return None
-    found = judged(bench, state, BASE, converge(bench, begun, rounds=1))
-    return found if significant(found, error_of(bench, state)) else None
+    found = judged(null, BASE, converge(held, begun, rounds=1))
+    return found if significant(found, null.error) else None
 
 
 def with_law(model: NoiseModel) -> NoiseModel | None:
-    """The same model, its spread free to change with temperature; None where it has no constant."""
+    """The same model, its spread free to change; None where it has no constant spread."""
     light = model.get(BASE)
     celsius = model.reference.temperature_c
     spread = getattr(light, SPREAD, None)
     if light is None or celsius is None or not isinstance(spread, float):
         return None
-    law = ArrheniusLaw(spread, celsius, 0.0)
-    return model.with_effect(replace(light, **{SPREAD: law}))
+    return model.with_effect(replace(light, **{SPREAD: ArrheniusLaw(spread, celsius, 0.0)}))
 
 
-def promise(state: State) -> float:
-    """Squared standard score of the slope: what it takes off the squares, all others following."""
+def score(state: State) -> float:
+    """Squared standard score of the slope, the other parameters projected out (chi^2, 1 d.o.f.)."""
     at = np.array([_is_slope(k) for k in state.knobs])
     w = weights(state.train)
-    a, b = state.jacobian * w[:, None], state.train * w
-    a = np.nan_to_num(a)
-    others = a[:, ~at & (np.linalg.norm(a, axis=0) > 1e-6)]
-    free = np.linalg.qr(others)[0]
+    a, b = np.nan_to_num(state.jacobian * w[:, None]), state.train * w
+    free = np.linalg.qr(a[:, ~at & (np.linalg.norm(a, axis=0) > 1e-6)])[0]
     slope, rest = (x - free @ (free.T @ x) for x in (a[:, at].sum(axis=1), b))
     size = float(slope @ slope)
     return float(slope @ rest) ** 2 / size if size > 0 else 0.0
 
 
-def told(bench: Bench, model: NoiseModel) -> str:
+def in_words(bench: Bench, model: NoiseModel) -> str:
     """The law in a sentence."""
     light = model.get(BASE)
     assert light is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -41,6 +42,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.result import Result
 
 REPLICATES = 24
+FEW = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
 DERIVATIVES = 40  # simulations for the last derivatives of few groups of knobs; many take 6 each
 CLEAR = 15.0  # wanted size of their steps, in floors: statistics that count pixels move by jumps
@@ -327,6 +329,28 @@ def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:
         if abs(value - number.value) <= number.se:  # else it was held at a number of the user's
             found.append(Parameter(name, value, number.se, bearer.parameters()[parameter].unit))
     return found
+
+
+def standard_errors(held: Bench, state: State, simulate: bool = True) -> list[Parameter]:
+    """The fitted numbers of a model as it stands, with their standard errors.
+
+    The estimate was made with one simulated sensor, which scatters as much as the measured one: the
+    variance is twice that of one sensor, where `fit`, which averages over 1 + n simulated sensors,
+    has 1 + 1 / (1 + n) times it.
+
+    Parameters
+    ----------
+    held : Bench
+    state : State
+    simulate : bool
+        Whether replicates are simulated for the errors; else these are NaN.
+    """
+    here = with_uncertainties(held, state, 0).parameters
+    if not simulate:
+        return here
+    freed = {p.name: p.se for p in with_uncertainties(held, state, FEW).parameters}
+    times = math.sqrt(2.0 / (1.0 + 1.0 / (1.0 + FEW)))
+    return [replace(p, se=times * freed[p.name]) for p in here]
 
 
 def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:

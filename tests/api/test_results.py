@@ -17,9 +17,8 @@ import report_fakes as fakes
 
 import dnanalyze
 from dnanalyze.checking.check import Check
-from dnanalyze.diagnosis.candidate import Candidate
-from dnanalyze.diagnosis.channels import ChannelRefinement, ChannelStep
-from dnanalyze.diagnosis.path import Step
+from dnanalyze.channels.refinement import ChannelRefinement, ChannelStep
+from dnanalyze.diagnosis.results import Candidate, Step
 from dnanalyze.model.noise_model import load_model
 
 NAME = "folder/<sensor> & co"

@@ -8,7 +8,7 @@ import pytest
 import report_fakes as fakes
 from dnanalyze_cli.main import main
 
-from dnanalyze.diagnosis.channels import ChannelRefinement, ChannelStep
+from dnanalyze.channels.refinement import ChannelRefinement, ChannelStep
 from dnanalyze.loaders import load, write_captures
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import channels_of, merged

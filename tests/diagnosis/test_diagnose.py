@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.adequacy import Adequacy, farthest
-from dnanalyze.diagnosis.diagnose import beside_everyday, diagnose, judge
-from dnanalyze.diagnosis.leftover import Leftover
+from dnanalyze.diagnosis.diagnose import diagnose, judge
+from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.refine import refine
-from dnanalyze.diagnosis.residual import Residual
-from dnanalyze.diagnosis.trial import judged
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.residual import Residual
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
 
 FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
@@ -62,36 +60,6 @@ def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
     assert again.error == pytest.approx(every[-1].error_after, rel=0.1)
 
 
-def test_what_every_sensor_has_is_judged_beside_what_is_missing(rows, found):
-    """A filter hides the noise: without it these four may explain nothing."""
-    _, held = rows
-    full = start(held, found.model, knobs_of(found.model))
-    asked = start(held, model := paper_start(held), knobs_of(model))
-    nothing = judged(held, full, "row_fpn", asked)
-    for verdict, sure in (("missing", False), ("adequate", True)):
-        told = replace(found, verdict=verdict, candidates=found.candidates[:1], trials=[nothing])
-        every = beside_everyday(held, asked, [("quantization", full)], told)
-        last = next(c for c in every.candidates if c.effect == "quantization")
-        assert (last.confidence > 0.99) == sure
-
-
-def test_the_leader_is_told_at_its_end_and_with_what_it_leaves(rows, found, monkeypatch):
-    _, held = rows
-    state = start(held, found.model, knobs_of(found.model))
-    leader = found.trials[0]
-    ended = Leftover(replace(leader, error=0.5), ["temporal_v_first"])
-    asked = []
-    monkeypatch.setattr(
-        "dnanalyze.diagnosis.diagnose.leftover", lambda *a: asked.append(a[-1]) or ended
-    )
-    told = judge("rows", held, state, [leader], leader, KNOWN, in_full=False)
-    assert asked == [{}]  # nothing is followed up
-    assert (told.verdict, told.unexplained) == ("missing", ["temporal_v_first"])
-    assert told.candidates[0].error_after == 0.5
-    assert told.candidates[0].confidence < 0.6
-    assert "temporal_v_first" in told.candidates[0].evidence[-1]
-
-
 def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
     captures, held = of({})
     told = []
@@ -104,39 +72,50 @@ def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
     assert full.error == pytest.approx(found.candidates[-1].error_after, rel=0.1)
 
 
-def test_an_error_that_no_single_statistic_makes_is_told_by_the_farthest(rows, monkeypatch):
-    _, held = rows
-    state = minimise(held, start(held, model := paper_start(held), knobs_of(model)), 1)
-    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.adequacy", lambda *_: Adequacy(False, []))
-    found = judge("rows", held, state, [], None, {}, in_full=False)
-    assert found.verdict == "unexplained"
-    assert found.unexplained == farthest(held, state)
-    assert len(found.unexplained) == 3
+def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
+    captures, held = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
+    found = diagnose(captures, known=KNOWN, held=held)
+    assert found.verdict == "missing"
+    first = found.candidates[0]
+    assert first.effect in ("row_noise", "column_fpn")
+    assert first.confidence > 0.9
+    assert set(first.leaves) == set(found.unexplained)
+    (other,) = {"row_noise", "column_fpn"} - {first.effect}
+    assert any(f"which {other} in addition would correct" in words for words in first.evidence)
 
 
-def test_what_the_data_do_not_support_is_no_sure_name_and_of_what_is_adequate_none(
-    rows, found, monkeypatch
-):
+def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another():
+    captures, held = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
+    found = diagnose(captures, known=KNOWN, held=held, exclude=["column_fpn"])
+    first = found.candidates[0]
+    assert found.unexplained
+    assert first.confidence <= 0.5
+    assert found.unexplained[0] in first.evidence[-1]
+
+
+def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
     """One story: the list says what the verdict says."""
     _, held = rows
-    state = start(held, found.model, knobs_of(found.model))
+    null = Null(held, start(held, found.model, knobs_of(found.model)))
     leader = found.trials[0]
-    idle = replace(leader, effect="row_noise", state=state)  # as sure, and puts nothing right
-    left = ["temporal_noise", *found.candidates[0].leaves]
-    puts_right = [n for n in ("row_mean_sd", "pattern_rows_0.1_0.3") if n in held.train.names]
-    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.unexplained", lambda *_: [*left, *puts_right])
-    told = judge("rows", held, state, [leader, idle], None, KNOWN, in_full=False)
+    idle = replace(leader, effect="row_noise", state=null.state)  # corrects nothing
+    told = judge("rows", null, [leader, idle], None, KNOWN)
     assert told.verdict == "unexplained"
+    assert told.unexplained == null.left != []
     sure = [c.confidence for c in told.candidates]
     assert sure == sorted(sure, reverse=True)
     assert max(sure) <= 0.5
     named = {c.effect: c for c in told.candidates}
-    assert set(puts_right) & set(named["row_fpn"].leaves) == set()
     assert named["row_noise"].leaves == told.unexplained
+    assert set(named["row_fpn"].leaves) < set(told.unexplained)
     assert all(c.evidence for c in told.candidates)
-    monkeypatch.setattr("dnanalyze.diagnosis.diagnose.unexplained", lambda *_: [])
-    told = judge("rows", held, state, [leader, idle], None, KNOWN, in_full=False)
-    assert (told.verdict, told.candidates) == ("adequate", [])
+
+
+def test_an_adequate_model_has_no_candidates(rows, found):
+    _, held = rows
+    null = Null(held, found.trials[0].state)
+    told = judge("rows", null, [found.trials[0]], None, KNOWN)
+    assert (told.verdict, told.candidates, told.unexplained) == ("adequate", [], [])
 
 
 def test_what_is_excluded_is_not_put_in(rows):

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.diagnose import diagnose
-from dnanalyze.diagnosis.first_answer import first_answer
+from dnanalyze.diagnosis.diagnose import diagnose, first_answer
 from dnanalyze.diagnosis.refine import refine
 from dnanalyze.fitting.design import LARGE, design
 from dnanalyze.fitting.fit import paper_start

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis import adequacy
 from dnanalyze.diagnosis.refine import refine
-from dnanalyze.diagnosis.trial import Trial, witnessed
-from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
 from dnanalyze.model.effects.row_fpn import RowFpn
-from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
 
 UPPER, LOWER = Window(0, 50, 0, 80), Window(50, 100, 0, 80)
@@ -46,34 +41,6 @@ def test_where_named_lines_lie(lines, more, upper, lower):
 
 def test_what_has_no_places_lies_everywhere():
     assert RowFpn(1.0).lies_in(UPPER)
-
-
-def test_a_half_with_none_of_it_speaks_only_against_it():
-    bench = SimpleNamespace(plan=SimpleNamespace(windows=(UPPER, LOWER)))
-    above, below, both = (
-        DefectLines(axis="rows", lines=lines, offsets=(1.0,) * len(lines))
-        for lines in ((10,), (60,), (10, 60))
-    )
-    assert witnessed(bench, both, 30.0, 2.0) == (30.0, 2.0)
-    assert witnessed(bench, None, 30.0, 2.0) == (30.0, 2.0)
-    assert witnessed(bench, below, 30.0, 2.0) == (30.0, 30.0)
-    assert witnessed(bench, below, 30.0, -50.0) == (-20.0, -20.0)
-    assert witnessed(bench, above, 2.0, 30.0) == (30.0, 30.0)
-    assert witnessed(bench, above, -5.0, 30.0) == (25.0, 25.0)
-
-
-def test_so_it_is_where_gains_are_told_in_units_of_the_scatter_of_sensors(monkeypatch):
-    half = SimpleNamespace(names=np.array(["row_extreme"] * 10))
-    plan = SimpleNamespace(windows=(UPPER, LOWER))
-    bench = SimpleNamespace(plan=plan, train=half, test=half)
-    monkeypatch.setattr(adequacy, "_others", lambda *_: (np.zeros((2, 10)), np.zeros((2, 10))))
-    named = NoiseModel((DefectLines(axis="rows", lines=(60,), offsets=(1.0,)),))
-    before, after = (
-        State(named, [], np.zeros(10), given(np.full(10, level)), np.zeros((10, 0)))
-        for level in (10.0, 0.0)
-    )
-    found = adequacy.sobered(bench, before, Trial("defect_lines", after, 0.0, 0.0, 1.0))
-    assert found.gain == found.fitted_gain > 0.0
 
 
 def with_a_bad_row(captures: CaptureSet, row: int, offset: float) -> CaptureSet:

@@ -4,9 +4,7 @@ import math
 
 import pytest
 
-from dnanalyze.diagnosis.confidence import STANDS_IN
-from dnanalyze.diagnosis.path import Step
-from dnanalyze.diagnosis.refine import add, doubted, refine
+from dnanalyze.diagnosis.refine import add, refine
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, EVERYDAY
 
@@ -49,11 +47,3 @@ def test_it_stops_where_it_is_told(striped, known, ordinary):
     assert "row_fpn" not in without.effects
     enough = refine(striped, first.model, known=known, until_error=1e3)
     assert len(enough.steps) == 1
-
-
-def test_what_stays_unexplained_halves_the_confidence_of_what_was_added():
-    sure = doubted(Step("row_fpn", 0.9, 0.98, ["why"], ["row_noise"]))
-    assert sure.confidence == pytest.approx(STANDS_IN * 0.98)
-    assert (sure.added, sure.error, sure.confused_with) == ("row_fpn", 0.9, ["row_noise"])
-    begun = Step(None, 2.0)
-    assert doubted(begun) is begun

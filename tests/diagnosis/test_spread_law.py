@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.spread_law import spread_law, told, with_law
-from dnanalyze.diagnosis.trial import error_of
+from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.spread_law import in_words, spread_law, with_law
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import knobs_of
@@ -55,9 +55,9 @@ def ordinary(slope) -> tuple[Bench, State]:
 
 def test_a_spread_that_falls_is_found_and_the_level_is_kept():
     held, state = ordinary(-0.3)
-    found = spread_law(held, state)
+    found = spread_law(Null(held, state))
     assert found is not None
-    assert found.error < error_of(held, state) - 0.2
+    assert found.error < Null(held, state).error - 0.2
     ended = converge(held, found.state)
     law = ended.model.get(BASE).delta
     # 1.5 % of either spread on 96 x 48 pixels, over 1.6 / eV from end to end, and as much again of
@@ -65,19 +65,19 @@ def test_a_spread_that_falls_is_found_and_the_level_is_kept():
     assert law.ea_ev == pytest.approx(-0.3, abs=0.05)
     assert law.value == pytest.approx(0.2, rel=0.1)
     assert held.level(ended.train, ended.test).kept
-    assert "falls from 0.2" in told(held, ended.model)
+    assert "falls from 0.2" in in_words(held, ended.model)
 
 
 def test_a_constant_spread_stays_one_number():
     held, state = ordinary(0.0)
-    assert spread_law(held, state) is None
+    assert spread_law(Null(held, state)) is None
 
 
 def test_a_law_is_asked_for_once_and_of_several_temperatures():
     held, state = ordinary(-0.3)
     lawful = replace(state, model=with_law(state.model))
-    assert spread_law(held, lawful) is None
-    assert spread_law(held.only([1]), state) is None
+    assert spread_law(Null(held, lawful)) is None
+    assert spread_law(Null(held.only([1]), state)) is None
 
 
 def test_the_law_begins_as_the_same_model_to_the_last_bit():

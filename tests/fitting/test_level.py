@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.diagnosis.adequacy import adequacy
+from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.least_squares import given, minimise, start
 from dnanalyze.fitting.level import level
 from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint
@@ -55,15 +55,15 @@ def test_the_level_is_that_of_both_halves_together():
     assert not level(POINTS, halves, (z, z), signals).kept
 
 
-def test_a_model_of_another_level_is_not_adequate_whatever_its_error(monkeypatch):
+def test_a_model_of_another_level_is_not_adequate_whatever_its_error():
     held = small.bench_of()
-    monkeypatch.setattr("dnanalyze.diagnosis.adequacy.error_of", lambda *_: 0.5)
-    monkeypatch.setattr("dnanalyze.diagnosis.adequacy._left", lambda *_: [])
-    right = small.model()
-    assert adequacy(held, start(held, right, [])).adequate
-    found = adequacy(held, start(held, replace(right, pedestal=64.5), []))
-    assert not found.adequate
-    assert found.left == ["mean"]
+    right = start(held, small.model(), [])
+    mean = [np.where(half.names == "mean", 0.2, 0.0) for half in (held.train, held.test)]
+    for size, kept in ((1.0, True), (40.0, False)):
+        train, test = (size * z for z in mean)
+        found = Null(held, replace(right, train=train, unseen=given(test)))
+        assert found.adequate == kept
+        assert found.left == ([] if kept else ["mean"])
 
 
 def test_the_signal_is_above_the_measured_black_level():

@@ -34,7 +34,7 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
     find(effect, known)
     found, own = options.begin(session)
     if len(found.channels) > 1:
-        from dnanalyze.diagnosis.channels import add_channels
+        from dnanalyze.channels.refinement import add_channels
 
         over_channels.refine(
             session,

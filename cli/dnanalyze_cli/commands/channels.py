@@ -28,7 +28,7 @@ def channels(
     quiet: Quiet = False,
 ) -> None:
     """Refine each HDR channel; separate effects of the pixel from those of the readout."""
-    from dnanalyze.diagnosis.channels import by_channel, refine_channels
+    from dnanalyze.channels.refinement import by_channel, refine_channels
     from dnanalyze_cli import over_channels
 
     session = Session(

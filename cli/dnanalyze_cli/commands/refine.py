@@ -69,7 +69,7 @@ def refine(
         find(name, known)
     found, own = options.begin(session)
     if len(found.channels) > 1:
-        from dnanalyze.diagnosis.channels import refine_channels
+        from dnanalyze.channels.refinement import refine_channels
 
         over_channels.refine(
             session,

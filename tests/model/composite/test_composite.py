@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.trial import candidates_of
+from dnanalyze.diagnosis.candidates import candidates_of
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.loaders.captures import OperatingPoint, Window

@@ -7,7 +7,6 @@ import pytest
 from charge_bench import HERE, LOUD, WARM, MadeUpClues, frames, growth
 from scipy import stats
 
-from dnanalyze.diagnosis.screening import FIRST
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_clusters import HotClusters
@@ -316,7 +315,7 @@ def test_blinking_is_guessed_from_the_noisiest_pixels():
     assert 10 < fixed.amplitude < 40
     assert fixed.fraction * fixed.amplitude**2 == pytest.approx(0.02 * 400, rel=0.05)
     assert fixed.exposure == "none"  # alike at both temperatures
-    first = guesses[:FIRST]  # what nearly stays shows in the pattern too
+    first = guesses  # what nearly stays shows in the pattern too
     assert {g.dwell_frames for g in first} == {0.5, SLOW}
 
 

@@ -1,0 +1,69 @@
+"""The baseline effects, which every sensor has, put in together and stated one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from dnanalyze.fitting.fit import at_a_glance, ordinary_start
+from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.least_squares import State, converge, given
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.start import partly_named
+from dnanalyze.model.laws import Law
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import EVERYDAY
+
+EVERY_SENSOR = (
+    "baseline effect, present in every sensor: added with the other baseline effects, untested"
+)
+FAR_OFF = 5.0  # loss per statistic beyond which the next effect moves all that is fitted here
+
+
+def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
+    """Whether a model has none of the baseline effects that are not excluded."""
+    wanted = any(name not in exclude for name in EVERYDAY)
+    return wanted and all(model.get(name) is None for name in EVERYDAY)
+
+
+def with_baseline(
+    bench: Bench, paper: State, exclude: Sequence[str], note: Callable[[str, State], None]
+) -> State:
+    """Add the baseline effects; all are fitted together, beside a seed of constant spread.
+
+    The models on the way take the effects named so far from that fit, and the rest from the tables
+    of the Wang 2025 model.
+
+    Parameters
+    ----------
+    bench : Bench
+    paper : State
+        The Wang 2025 model, fitted.
+    exclude : sequence of str
+        Effects to leave out.
+    note : callable
+        Called with the name of each effect and the state with it.
+    """
+    found, begun = at_a_glance(bench), ordinary_start(bench)
+    for name in exclude:
+        begun = begun.without(name)
+    full = fitted(bench, begun, partial(converge, own=True, hopeless=FAR_OFF))
+    names = [n for n in EVERYDAY if n not in exclude]
+
+    def stage(named: Sequence[str], pedestal: Law) -> State:
+        model = partly_named(found, paper.model, full.model, named, pedestal)
+        train, test = bench.coordinates(model)
+        blank = np.empty((len(train), 0))
+        return State(model, [], bench.train.z(train), given(bench.test.z(test)), blank)
+
+    before = paper
+    for count in range(1, len(names)):
+        state = stage(names[:count], full.model.pedestal)
+        if state.loss > before.loss:  # its pedestal may still be that of the paper's model
+            state = min(state, stage(names[:count], paper.model.pedestal), key=lambda s: s.loss)
+        note(names[count - 1], state)
+        before = state
+    note(names[-1], full)
+    return full

@@ -1,0 +1,160 @@
+"""Detection limits: what these captures could not have shown."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dnanalyze.diagnosis.selection import CERTAIN
+from dnanalyze.digits import number, unit_text
+from dnanalyze.fitting.least_squares import State, loss
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.model.effect import Effect, ParameterInfo, Placing
+from dnanalyze.model.noise_model import NoiseModel
+
+NOISE = 5.0  # loss below which a trial strength is called unseen
+STRENGTHS = (
+    "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step",
+    "strength",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Smallest strength of an effect that these captures would show.
+
+    Parameters
+    ----------
+    effect, parameter : str
+    value : float
+        NaN where even the largest strength tried would not be seen.
+    unit : str
+    """
+
+    effect: str
+    parameter: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Such as ``column_fpn is detectable from sigma = 0.02 DN``."""
+        if not np.isfinite(self.value):
+            return f"{self.effect} is not detectable in these captures at any usual strength"
+        unit = unit_text(self.unit)
+        least = f"{number(self.value, 2)}{unit}"
+        return f"{self.effect} is detectable from {self.parameter} = {least}"
+
+
+def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:
+    """Detection limit of every effect that is not in the model, as sentences.
+
+    The strength at which the effect moves the statistics, beyond what the model's own parameters
+    can absorb, by what `significant` asks for. A simulation or a few at the setting with the least
+    noise, which shows readout best, and for what is not of so many DN also at the one with the most
+    dark signal; followed along the power law by which such an effect shows.
+    """
+    seen = Readings(held.measured[0])
+    noise, level = seen.value("frame_noise_core"), seen.value("mean")
+    calm, warm = int(np.nanargmin(noise)), int(np.nanargmax(level))
+    asked = {}
+    for name, effect in known.items():
+        strength = _strength(effect, float(np.nanmin(noise)))
+        if state.model.get(name) is None and strength is not None:
+            asked[name] = _Asked(effect, *strength)
+    least: dict[str, float] = {}
+    for readout, placed in itertools.product((True, False), repeat=2):
+        where = {calm} if readout else {calm, warm}
+        view = _View.of(held if placed else held.evened(state.model), state, sorted(where))
+        alike = {n: a for n, a in asked.items() if (a.readout, a.placed) == (readout, placed)}
+        least |= _least_shown(view, state.model, alike)
+    return {
+        name: str(Limit(name, a.parameter, least[name], a.info.unit)) for name, a in asked.items()
+    }
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """An effect, the parameter that says how strong it is, and a strength that shows."""
+
+    effect: type[Effect]
+    parameter: str
+    first: float
+
+    @property
+    def info(self) -> ParameterInfo:
+        return self.effect.parameters()[self.parameter]
+
+    @property
+    def readout(self) -> bool:
+        """Whether it is told in DN, which the quietest setting shows best."""
+        return self.info.unit.startswith("DN")
+
+    @property
+    def placed(self) -> bool:
+        """Whether it takes the whole field to tell."""
+        return self.effect.placing is Placing.SOMEWHERE
+
+    def at(self, strength: float) -> Effect:
+        return replace(self.effect(), **{self.parameter: strength})
+
+    def limit(self, strength: float, gain: float) -> float:
+        """Where the gain would be what is asked of an effect."""
+        power = 4.0 if self.readout else 2.0
+        return float(min(strength * (CERTAIN / gain) ** (1.0 / power), self.info.upper))
+
+
+def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) -> dict[str, float]:
+    """Strengths that would be called missing, from such as show; NaN where 100 times do not."""
+    least = dict.fromkeys(asked, float("nan"))
+    for times in (1.0, 10.0, 100.0):
+        tried = {
+            name: times * a.first
+            for name, a in asked.items()
+            if np.isnan(least[name]) and times * a.first <= a.info.upper
+        }
+        gains = view.gains([model.with_effect(asked[n].at(s)) for n, s in tried.items()])
+        for (name, strength), gain in zip(tried.items(), gains, strict=True):
+            if gain > NOISE:
+                least[name] = asked[name].limit(strength, gain)
+    return least
+
+
+@dataclass(frozen=True)
+class _View:
+    """A few settings, with what the model's own parameters can absorb at each."""
+
+    bench: Bench
+    base: np.ndarray
+    free: list[np.ndarray]
+
+    @classmethod
+    def of(cls, held: Bench, state: State, settings: list[int]) -> _View:
+        bench = held.only(settings)
+        parts = [state.jacobian[held.train.setting == s] for s in settings]
+        usable = [part[:, np.linalg.norm(part, axis=0) > 1e-6] for part in parts]
+        free = [np.linalg.qr(part)[0] for part in usable]
+        return cls(bench, bench.fitted_coordinates(state.model), free)
+
+    def gains(self, models: Sequence[NoiseModel]) -> list[float]:
+        """Loss of the model without the effect, were each the truth; where it is largest."""
+        return [self._gain(moved) for moved in self.bench.several(models)]
+
+    def _gain(self, moved: np.ndarray) -> float:
+        shift = np.nan_to_num((moved - self.base) / self.bench.train.floor)
+        parts = [shift[self.bench.train.setting == s] for s in range(len(self.free))]
+        return max(loss(z - f @ (f.T @ z)) for z, f in zip(parts, self.free, strict=True))
+
+
+def _strength(effect: type[Effect], noise: float) -> tuple[str, float] | None:
+    """The parameter that says how strong an effect is, and a strength that shows."""
+    for name, info in effect.parameters().items():
+        if info.scale == "log" and name in STRENGTHS:
+            default = getattr(effect(), name)
+            value = default if isinstance(default, (int, float)) else default.value
+            first = 0.3 * noise if info.unit.startswith("DN") else float(value)
+            return name, min(max(first, info.lower), info.upper)
+    return None

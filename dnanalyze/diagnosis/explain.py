@@ -1,0 +1,181 @@
+"""The evidence in sentences, and the captures that would settle what is open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
+from dnanalyze.diagnosis.results import Candidate
+from dnanalyze.digits import number, unit_text
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.registry import built_in
+
+CLEAR = 3.0  # floors
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Size of the misfit of each statistic, pooled over settings and both halves, in floors."""
+
+    names: np.ndarray
+    size: np.ndarray
+
+    def of(self, name: str) -> float:
+        """Root mean square misfit of a statistic; 0 where it is absent."""
+        where = np.flatnonzero(self.names == name)
+        return float(self.size[where[0]]) if where.size else 0.0
+
+
+def profile(bench: Bench, state: State) -> Profile:
+    """Misfit by statistic."""
+    names = np.concatenate([bench.train.names, bench.test.names])
+    z = np.minimum(np.abs(np.concatenate([state.train, state.test])), 1e4)
+    unique, inverse = np.unique(names, return_inverse=True)
+    size = np.sqrt(np.bincount(inverse, z**2) / np.bincount(inverse))
+    return Profile(unique, size)
+
+
+def evidence_for(
+    bench: Bench, before: State, after: State, effect: type[Effect], most: int = 3
+) -> list[str]:
+    """Sentences on the statistics that the effect puts right, most telling first."""
+    was, now = profile(bench, before), profile(bench, after)
+    relief = {n: was.of(n) ** 2 - now.of(n) ** 2 for n in was.names}
+    for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
+        if name in relief:
+            relief[name] *= 1.5
+    closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
+    closer.sort(key=lambda n: -relief[n])
+    told = [
+        f"{_sentence(bench, before, name)}; with {effect.name} "
+        f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
+        for name in [n for n in closer if was.of(n) >= CLEAR][:most]
+    ]
+    if not told:
+        told = [_in_sum(effect.name, was, now, closer[:most])]
+    character = {
+        "fixed": "it is the same in every frame: a nonuniformity of the pixels or of the readout",
+        "temporal": "it differs from frame to frame: temporal noise, not a nonuniformity",
+    }.get(effect.varies)
+    return [*told, character] if character else told
+
+
+def _size(of: Profile, name: str) -> str:
+    return number(of.of(name), 2)
+
+
+def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
+    """What many small reliefs come to, where none stands out by itself."""
+    if not names:
+        return f"no statistic comes closer with {effect}"
+    parts = [f"{infos()[n].title} (from {_size(was, n)} to {_size(now, n)} sigma)" for n in names]
+    return (
+        f"no single statistic that {effect} improves differed by {CLEAR:g} sigma before; several "
+        f"small differences fall, the largest in {', '.join(parts)}"
+    )
+
+
+def evidence_against(
+    bench: Bench, rival: State, best: State, rival_name: str, name: str
+) -> str | None:
+    """What the rival leaves wrong that the best candidate puts right."""
+    left, right = profile(bench, rival), profile(bench, best)
+    gap = {n: left.of(n) - right.of(n) for n in left.names}
+    worst = max(gap, key=lambda n: gap[n])
+    if gap[worst] < CLEAR:
+        return None
+    title = infos()[worst].title
+    return (
+        f"with {rival_name} instead of {name} the difference in {title} is {left.of(worst):.1f} "
+        f"sigma, not {right.of(worst):.1f} sigma"
+    )
+
+
+def _sentence(bench: Bench, state: State, name: str) -> str:
+    """Measured over modelled for one statistic and how it runs over the operating points."""
+    info = infos()[name]
+    train = bench.train
+    here = np.flatnonzero(train.names == name)
+    if not here.size:
+        return info.title
+    z = state.train[here]
+    worst = int(np.argmax(np.abs(z)))
+    off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the judged half may be the one that is off
+    i = here[worst]
+    model = train.coordinates[i] - state.train[i] * train.floor[i]
+    measured, simulated = float(train.values[i]), info.scale.plain(float(model))
+    floor = float(train.floor[i])
+    words = misfit(info, measured, simulated, float(z[worst]), floor)
+    unit = unit_text(info.unit)
+    size = f"measured {number(measured)}, model {number(simulated)}{unit}"
+    if side_by_side(info, measured, simulated, floor):
+        size = ""
+    elif info.scale is Scale.LOG and "{ratio}" not in info.high:
+        size = f"{number(measured / simulated)} times the model"
+    more = ", ".join(part for part in (size, _places(bench, train.setting[here], off)) if part)
+    return f"{words} ({more})" if more else words
+
+
+def _places(bench: Bench, settings: np.ndarray, off: np.ndarray) -> str:
+    """At which operating points; nothing where there is but one."""
+    if len(set(settings)) == 1:
+        return ""
+    if off.all():
+        return "at every operating point"
+    places = sorted({int(s) for s in settings[off]})
+    names = short_labels([point for point, _ in bench.plan.settings])
+    more = " and more" if len(places) > 3 else ""
+    return "at " + listed([names[s] for s in places[:3]]) + more
+
+
+def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list[str]:
+    """Captures that would settle what is open, most useful first."""
+    points = [p for p, _ in held.plan.settings]
+    frames = [n for _, n in held.plan.settings]
+    advice = []
+    if min(frames) < 2:
+        advice.append("a second frame at each operating point separates DSNU from temporal noise")
+    elif min(frames) < 4:
+        advice.append(
+            "eight frames at each operating point: with fewer than four, RTS pixels and "
+            "temporal filters cannot be separated from noise"
+        )
+    if candidates and candidates[0].confused_with:
+        best = candidates[0]
+        advice.append(_to_separate(held, best.effect, best.confused_with[0]))
+    temperatures = {p.temperature_c for p in points if p.temperature_c is not None}
+    if len(temperatures) < 3:
+        advice.append(
+            "at least three temperatures, 20 °C apart: dark current grows with temperature, "
+            "readout effects do not"
+        )
+    exposures = {p.exposure_s for p in points if p.exposure_s is not None}
+    if len(exposures) < 2 and verdict != "adequate":
+        advice.append(
+            "the warmest operating point at a quarter of the exposure: charge effects shrink "
+            "with it, readout effects do not"
+        )
+    return advice
+
+
+def _to_separate(held: Bench, one: str, other: str) -> str:
+    """The capture that tells two effects apart, from what they vary with."""
+    known = built_in()
+    a, b = known.get(one), known.get(other)
+    reason = ""
+    if a is not None and other in a.confused_with:
+        reason = f": {a.confused_with[other]}"
+    if a is not None and b is not None and {a.varies, b.varies} == {"fixed", "temporal"}:
+        coldest = held.plan.settings[0][0].label()
+        return f"eight more frames at {coldest} separate {one} from {other}{reason}"
+    warmest = held.plan.settings[-1][0].label()
+    return (
+        f"eight more frames at {warmest}, and as many at twice the exposure, help to separate "
+        f"{one} from {other}{reason}"
+    )

@@ -1,0 +1,110 @@
+"""The parameters that a missing effect has biased, started again beside it.
+
+A fit without a temporal filter makes the read noise small instead, and one without a digital gain
+makes every noise large. A candidate of that kind is tested beside parameters that no longer make up
+for it: by its own factors (`Effect.bent`), or by the moments of the frames less what it adds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.effect import Effect, Stage
+from dnanalyze.model.guesses.evidence import quietest
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE, EVERYDAY
+
+UNBIASED = (1.0, 0.0)
+
+
+def least_noise(bench: Bench) -> float:
+    """Temporal noise of the operating point with the least, DN; infinite where there is none."""
+    train = bench.train
+    values = train.values[train.names == "temporal_noise"]
+    return float(values[quietest(values)]) if values.size else math.inf
+
+
+def unbiased(
+    model: NoiseModel, effect: Effect, noise: float, other: Effect | None = None
+) -> NoiseModel | None:
+    """A model with its parameters as they are right beside an effect.
+
+    Parameters
+    ----------
+    model : NoiseModel
+        As fitted without the effect, or with it as ``other`` states.
+    effect : Effect
+    noise : float
+        Of the operating point with the least, DN.
+    other : Effect, optional
+
+    Returns
+    -------
+    NoiseModel or None
+        None where the effect biases none of them.
+    """
+    knobs = knobs_of(model)
+    plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
+    right = []
+    for x, knob in zip(plain, knobs, strict=True):
+        factor, shift = bias(effect, knob, model, noise)
+        was, moved = UNBIASED if other is None else bias(other, knob, model, noise)
+        same = (factor, shift) == (was, moved) or not was
+        right.append(x if same else factor * (x - moved) / was + shift)
+    if right == plain:
+        return None
+    where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
+    return turned(model, knobs, np.array(where))
+
+
+def bias(effect: Effect, knob: Knob, model: NoiseModel, noise: float) -> tuple[float, float]:
+    """Factor and shift that correct a parameter of a model without an effect.
+
+    The parameters of what acts on codes are right as they are.
+    """
+    bearer = model.get(knob.effect)
+    if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
+        return UNBIASED
+    return effect.bent(knob.name, knob.unit, noise)
+
+
+def from_moments(bench: Bench, model: NoiseModel, effect: Effect) -> NoiseModel | None:
+    """The baseline started again from the moments of the frames less what an effect adds.
+
+    None where the effect does not state what it adds.
+    """
+    if any(effect.adds(p, model.reference) is None for p, _ in bench.plan.settings):
+        return None
+    begun = ordinary_start(bench, effect)
+    for name in (BASE, *EVERYDAY):
+        other = begun.get(name)
+        if other is not None and model.get(name) is not None:
+            model = model.with_effect(other)
+    return replace(model, pedestal=begun.pedestal)
+
+
+def other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
+    """The model at half and twice each number of an effect, with the parameters it biases.
+
+    Strength and bias move together, far and along a curve that steps of a fit do not follow.
+    """
+    effect = model.get(name)
+    assert effect is not None
+    for parameter, info in effect.parameters().items():
+        value = getattr(effect, parameter)
+        free = info.scale not in ("choice", "held") and parameter not in effect.idle()
+        if not (free and isinstance(value, (int, float))):
+            continue
+        for factor in (0.5, 0.7, 1.4, 2.0):
+            at = min(max(value * factor, info.lower), info.upper)
+            other = replace(effect, **{parameter: at})
+            rest = unbiased(model, other, noise, effect) if at != value else None
+            if rest is not None:
+                yield rest.with_effect(other)

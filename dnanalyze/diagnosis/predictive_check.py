@@ -1,0 +1,148 @@
+"""The present model against simulated sensors of its own make (parametric bootstrap)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dnanalyze.comparator.error import pooled
+from dnanalyze.diagnosis.selection import TOLERABLE
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.level import MEAN
+from dnanalyze.fitting.predictor import Bench
+
+REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
+BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves
+SCATTER = 0.25  # least standard deviation of a misfit: that of a root mean square of 8 normals
+MENDED = 0.5  # share of the squared misfit that a corrected statistic may keep
+
+
+def error_of(held: Bench, state: State) -> float:
+    """Model error on the held-out half."""
+    return pooled(state.test, held.test.families)
+
+
+@dataclass(frozen=True)
+class Null:
+    """The hypothesis that nothing is missing: a fitted model, and replicates of it.
+
+    Parameters
+    ----------
+    held : Bench
+        Statistics of the captures.
+    state : State
+        The fitted model.
+    """
+
+    held: Bench
+    state: State
+
+    @cached_property
+    def error(self) -> float:
+        """Model error on the held-out half."""
+        return error_of(self.held, self.state)
+
+    @cached_property
+    def replicates(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sensors of the same make less the model's own, (replicates, statistics) a half.
+
+        In standard deviations of the measurement.
+        """
+        sides = (self.held.train, self.state.train), (self.held.test, self.state.test)
+        drawn = [self.held.replicate(self.state.model, r) for r in range(REPLICATES)]
+        train, test = (
+            np.nan_to_num([(d[i] - half.coordinates) / half.floor + z for d in drawn])
+            for i, (half, z) in enumerate(sides)
+        )
+        return train, test
+
+    @cached_property
+    def scatter(self) -> tuple[np.ndarray, np.ndarray]:
+        """Standard deviation of each statistic over replicates, of the fitted and held-out half.
+
+        At least 1, and the same at all operating points of one statistic: few defects, tracks or
+        phases are drawn once per sensor, and shift it at all of them alike.
+        """
+        names = self.held.train.names, self.held.test.names
+        made = []
+        for own in names:
+            scale = np.ones(len(own))
+            for name in np.unique(own):
+                drawn = [r[:, n == name] for r, n in zip(self.replicates, names, strict=True)]
+                both = np.concatenate(drawn, axis=1)
+                scale[own == name] = max(1.0, float(np.sqrt(np.mean(both**2))))
+            made.append(scale)
+        return made[0], made[1]
+
+    @cached_property
+    def left(self) -> list[str]:
+        """Statistics that differ on both halves beyond the replicates, worst first.
+
+        The mean level is the first where it is not within its limits (see `Level`).
+        """
+        level = self.held.level(self.state.train, self.state.test)
+        rest = self._beyond()
+        if level is None or level.kept:
+            return rest
+        return [MEAN, *(name for name in rest if name != MEAN)]
+
+    @cached_property
+    def adequate(self) -> bool:
+        """Whether nothing is left, and the error as a whole is one that a replicate shows."""
+        if self.left:
+            return False
+        if self.error < TOLERABLE:
+            return True
+        families = self.held.test.families
+        return self.error < max(pooled(z, families) for z in self.replicates[1])
+
+    @property
+    def unexplained(self) -> list[str]:
+        """`left`, or the largest three differences where only the error as a whole is beyond."""
+        if self.left or self.adequate:
+            return self.left
+        own = self._misfits((self.state.train, self.state.test))
+        return sorted(own, key=lambda name: -float(own[name].min()))[:3]
+
+    def mends(self, names: Sequence[str], after: State) -> bool:
+        """Whether another model corrects any one of these statistics, on both halves."""
+        sides = (
+            (self.held.train.names, self.state.train, after.train),
+            (self.held.test.names, self.state.test, after.test),
+        )
+        return any(
+            all(
+                np.sum(new[of == name] ** 2) < MENDED * np.sum(old[of == name] ** 2)
+                for of, old, new in sides
+            )
+            for name in names
+        )
+
+    def _misfits(self, halves: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
+        """Root mean square misfit of each statistic that both halves have, on either of them."""
+        names = self.held.train.names, self.held.test.names
+        return {
+            str(name): np.array(
+                [
+                    np.sqrt(np.mean(z[..., of == name] ** 2, axis=-1))
+                    for of, z in zip(names, halves, strict=True)
+                ]
+            )
+            for name in np.intersect1d(*names)
+        }
+
+    def _beyond(self) -> list[str]:
+        own = self._misfits((self.state.train, self.state.test))
+        if all(size.min() <= BEYOND * SCATTER for size in own.values()):
+            return []  # whatever replicates show
+        drawn = self._misfits(self.replicates)
+        found = []
+        for name, size in own.items():
+            mean, sd = drawn[name].mean(axis=1), drawn[name].std(axis=1, ddof=1)
+            worst = float(np.min((size - mean) / np.maximum(sd, SCATTER)))
+            if worst > BEYOND:
+                found.append((worst, name))
+        return [name for _, name in sorted(found, reverse=True)]

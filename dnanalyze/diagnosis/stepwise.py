@@ -1,0 +1,356 @@
+"""Stepwise search: add the best candidate, drop superfluous effects, swap confounded ones.
+
+Read from `Search.run` down: each step is `choose` (score tests, refits, significance), `completed`
+(form and strength of the effect, everything at its optimum) and `reduced` (backward step). Where
+nothing more is significant and the model is not adequate, `swapped` tries confounded effects in
+the place of one that was added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dnanalyze.diagnosis.baseline import EVERY_SENSOR, lacks_baseline, with_baseline
+from dnanalyze.diagnosis.candidates import (
+    LEAST,
+    REFITS,
+    STEPS,
+    SoFar,
+    candidates_of,
+    judged,
+    trials,
+)
+from dnanalyze.diagnosis.explain import evidence_for
+from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased
+from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.results import Step
+from dnanalyze.diagnosis.selection import (
+    CERTAIN,
+    NOTHING,
+    PLAIN,
+    Trial,
+    competitors,
+    confidence_of,
+    deviance,
+    significant,
+)
+from dnanalyze.diagnosis.spread_law import in_words, spread_law
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, converge, minimise, start
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE, EVERYDAY
+
+UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
+
+
+def choose(
+    null: Null,
+    known: dict[str, type[Effect]],
+    tell: Callable[[str], None] = lambda _: None,
+    so_far: SoFar | None = None,
+) -> tuple[list[Trial], Trial | None]:
+    """Test the candidates.
+
+    Parameters
+    ----------
+    null : Null
+        The model at its optimum.
+    known : dict
+        Candidates by name.
+    tell : callable
+        Called with each name.
+    so_far : SoFar, optional
+        Takes what is found, as it is found.
+
+    Returns
+    -------
+    list of Trial
+        Those refitted, the most probable first.
+    Trial or None
+        What to add next: the first of them, or the slope of the spread of the dark current (named
+        as the base), if it is significant and has more evidence.
+    """
+    tried = trials(null, known, tell, so_far)
+    best, law = supported(null, tried), spread_law(null)
+    if law is not None and (best is None or law.evidence > best.evidence):
+        return tried, law
+    return tried, best
+
+
+def supported(null: Null, tried: Sequence[Trial]) -> Trial | None:
+    """The first of the trials, if the evidence is enough.
+
+    A candidate that corrects one of the largest residuals needs less evidence, since replicates
+    have rejected the model without it; one that corrects none of the residuals needs more, since
+    it may adapt to what is really missing.
+    """
+    if not tried:
+        return None
+    found = tried[0]
+    if not significant(found, null.error, NOTHING):
+        return None
+    if null.mends(null.left[:3], found.state):
+        return found
+    corrects = not null.left or null.mends(null.left, found.state)
+    return found if significant(found, null.error, CERTAIN if corrects else PLAIN) else None
+
+
+def completed(held: Bench, found: Trial) -> State:
+    """The model with the best form and strength of an effect, and everything at its optimum.
+
+    Where the model error is above 1, so that a better model can be told from the present one, the
+    alternatives are simulated once, and those with the lowest loss refitted: other choices of the
+    effect, other strengths, and its other first guesses. Repeated until none of them is better.
+    """
+    state = converge(held, found.state)
+    if error_of(held, state) <= 1.0:
+        return state
+    known = {found.effect, *state.model.names}
+    models = [g.model for g in found.others if set(g.model.names) == known]
+    for way in (_forms, other_strengths):
+        models += way(state.model, found.effect, least_noise(held))
+    begun = [start(held, m, knobs_of(m)) for m in dict.fromkeys(models)]
+    begun = [s for s in begun if not np.array_equal(s.train, state.train)]
+    better = state
+    for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
+        better = preferred(better, minimise(held, other, STEPS, below=better.loss))
+    if better is state:
+        return state
+    return completed(held, replace(found, state=better, others=()))
+
+
+def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
+    """The model with each other choice of an effect, and with its relatives."""
+    effect = model.get(name)
+    assert effect is not None
+    others = list(effect.relatives())
+    for choice, info in effect.parameters().items():
+        if info.scale == "choice" and choice not in (*UNTRIED, *effect.idle()):
+            for other in info.choices:
+                if other != getattr(effect, choice):
+                    with suppress(InputError):  # a choice that the others rule out
+                        others.append(replace(effect, **{choice: other}))
+    for other in others:
+        with suppress(InputError):
+            yield (unbiased(model, other, noise, effect) or model).with_effect(other)
+
+
+def preferred(state: State, other: State) -> State:
+    """The other where it gains more than is worth a refit, in the mean of both halves."""
+    was, now = (np.sum(deviance(s.test)) + np.sum(deviance(s.train)) for s in (state, other))
+    return other if (was - now) / 2.0 > LEAST else state
+
+
+def removal(held: Bench, state: State, name: str) -> State:
+    """The model without an effect, refitted."""
+    model = state.model.without(name)
+    return minimise(held, start(held, model, knobs_of(model), like=state), STEPS)
+
+
+def reduced(held: Bench, state: State) -> tuple[State, list[str]]:
+    """Backward step: drop effects that are not significant in the present model.
+
+    Parameters
+    ----------
+    held : Bench
+    state : State
+
+    Returns
+    -------
+    state : State
+        The model without them, refitted.
+    gone : list of str
+    """
+    gone = []
+    for name in [n for n in state.model.names if n not in (*EVERYDAY, BASE)]:
+        without = Null(held, removal(held, state, name))
+        found = judged(without, name, state, scale=Null(held, state))
+        if found.evidence < NOTHING and without.error <= found.error:
+            state = without.state
+            gone.append(name)
+    return state, gone
+
+
+def swapped(
+    held: Bench,
+    state: State,
+    added: Sequence[str],
+    known: dict[str, type[Effect]],
+    tell: Callable[[str], None],
+) -> tuple[str, Null, Trial] | None:
+    """The best exchange of one added effect for one that it is confounded with.
+
+    While much was missing, two such effects explained nearly as much; which of them it is shows
+    once the rest is in the model. The effect itself is among them, from new first guesses.
+
+    Parameters
+    ----------
+    held : Bench
+    state : State
+        A model that is not adequate, at its optimum.
+    added : sequence of str
+        Effects that may go.
+    known : dict
+        Effects that may come, by name.
+    tell : callable
+        Called with each name.
+
+    Returns
+    -------
+    tuple or None
+        The effect that goes, the model without it, and the one that comes; None where no exchange
+        is significant.
+    """
+    null, found = Null(held, state), []
+    for name in added:
+        mine = state.model.get(name)
+        assert mine is not None
+        others = {
+            n: e for n, e in known.items() if n in mine.confused_with or name in e.confused_with
+        }
+        others[name] = type(mine)
+        without = Null(held, removal(held, state, name))
+        for trial in trials(without, others, tell):
+            made = judged(null, trial.effect, trial.state)
+            if significant(made, null.error):
+                found.append((name, without, replace(made, others=trial.others)))
+    return max(found, key=lambda f: f[2].evidence, default=None)
+
+
+@dataclass(frozen=True)
+class Path:
+    """A model and the steps that led to it.
+
+    Parameters
+    ----------
+    state : State
+    steps : tuple of Step
+        The first entry is the starting model.
+    dropped : tuple of str
+        Effects that were removed and are not added again.
+    tried : tuple of Trial
+        At the end: the candidates tested last.
+    best : Trial, optional
+        Of these, the one that is significant, where a limit of the user kept it out.
+    """
+
+    state: State
+    steps: tuple[Step, ...] = ()
+    dropped: tuple[str, ...] = ()
+    tried: tuple[Trial, ...] = ()
+    best: Trial | None = None
+
+    @property
+    def error(self) -> float:
+        """Model error of the last step."""
+        return self.steps[-1].error
+
+
+@dataclass(frozen=True)
+class Search:
+    """A stepwise search and its limits.
+
+    Parameters
+    ----------
+    held : Bench
+    known : dict
+        Effects that may be added, by name.
+    begun : tuple of str
+        Effects of the starting model, which do not count as added.
+    most, until_error
+        Limits of the user on the number of effects and on the model error.
+    tell, trying : callable
+        Called with every step, and with the name of every candidate.
+    keep : callable
+        Called with the path whenever its model is complete.
+    """
+
+    held: Bench
+    known: dict[str, type[Effect]]
+    begun: tuple[str, ...] = ()
+    most: int | None = None
+    until_error: float | None = None
+    tell: Callable[[Step], None] = lambda _: None
+    trying: Callable[[str], None] = lambda _: None
+    keep: Callable[[Path], None] = lambda _: None
+
+    def run(self, state: State, exclude: Sequence[str] = ()) -> Path:
+        """From a fitted model to one in which nothing more is significant, or to a limit."""
+        path = self._noted(Path(state), state, None)
+        self.keep(path)
+        if lacks_baseline(state.model, exclude):
+            stages: list[tuple[str, State]] = []
+            with_baseline(self.held, state, exclude, lambda *stage: stages.append(stage))
+            for name, stage in stages:
+                path = self._noted(path, stage, name, why=[EVERY_SENSOR])
+            self.keep(path)
+        while not self.near_enough(path):
+            null = Null(self.held, path.state)
+            open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
+            tried, best = choose(null, open_to, self.trying)
+            path = replace(path, tried=tuple(tried), best=best)
+            added, gone = self._added(path.state), None
+            if best is not None and best.effect == BASE:
+                path = self._with_law(path, best)
+                continue
+            if best is None and not null.adequate:
+                found = swapped(self.held, path.state, added, open_to, self.trying)
+                if found is not None:
+                    gone, null, best = found
+                    tried = [best]
+            if best is None or (self.most is not None and len(added) - bool(gone) >= self.most):
+                return path
+            if gone is not None:
+                path = self._without(path, null.state, [gone])
+            path = self._with(path, null, tried, best)
+        return replace(path, tried=(), best=None)
+
+    def near_enough(self, path: Path) -> bool:
+        """Whether the model error is as low as the user asked."""
+        return self.until_error is not None and path.error <= self.until_error
+
+    def _added(self, state: State) -> list[str]:
+        return [n for n in state.model.names if n not in (*self.begun, *EVERYDAY)]
+
+    def _with(self, path: Path, null: Null, tried: Sequence[Trial], best: Trial) -> Path:
+        """One more effect, completed, and what is superfluous with it gone."""
+        sure, near = confidence_of(best, tried, null.error), competitors(best, tried)
+        state = completed(self.held, best)
+        effect = type(state.model.get(best.effect))
+        why = evidence_for(self.held, path.state, state, effect)  # type: ignore[arg-type]
+        path = self._noted(path, state, best.effect, sure, near, why)
+        path = self._without(path, *reduced(self.held, path.state))
+        self.keep(path)
+        return path
+
+    def _with_law(self, path: Path, law: Trial) -> Path:
+        """The spread of the dark current free to change with temperature: no effect more."""
+        state = converge(self.held, law.state)
+        path = self._noted(path, state, None, why=[in_words(self.held, state.model)])
+        self.keep(path)
+        return path
+
+    def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
+        for name in gone:
+            path = self._noted(path, state, f"-{name}")
+        return replace(path, state=state, dropped=(*path.dropped, *gone))
+
+    def _noted(
+        self,
+        path: Path,
+        state: State,
+        name: str | None,
+        sure: float | None = None,
+        near: Sequence[str] = (),
+        why: Sequence[str] = (),
+    ) -> Path:
+        step = Step(name, Null(self.held, state).error, sure, list(why), list(near))
+        self.tell(step)
+        return replace(path, state=state, steps=(*path.steps, step))

@@ -1,0 +1,114 @@
+"""What a model leaves unexplained, as an effect sees it when it guesses its own strength."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.line_defects import defects_of, line_defects
+from dnanalyze.fitting.located import Measured
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.guesses.hints import gains
+from dnanalyze.model.guesses.line_profile import line_profile
+from dnanalyze.model.wave import Wave
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Measured against simulated statistics of the train half (implements ``Clues``).
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+    """
+
+    bench: Bench
+    state: State
+
+    @property
+    def points(self) -> Sequence[OperatingPoint]:
+        """Operating points."""
+        return [p for p, _ in self.bench.plan.settings]
+
+    @property
+    def reference(self) -> OperatingPoint:
+        """Where the model's numbers are stated."""
+        return self.state.model.reference
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The part of the frame that the statistics cover."""
+        return self.bench.plan.train.shape
+
+    @property
+    def field(self) -> tuple[int, int]:
+        """Full frame."""
+        return self.bench.plan.shape
+
+    def waves(self, part: str) -> Sequence[Wave]:
+        """Lines of a spectrum, of both halves and all settings."""
+        return Measured(self.bench, self.reference).waves(part)
+
+    @cached_property
+    def _readings(self) -> tuple[Readings, Readings]:
+        return Readings(self.bench.measured[0]), Readings(self.bench.measured[1])
+
+    def measured(self, name: str) -> np.ndarray:
+        """Measured value, one a setting; values that are given for information alone too."""
+        held = self._over_settings(name, self.bench.train.values)
+        return held if np.isfinite(held).any() else self._readings[0].value(name)
+
+    def simulated(self, name: str) -> np.ndarray:
+        """The model's value, one a setting."""
+        train = self.bench.train
+        coordinates = train.coordinates - self.state.train * train.floor
+        found = self._over_settings(name, coordinates)
+        info = infos().get(name)
+        return found if info is None else np.array([info.scale.plain(c) for c in found])
+
+    def z(self, name: str) -> np.ndarray:
+        """Difference in floors, one a setting."""
+        return self._over_settings(name, self.state.train)
+
+    def curve(self, name: str, setting: int) -> np.ndarray:
+        """A measured curve; block means cover the whole field."""
+        upper, lower = (r.curve(name, setting) for r in self._readings)
+        if name == "block_means" and upper.ndim == 2 and lower.ndim == 2:
+            return np.concatenate([upper, lower])
+        return upper
+
+    def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of both halves one after the other; columns as their mean over both."""
+        plan = self.bench.plan
+        parts = [r.lines(axis, setting) for r in self._readings]
+        if not all(p.size for p in parts):
+            return np.empty(0, int), np.empty(0)
+        if axis == "columns":
+            return np.arange(plan.train.left, plan.train.right), np.mean(parts, axis=0)
+        places = [np.arange(w.top, w.bottom) for w in plan.windows]
+        return np.concatenate(places), np.concatenate(parts)
+
+    def defects(self, axis: str) -> np.ndarray:
+        """Lines that stand out, each as far along as most settings say."""
+        plan = self.bench.plan
+        seen = [
+            defects_of(self._readings, plan.windows, plan.shape, axis, s)
+            for s in range(len(self.points))
+        ]
+        return line_defects(line_profile(self, axis), seen, gains(self), axis, plan.shape)
+
+    def _over_settings(self, name: str, values: np.ndarray) -> np.ndarray:
+        train = self.bench.train
+        here = train.names == name
+        out = np.full(len(self.points), np.nan)
+        for s in np.unique(train.setting[here]):
+            out[s] = np.mean(values[here & (train.setting == s)])
+        return out

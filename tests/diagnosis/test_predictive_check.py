@@ -1,0 +1,164 @@
+"""A model against replicates of itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.comparator.error import pooled
+from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import given, start
+from dnanalyze.fitting.level import MEAN
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.flicker_fpn import FlickerFpn
+from dnanalyze.model.effects.offset_drift import OffsetDrift
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+COLD, WARM = (OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0))
+BASE = (ReadNoise(4.0), PixelFpn(2.0), Quantization(12))
+
+
+def _model(*more: object, seed: int) -> NoiseModel:
+    return NoiseModel((*BASE, *more), 64.0, COLD, seed)
+
+
+@pytest.fixture(scope="module")
+def held() -> Bench:
+    drifts = _model(OffsetDrift(1.0), seed=1)
+    return bench(design(simulate(drifts, (128, 128), [(COLD, 8), (WARM, 8)])))
+
+
+def _null(held: Bench, model: NoiseModel) -> Null:
+    return Null(held, start(held, model, knobs_of(model)))
+
+
+def with_misfits(null: Null, train: np.ndarray, test: np.ndarray) -> Null:
+    """The same model beside a measurement that differs from it by so much."""
+    held, state = null.held, null.state
+    sides = (held.train, state.train, train), (held.test, state.test, test)
+    there = [
+        replace(half, coordinates=half.coordinates + (z - own) * half.floor)
+        for half, own, z in sides
+    ]
+    measured = replace(held, train=there[0], test=there[1])
+    return Null(measured, replace(state, train=train, unseen=given(test)))
+
+
+@pytest.fixture(scope="module")
+def without(held) -> Null:
+    return _null(held, _model(seed=2))
+
+
+@pytest.fixture(scope="module")
+def right(held) -> Null:
+    return _null(held, _model(OffsetDrift(1.0), seed=2))
+
+
+def test_a_residual_beyond_the_replicates_is_left(without):
+    assert not without.adequate
+    assert "drift" in without.left
+    assert without.unexplained == without.left
+
+
+def test_nothing_is_left_of_a_sensor_of_the_same_make(right):
+    assert right.left == right.unexplained == []
+    assert right.adequate
+
+
+def test_replicates_are_sensors_of_the_make_less_the_models_own(right):
+    held, model = right.held, right.state.model
+    for side, half in enumerate((held.train, held.test)):
+        drawn, own = held.replicate(model, 3)[side], held.coordinates(model)[side]
+        told = np.isfinite(drawn) & np.isfinite(own)
+        expected = ((drawn - own) / half.floor)[told]
+        np.testing.assert_allclose(right.replicates[side][3][told], expected, atol=1e-6)
+        assert len(right.replicates[side]) == REPLICATES
+
+
+def test_the_scatter_of_a_statistic_is_that_over_replicates_and_operating_points(right):
+    train, test = right.scatter
+    for half, scale in ((right.held.train, train), (right.held.test, test)):
+        assert scale.min() == 1.0
+        drawn = np.concatenate(
+            [
+                r[:, h.names == "drift"].ravel()
+                for r, h in zip(right.replicates, (right.held.train, right.held.test), strict=True)
+            ]
+        )
+        expected = max(1.0, np.sqrt(np.mean(drawn**2)))
+        np.testing.assert_allclose(scale[half.names == "drift"], expected)
+
+
+def test_an_error_beyond_every_replicate_is_unexplained_by_its_largest_differences(right):
+    sizes = {"temporal_noise": (1.45, 1.4), "mean": (1.3, 1.35)}
+    train, test = (
+        np.array([sizes.get(str(n), (1.25, 1.25))[side] for n in half.names])
+        for side, half in enumerate((right.held.train, right.held.test))
+    )
+    worst = max(pooled(z, right.held.test.families) for z in right.replicates[1])
+    for error, adequate in ((1.29, True), (1.02 * max(worst, 1.3), False)):
+        factor = error / pooled(test, right.held.test.families)
+        off = with_misfits(right, factor * train, factor * test)
+        assert off.error == pytest.approx(error)
+        assert off.left == []
+        assert off.adequate == adequate
+        assert off.unexplained[:2] == ([] if adequate else ["temporal_noise", "mean"])
+
+
+def test_a_mean_level_beyond_its_limits_is_left_first(held):
+    shifted = _null(held, replace(_model(seed=2), pedestal=68.0))
+    assert shifted.left[0] == MEAN
+
+
+def test_the_effect_corrects_the_residual_and_the_same_model_does_not(without, right):
+    left = without.left
+    assert without.mends(left, right.state)
+    assert not without.mends(left, without.state)
+    assert not without.mends([], right.state)
+
+
+def test_a_statistic_is_corrected_where_it_is_on_both_halves(without):
+    state, held = without.state, without.held
+    train, test = (
+        np.where(half.names == "drift", 0.0, z)
+        for half, z in ((held.train, state.train), (held.test, state.test))
+    )
+    assert without.mends(["drift", "mean"], replace(state, train=train, unseen=given(test)))
+    assert not without.mends(["drift", "mean"], replace(state, unseen=given(test)))
+    assert not without.mends(["mean"], replace(state, train=train, unseen=given(test)))
+
+
+def test_evidence_from_one_sensors_random_field_is_in_units_of_its_scatter():
+    """A cloud is the same at all operating points of a sensor, and another in the next one."""
+    clouds = FlickerFpn(3.0, 2.0)
+    points = [(OperatingPoint(t, 1.0, 1.0), 6) for t in (15.0, 25.0, 35.0, 45.0)]
+    seen = bench(design(simulate(_model(clouds, seed=1), (128, 128), points)))
+    null = _null(seen, _model(clouds, seed=2))
+    train, test = (
+        np.where(np.char.startswith(half.names.astype(str), "shading"), 0.0, z)
+        for half, z in ((seen.train, null.state.train), (seen.test, null.state.test))
+    )
+    after = replace(null.state, train=train, unseen=given(test))
+    found = judged(null, "glow", after)
+    raw = (np.sum(null.state.train**2 - train**2) + np.sum(null.state.test**2 - test**2)) / 2.0
+    assert raw > 60.0
+    assert found.evidence < 0.7 * raw
+
+
+def test_evidence_from_a_parameter_keeps_its_size():
+    noisy = NoiseModel((ReadNoise(5.0), *BASE[1:]), 64.0, COLD, 1)
+    seen = bench(design(simulate(noisy, (128, 128), [(COLD, 8), (WARM, 8)])))
+    null = _null(seen, _model(seed=2))
+    found = judged(null, "more_noise", _null(seen, replace(noisy, seed=2)).state)
+    assert found.falls.sum() / 2.0 == pytest.approx(found.evidence)
+    assert found.evidence > 60.0

@@ -1,0 +1,129 @@
+"""What is simulated of a candidate before any refit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.diagnosis.score_test import much_left, score_tests
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import converge, minimise, start
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+from dnanalyze.model.simulate import simulate
+
+KNOWN = built_in()
+POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 65.0)]
+
+
+def sensor(*more):
+    """A sensor of dark current with shot noise, and more."""
+    effects = (
+        KNOWN["convolved_lognormal"](mu=TableLaw(tuple(POINTS), (1.0, 4.0)), delta=0.3, sigma=1e-6),
+        KNOWN["dark_shot_noise"](dn_per_e=0.5),
+        *more,
+    )
+    model = NoiseModel(effects, 100.0, POINTS[0], seed=5)
+    return bench(design(simulate(model, (128, 128), [(p, 6) for p in POINTS])))
+
+
+def baseline(held):
+    """The baseline model, fitted."""
+    model = ordinary_start(held)
+    return converge(held, start(held, model, knobs_of(model)))
+
+
+@pytest.fixture(scope="module")
+def held():
+    """A sensor whose read noise has heavy tails."""
+    return sensor(
+        KNOWN["heavy_tailed_read_noise"](sigma=3.0, tail=-0.2),
+        KNOWN["pixel_fpn"](sigma=1.0),
+        KNOWN["quantization"](),
+    )
+
+
+@pytest.fixture(scope="module")
+def state(held):
+    return baseline(held)
+
+
+def test_the_hidden_effect_promises_most_and_no_more_than_the_loss(held, state):
+    known = {n: KNOWN[n] for n in ("heavy_tailed_read_noise", "row_noise", "column_fpn", "rts")}
+    seen = score_tests(held, state, known)
+    assert seen[0].effect == "heavy_tailed_read_noise"
+    promises = [g.promise for g in seen]
+    assert promises == sorted(promises, reverse=True)
+    assert promises[0] <= state.loss
+    for guess in seen:
+        assert guess.model.get(guess.effect) is not None
+
+
+def test_a_guess_is_also_simulated_beside_the_parameters_that_its_absence_biased(held, state):
+    name = "heavy_tailed_read_noise"
+    seen = score_tests(held, state, {name: KNOWN[name]})
+    spreads = {g.model.get("read_noise").spread for g in seen}
+    assert state.model.get("read_noise").spread in spreads
+    assert 0.0 in spreads  # the fit without it took the tails for noise that differs by pixel
+    assert state.model.get("read_noise").spread > 0.0
+
+
+def test_an_effect_that_moves_nothing_promises_nothing(held, state):
+    class Still(Effect):
+        name = "still"
+
+        def apply(self, signal, site):
+            return signal
+
+    (seen,) = score_tests(held, state, {"still": Still})
+    assert seen.promise == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_guess_at_the_wrong_scale_promises_as_much(held, state):
+    """The score test goes along the line through the guess, not to the guess itself."""
+
+    class Weak(KNOWN["row_noise"]):
+        @classmethod
+        def guess(cls, clues):
+            return [cls(0.5), cls(0.7)]
+
+    seen = score_tests(held, state, {"row_noise": Weak})
+    weak, strong = sorted(seen, key=lambda g: g.model.get("row_noise").sigma)
+    assert abs(weak.promise - strong.promise) < 0.05 * state.loss
+
+
+def test_the_promise_is_near_what_a_refit_brings():
+    held = sensor(
+        KNOWN["read_noise"](sigma=3.0),
+        KNOWN["pixel_fpn"](sigma=1.0),
+        KNOWN["quantization"](),
+        KNOWN["row_noise"](2.0),
+    )
+    state = baseline(held)
+    first = score_tests(held, state, {"row_noise": KNOWN["row_noise"]})[0]
+    begun = start(held, first.model, knobs_of(first.model), like=state)
+    fell = state.loss - minimise(held, begun, 6).loss
+    # two of two operating points are simulated: all of what the refit sees
+    assert first.promise == pytest.approx(fell, rel=0.15)
+
+
+def test_much_is_left_where_the_loss_per_statistic_is_beyond_an_adequate_models(state):
+    for loss, much in ((1.2, False), (1.4, True)):
+        assert much_left(replace(state, train=np.full(len(state.train), np.sqrt(loss)))) == much
+
+
+@pytest.mark.parametrize("share", [0.5, 0.75])
+def test_a_median_mixed_into_few_codes_promises_most_at_its_share(share):
+    """No derivative leads from another share to it: the residual changes by steps."""
+    hidden = KNOWN["denoise"](share, kind="median")
+    few_codes = KNOWN["read_noise"](0.6), KNOWN["pixel_fpn"](0.6), KNOWN["quantization"]()
+    held = sensor(*few_codes, hidden)
+    first = score_tests(held, baseline(held), {"denoise": KNOWN["denoise"]})[0]
+    found = first.model.get("denoise")
+    assert (found.kind, found.strength) == (hidden.kind, hidden.strength)

@@ -1,0 +1,217 @@
+"""Selection of effects, from gains alone."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given as drawn
+from hypothesis import strategies as st
+
+from dnanalyze.diagnosis.candidates import by_standing
+from dnanalyze.diagnosis.selection import (
+    NOTHING,
+    SCALE,
+    Trial,
+    apart,
+    competitors,
+    confidence_of,
+    confidences,
+    deviance,
+    falls,
+    overdispersion,
+    significant,
+)
+from dnanalyze.fitting.least_squares import State, given
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
+from dnanalyze.model.effects.dpc import Dpc
+from dnanalyze.model.effects.hot_clusters import HotClusters
+from dnanalyze.model.effects.hot_pixels import HotPixels
+from dnanalyze.model.effects.rts import Rts
+from dnanalyze.model.noise_model import NoiseModel
+
+NAMES = np.array(["lines"] * 3 + ["shading"] * 7)
+
+
+def halves(lines: float, shading: float) -> np.ndarray:
+    return np.array([lines] * 3 + [shading] * 7)
+
+
+def one(z: float) -> float:
+    return float(deviance(np.array([z]))[0])
+
+
+def test_the_deviance_is_a_square_below_its_scale_and_limited_beyond():
+    np.testing.assert_allclose(deviance(np.array([0.1, -0.2])), [0.01, 0.04], rtol=1e-3)
+    assert one(SCALE) == pytest.approx(SCALE**2 * np.log(2))
+    assert one(1e4) < 16 * SCALE**2
+
+
+@drawn(st.floats(0, 1e4), st.floats(0, 1e4))
+def test_the_deviance_grows_with_the_difference(a, b):
+    assert (one(a) <= one(b)) == (a <= b) or one(a) == one(b)
+    assert one(a) == one(-a) <= a * a + 1e-9
+
+
+def test_a_statistic_falls_by_what_it_does_at_all_operating_points():
+    names = np.array(["lines", "shading", "lines"])
+    fell = falls(names, np.array([9.0, 1.0, 2.0]), np.array([1.0, 4.0, 2.5]))
+    np.testing.assert_allclose(fell, [one(9) + one(2) - one(1) - one(2.5), one(1) - one(4)])
+
+
+def test_statistics_that_a_candidate_does_not_change_are_no_overdispersion():
+    assert overdispersion(NAMES, halves(9.0, 5.0), halves(1.0, 5.0)) == 1.0
+
+
+def test_overdispersion_is_weighted_by_the_change():
+    found = overdispersion(NAMES, halves(9.0, 0.0), halves(2.0, 3.0))
+    moved = np.array([3 * (one(9) - one(2)), 7 * one(3)])
+    assert found == pytest.approx(moved @ [one(2), one(3)] / moved.sum())
+
+
+def test_overdispersion_is_at_most_that_of_all_statistics():
+    found = overdispersion(NAMES, halves(20.0, 0.0), halves(6.0, 0.0))
+    assert found == pytest.approx(0.3 * one(6))
+
+
+@pytest.mark.parametrize("left", [0.5, 0.99, 1.05, 1.3, 1.5])
+def test_overdispersion_grows_from_one_without_a_step(left):
+    found = overdispersion(NAMES, halves(9.0, 9.0), halves(left, left))
+    assert found == pytest.approx(max(1.0, one(left)))
+
+
+def test_a_candidate_that_changes_nothing_has_that_of_all_statistics():
+    still = halves(3.0, 3.0)
+    assert overdispersion(NAMES, still, still) == pytest.approx(one(3))
+    assert overdispersion(np.empty(0, str), np.empty(0), np.empty(0)) == 1.0
+
+
+def made(effect: str, gain: float, error: float, spread: float = 1.0) -> Trial:
+    state = State(NoiseModel(()), [], np.ones(4), given(np.ones(4)), np.zeros((4, 0)))
+    return Trial(effect, state, gain, gain, error, spread)
+
+
+def test_they_sum_to_one_with_nothing_in_the_last_place():
+    chances = confidences([made("a", 300.0, 1.0), made("b", 80.0, 1.5)], 3.0)
+    assert chances.sum() == pytest.approx(1.0)
+    assert chances.argmax() == 0
+    assert chances[2] < chances[1] < chances[0]
+
+
+def test_a_small_gain_is_nothing_and_so_is_one_that_raises_the_error():
+    assert confidences([made("a", NOTHING / 5, 1.0)], 1.1)[1] > 0.5
+    worse = made("a", 500.0, 1.6)
+    assert confidences([worse], 1.5)[0] < 0.5
+    assert not significant(worse, 1.5)
+    assert significant(made("a", 500.0, 1.4), 1.5)
+
+
+def test_what_is_still_wrong_makes_gains_count_for_less():
+    sure = confidences([made("a", 300.0, 1.0), made("b", 200.0, 1.2)], 3.0)[0]
+    unsure = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2, 4.0)], 3.0)[0]
+    assert sure > 0.99
+    assert unsure < 0.9
+
+
+def test_confidence_ranks_as_the_trials_are_ranked():
+    """One overdispersion for all: that of the candidate with most evidence."""
+    most, other = made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)
+    assert [t.effect for t in by_standing([other, most])] == ["a", "b"]
+    chances = confidences([most, other], 3.0)
+    assert chances[0] / chances[1] == pytest.approx(np.exp((300.0 - 200.0) / 4.0 / 16.0))
+
+
+def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
+    found = made(effect.name, gain, 1.0, spread)
+    return dataclasses.replace(
+        found, state=dataclasses.replace(found.state, model=NoiseModel((effect,)))
+    )
+
+
+@pytest.mark.parametrize("spread", [1.0, 3.0])
+@pytest.mark.parametrize(("rare", "odds"), [(DarkCurrentSteps(), 10.0), (HotClusters(), 1 / 0.3)])
+def test_what_few_sensors_have_needs_its_odds_in_evidence(rare, odds, spread):
+    """Of a dozen hot pixels either law does: an equal share of both, ten hot pixels to one."""
+    few, hot = (of(e, 200.0 * spread, spread) for e in (rare, HotPixels()))
+    chances = confidences([few, hot], 3.0)
+    assert chances[1] / chances[0] == pytest.approx(odds)
+    assert [t.effect for t in by_standing([few, hot])] == ["hot_pixels", rare.name]
+    sure = of(rare, 400.0 * spread, spread)
+    assert confidences([sure, hot], 3.0)[0] > 0.99  # spacings that are seen speak for themselves
+
+
+def test_beside_a_correction_hot_pixels_are_what_it_is_for():
+    def beside(effect: Effect) -> Trial:
+        found = of(effect, 100.0)
+        model = NoiseModel((effect, Dpc()))
+        return dataclasses.replace(found, state=dataclasses.replace(found.state, model=model))
+
+    alone = confidences([of(HotPixels(), 100.0), of(Rts(), 100.0)], 3.0)
+    assert alone[0] == pytest.approx(alone[1])
+    both = confidences([beside(HotPixels()), beside(Rts())], 3.0)
+    assert both[0] / both[1] == pytest.approx(10.0)
+
+
+def test_a_near_rival_is_named():
+    best, near, far = made("a", 300.0, 1.0), made("b", 280.0, 1.0), made("c", 90.0, 1.4)
+    assert competitors(best, [best, near, far]) == ["b"]
+
+
+def with_falls(found: Trial, *falls: float) -> Trial:
+    return dataclasses.replace(found, falls=np.array(falls))
+
+
+@pytest.mark.parametrize(
+    ("other", "expected"),
+    [
+        ((0.0, 0.0, 90.0), True),
+        ((22.0, -500.0, 68.0), True),  # what it harms is none of what both have
+        ((23.0, 0.0, 67.0), False),
+        ((90.0, 0.0, 0.0), False),
+        ((30.0, 30.0, 5000.0), False),  # a quarter of the lesser's
+        ((10.0, 10.0, 5000.0), True),
+        ((), False),  # nothing is known of it
+    ],
+)
+def test_candidates_that_explain_different_statistics_are_apart(other, expected):
+    one, another = made("a", 50.0, 1.0), made("b", 45.0, 1.0)
+    if other:
+        one, another = with_falls(one, 60.0, 40.0, -9.0), with_falls(another, *other)
+    assert apart(one, another) is apart(another, one) is expected
+
+
+def test_what_explains_other_statistics_is_no_rival():
+    """Row noise and column offsets, each missing: both are sure, and neither stands for both."""
+    rows = with_falls(made("a", 4400.0, 2.1, spread=2.3), 8e3, 100.0, 0.0)
+    columns = with_falls(made("b", 3900.0, 2.5), 90.0, 0.0, 7e3)
+    like_rows = with_falls(made("c", 4100.0, 2.4, spread=2.3), 7e3, 100.0, 50.0)
+    tried = [rows, like_rows, columns]
+    assert competitors(rows, tried) == ["c"]
+    assert confidence_of(columns, tried, 3.3) > 0.999
+    assert confidence_of(rows, tried, 3.3) == confidences([rows, like_rows], 3.3)[0] > 0.99
+    assert confidence_of(like_rows, tried, 3.3) == confidences([like_rows, rows], 3.3)[0] < 0.01
+
+
+@pytest.mark.parametrize("spread", [1.0, 8.0])
+def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
+    even = [made("a", NOTHING * spread, 1.0, spread)]
+    np.testing.assert_allclose(confidences(even, 2.0), [0.5, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("gain", "fitted", "enough"),
+    [(60.0, 61.0, True), (59.0, 60.0, False), (7.0, 200.0, True), (6.0, 200.0, False)],
+)
+def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enough):
+    found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)
+    assert found.evidence == (gain + fitted) / 2
+    assert significant(found, 1.1) is enough
+
+
+@drawn(st.floats(1.0, 50.0), st.floats(-100.0, 1e4), st.floats(-100.0, 1e4))
+def test_significance_is_in_units_of_the_overdispersion(spread, gain, fitted):
+    found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)
+    scaled = dataclasses.replace(made("a", spread * gain, 1.0, spread), fitted_gain=spread * fitted)
+    assert significant(found, 1.1, 59.9999) >= significant(scaled, 1.1, 60.0)
+    assert significant(scaled, 1.1, 59.9999) >= significant(found, 1.1, 60.0)
+    assert not significant(found, 1.0)  # the error must fall

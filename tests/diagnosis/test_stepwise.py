@@ -1,0 +1,172 @@
+"""Forward, backward and swap steps."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.selection import CERTAIN, NOTHING, PLAIN, Trial
+from dnanalyze.diagnosis.stepwise import (
+    Search,
+    choose,
+    completed,
+    preferred,
+    reduced,
+    supported,
+    swapped,
+)
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import converge, start
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.amp_glow import AmpGlow
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.row_fpn import RowFpn
+from dnanalyze.model.effects.row_noise import RowNoise
+from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
+from dnanalyze.model.simulate import simulate
+
+ROWS = {"row_fpn": RowFpn, "row_noise": RowNoise}
+
+
+def made(hidden):
+    drawn = draw_sensor(np.random.default_rng(11))
+    return bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+
+
+@pytest.fixture(scope="module")
+def held():
+    return made({"row_fpn": {"level": "strong"}})
+
+
+def fitted(held, *effects):
+    model = ordinary_start(held)
+    for effect in effects:
+        model = model.with_effect(effect)
+    return converge(held, start(held, model, knobs_of(model)))
+
+
+@pytest.fixture(scope="module")
+def null(held):
+    return Null(held, fitted(held))
+
+
+def trial(null, gain, state=None, spread=1.0):
+    return Trial("row_fpn", state or null.state, gain, gain, 0.5 * null.error, spread)
+
+
+def test_the_hidden_effect_is_chosen_first(null):
+    tried, best = choose(null, ROWS)
+    assert best is tried[0]
+    assert best.effect == "row_fpn"
+    assert {t.effect for t in tried} <= set(ROWS)
+
+
+def test_nothing_is_chosen_where_nothing_is_missing(held):
+    _, best = choose(Null(held, fitted(held, RowFpn(1.0))), {"row_noise": RowNoise})
+    assert best is None
+
+
+def test_the_evidence_asked_for_goes_by_the_residual_that_a_candidate_corrects(null):
+    """Replicates reject the model; a candidate that corrects that needs less evidence."""
+    right = fitted(null.held, RowFpn(1.0))
+    assert null.mends(null.left[:3], right)
+    assert supported(null, []) is None
+    for state, least in ((right, NOTHING), (null.state, PLAIN)):
+        for spread in (1.0, 3.0):
+            enough, little = (trial(null, f * least * spread, state, spread) for f in (1.01, 0.99))
+            assert supported(null, [enough]) is enough
+            assert supported(null, [little]) is None
+    done = Null(null.held, right)
+    assert done.left == []
+    assert supported(done, [trial(done, 0.99 * CERTAIN)]) is None
+    assert supported(done, [trial(done, 1.01 * CERTAIN)]) is not None
+
+
+def test_a_superfluous_effect_is_dropped_and_a_needed_one_kept(held):
+    state, gone = reduced(held, fitted(held, RowFpn(1.0), RowNoise(1e-3)))
+    assert gone == ["row_noise"]
+    assert state.model.get("row_fpn") is not None
+    again, gone = reduced(held, state)
+    assert gone == []
+    assert again is state
+
+
+def test_a_confounded_effect_gives_way_to_the_hidden_one(held):
+    state = fitted(held, RowNoise(0.5))
+    found = swapped(held, state, ["row_noise"], {"row_fpn": RowFpn}, lambda _: None)
+    assert found is not None
+    gone, without, comes = found
+    assert (gone, comes.effect) == ("row_noise", "row_fpn")
+    assert without.state.model.get("row_noise") is None
+    assert comes.error < error_of(held, state)
+    assert swapped(held, state, [], {"row_fpn": RowFpn}, lambda _: None) is None
+
+
+def test_the_right_effect_stays(held):
+    state = fitted(held, RowFpn(1.0))
+    assert swapped(held, state, ["row_fpn"], {"row_noise": RowNoise}, lambda _: None) is None
+
+
+def test_an_effect_at_a_wrong_place_is_guessed_again():
+    held = made({"amp_glow": {"level": "strong", "corner": [1, 1]}})
+    state = fitted(held, AmpGlow(1.0, 0.1, location="n"))
+    found = swapped(held, state, ["amp_glow"], {}, lambda _: None)
+    assert found is not None
+    assert found[2].state.model.get("amp_glow").location == "se"
+    assert found[2].error < 0.5 * error_of(held, state)
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(seed):
+    point, sigma, share = OperatingPoint(25.0, 1.0, 1.0), 1.2, 0.45
+
+    def model(noise, memory, seed):
+        effects = ReadNoise(noise), PixelFpn(1.0), Quantization(12), TemporalDenoise(memory)
+        return NoiseModel(effects, 64.0, point, seed)
+
+    held = bench(design(simulate(model(sigma, share, 1), (128, 128), [(point, 8)])))
+    begun = model(0.8 * sigma, 0.25, seed)
+    null = Null(held, start(held, begun.without("temporal_denoise"), []))
+    found = judged(null, "temporal_denoise", start(held, begun, knobs_of(begun)))
+    ended = completed(held, found)
+    # 16,384 pixels of 8 frames tell a memory to about .01
+    assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
+    assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
+
+
+def test_the_better_by_both_halves_is_preferred(null):
+    right = fitted(null.held, RowFpn(1.0))
+    assert preferred(null.state, right) is right
+    assert preferred(right, null.state) is right
+    assert preferred(right, right) is right
+
+
+def test_a_search_states_its_steps_and_keeps_complete_models(held):
+    told, kept, trying = [], [], []
+    known = {**ROWS, "column_fpn": built_in()["column_fpn"]}
+    search = Search(held, known, tell=told.append, keep=kept.append, trying=trying.append)
+    path = search.run(fitted(held))
+    assert [s.added for s in path.steps] == [None, "row_fpn"]
+    assert list(path.steps) == told
+    assert kept[-1].state is path.state
+    assert path.error == path.steps[-1].error < path.steps[0].error
+    assert path.best is None
+    assert {"row_fpn", "row_noise"} <= set(trying)
+
+
+def test_a_search_ends_at_the_users_limits(held):
+    state = fitted(held)
+    most = Search(held, ROWS, most=0).run(state)
+    assert [s.added for s in most.steps] == [None]
+    assert most.best.effect == "row_fpn"
+    enough = Search(held, ROWS, until_error=1e3).run(state)
+    assert enough.tried == ()
+    assert enough.best is None
