@@ -36,15 +36,7 @@ def with_baseline(
     The models on the way take the effects named so far from that fit, and the rest from the tables
     of the Wang 2025 model.
 
-    Parameters
-    ----------
-    bench : Bench
-    paper : State
-        The Wang 2025 model, fitted.
-    exclude : sequence of str
-        Effects to leave out.
-    note : callable
-        Called with the name of each effect and the state with it.
+    ``paper``: the Wang 2025 model, fitted. ``note``: called with each effect and the state then.
     """
     found, begun = at_a_glance(bench), ordinary_start(bench)
     for name in exclude:

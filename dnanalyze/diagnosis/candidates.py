@@ -35,23 +35,15 @@ from dnanalyze.fitting.least_squares import (
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 
-LEAST = 6.0  # fall of the loss that is not worth a refit: Akaike's 2 per parameter, for three
-REFITS = 4  # candidates at most; on 130 strangers the right one was among them where any was
-REACH = 6.0  # times its promise, at two operating points, more than which few refits gain
-STEPS = 6  # of a fit; one with fresh derivatives has converged by then in nine of ten cases
+LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
+REFITS = 4  # candidates, and forms of one effect, that are refitted at most
+REACH = 6.0  # times its promise, which is that of two operating points, that a refit may gain
+STEPS = 6  # of a fit between two computations of the derivatives
 
 
 @dataclass
 class SoFar:
-    """What a search has found, for an answer when its time is up.
-
-    Parameters
-    ----------
-    screened : list of str
-        Effects, largest promise first.
-    trials : list of Trial
-        Those refitted.
-    """
+    """What a search has found when its time is up: effects by their promise, and trials."""
 
     screened: list[str] = field(default_factory=list)
     trials: list[Trial] = field(default_factory=list)
@@ -77,16 +69,8 @@ def trials(
 ) -> list[Trial]:
     """Refit the candidates with the largest promise; the most probable first.
 
-    Parameters
-    ----------
-    null : Null
-        The model without them.
-    known : dict
-        Candidates by name.
-    tell : callable
-        Called with each name.
-    so_far : SoFar, optional
-        Takes what is found, as it is found.
+    ``null``: the model without them. ``tell``: called with each name. ``so_far``: takes what is
+    found, as it is found.
     """
     so_far = so_far or SoFar()
     guesses: dict[str, list[Guess]] = {}
@@ -140,14 +124,8 @@ def _at_their_optima(null: Null, found: list[Trial]) -> list[Trial]:
 def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) -> State:
     """A guess refitted, on a part of the field first where that may be.
 
-    Parameters
-    ----------
-    bench : Bench
-    guess : Guess
-    like : State
-        The model without the effect.
-    wanted : float
-        Loss that must come within reach; else the refit is given up.
+    ``like``: the model without the effect. ``wanted``: loss that must come within reach; else the
+    refit is given up.
     """
     part = part_for(bench, guess.model)
     if part is None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dnanalyze.diagnosis.candidates import LEAST
 from dnanalyze.diagnosis.selection import CERTAIN
 from dnanalyze.digits import number, unit_text
 from dnanalyze.fitting.least_squares import State, loss
@@ -16,7 +17,6 @@ from dnanalyze.fitting.readings import Readings
 from dnanalyze.model.effect import Effect, ParameterInfo, Placing
 from dnanalyze.model.noise_model import NoiseModel
 
-NOISE = 5.0  # loss below which a trial strength is called unseen
 STRENGTHS = (
     "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step",
     "strength",
@@ -25,15 +25,7 @@ STRENGTHS = (
 
 @dataclass(frozen=True)
 class Limit:
-    """Smallest strength of an effect that these captures would show.
-
-    Parameters
-    ----------
-    effect, parameter : str
-    value : float
-        NaN where even the largest strength tried would not be seen.
-    unit : str
-    """
+    """Smallest detectable strength of an effect; NaN where the largest one tried is not."""
 
     effect: str
     parameter: str
@@ -52,10 +44,9 @@ class Limit:
 def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:
     """Detection limit of every effect that is not in the model, as sentences.
 
-    The strength at which the effect moves the statistics, beyond what the model's own parameters
-    can absorb, by what `significant` asks for. A simulation or a few at the setting with the least
-    noise, which shows readout best, and for what is not of so many DN also at the one with the most
-    dark signal; followed along the power law by which such an effect shows.
+    The strength at which the effect changes the statistics, beyond what the parameters of the model
+    absorb, by what `significant` asks for: at the operating point with the least noise, and for
+    effects that are not stated in DN also at the one with the largest dark signal.
     """
     seen = Readings(held.measured[0])
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
@@ -118,7 +109,7 @@ def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) ->
         }
         gains = view.gains([model.with_effect(asked[n].at(s)) for n, s in tried.items()])
         for (name, strength), gain in zip(tried.items(), gains, strict=True):
-            if gain > NOISE:
+            if gain > LEAST:
                 least[name] = asked[name].limit(strength, gain)
     return least
 

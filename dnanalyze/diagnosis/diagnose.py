@@ -131,17 +131,6 @@ def first_answer(
 
     No refit has confirmed them. Empty where nothing is expected, or where the captures are so small
     that the whole field takes no longer.
-
-    Parameters
-    ----------
-    held : Bench
-        Statistics of the captures.
-    model : NoiseModel
-        Where to begin.
-    known : dict
-        Candidates by name.
-    exclude : sequence of str
-        Baseline effects to leave out.
     """
     part = held.part
     if part is None:
@@ -186,20 +175,7 @@ def judge(
     best: Trial | None,
     known: dict[str, type[Effect]],
 ) -> Diagnosis:
-    """The verdict on a model, with its candidates.
-
-    Parameters
-    ----------
-    name : str
-        Of the captures.
-    null : Null
-        The model.
-    tried : sequence of Trial
-    best : Trial, optional
-        The one that is significant.
-    known : dict
-        Effects by name.
-    """
+    """The verdict on a model, with its candidates; ``best``: the one that is significant."""
     held, state, error = null.held, null.state, null.error
     open_yet = null.unexplained
     if best is not None:
@@ -285,16 +261,6 @@ def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effec
     """What is known of a model when the time is up: the candidates refitted by then.
 
     Others may explain as much or more: the confidence is that of one that may stand in for them.
-
-    Parameters
-    ----------
-    name : str
-        Of the captures.
-    null : Null
-        The model.
-    so_far : SoFar
-    known : dict
-        Effects by name.
     """
     error = null.error
     tried = by_standing(so_far.trials)
@@ -316,17 +282,9 @@ def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effec
 def _with_baseline_listed(
     held: Bench, asked: State, stages: Sequence[tuple[str, State]], found: Diagnosis
 ) -> Diagnosis:
-    """A diagnosis of the model with the baseline effects, as one of the model without.
+    """A diagnosis of the model with the baseline effects, as one of the model without (``asked``).
 
-    Parameters
-    ----------
-    held : Bench
-    asked : State
-        The model without.
-    stages : sequence of (str, State)
-        The effects that were put in, with the state then.
-    found : Diagnosis
-        Of the last of these states.
+    ``stages``: the effects that were put in, with the state then.
     """
     before = start = Null(held, asked)
     # only all of them are refitted; beside what is missing, if that was found

@@ -16,12 +16,12 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import built_in
 
-CLEAR = 3.0  # floors
+CLEAR = 3.0  # standard deviations from which a difference is stated by itself
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Size of the misfit of each statistic, pooled over settings and both halves, in floors."""
+    """Root mean square misfit of each statistic, over operating points and both halves."""
 
     names: np.ndarray
     size: np.ndarray

@@ -36,19 +36,8 @@ def unbiased(
 ) -> NoiseModel | None:
     """A model with its parameters as they are right beside an effect.
 
-    Parameters
-    ----------
-    model : NoiseModel
-        As fitted without the effect, or with it as ``other`` states.
-    effect : Effect
-    noise : float
-        Of the operating point with the least, DN.
-    other : Effect, optional
-
-    Returns
-    -------
-    NoiseModel or None
-        None where the effect biases none of them.
+    None where it biases none of them. ``model``: as fitted without the effect, or with it as
+    ``other`` states. ``noise``: of the operating point with the least, DN.
     """
     knobs = knobs_of(model)
     plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]

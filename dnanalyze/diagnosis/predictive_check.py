@@ -16,8 +16,7 @@ from dnanalyze.fitting.predictor import Bench
 
 REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
 BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves
-SCATTER = 0.25  # least standard deviation of a misfit: that of a root mean square of 8 normals
-MENDED = 0.5  # share of the squared misfit that a corrected statistic may keep
+SCATTER = 0.25  # of a misfit at the least: that of a root mean square of 8 normals, 1 / sqrt(16)
 
 
 def error_of(held: Bench, state: State) -> float:
@@ -108,14 +107,14 @@ class Null:
         return sorted(own, key=lambda name: -float(own[name].min()))[:3]
 
     def mends(self, names: Sequence[str], after: State) -> bool:
-        """Whether another model corrects any one of these statistics, on both halves."""
+        """Whether another model halves the squares of one of these statistics, on both halves."""
         sides = (
             (self.held.train.names, self.state.train, after.train),
             (self.held.test.names, self.state.test, after.test),
         )
         return any(
             all(
-                np.sum(new[of == name] ** 2) < MENDED * np.sum(old[of == name] ** 2)
+                2.0 * np.sum(new[of == name] ** 2) < np.sum(old[of == name] ** 2)
                 for of, old, new in sides
             )
             for name in names

@@ -24,15 +24,9 @@ from dnanalyze.model.noise_model import NoiseModel
 class Guess:
     """A candidate at a first guess of its parameters.
 
-    Parameters
-    ----------
-    effect : str
-    model : NoiseModel
-        With the effect.
-    promise : float
-        Score test: fall of the loss of the fitted half, at the two most telling operating points,
-        if the statistics move along the guess and the nuisance parameters follow linearly; less
-        what these would gain alone.
+    ``model``: with the effect. ``promise``: score test, the fall of the loss of the fitted half at
+    the two most telling operating points, if the statistics move along the guess and the nuisance
+    parameters follow linearly; less what these would gain alone.
     """
 
     effect: str
@@ -53,20 +47,8 @@ def score_tests(
 ) -> list[Guess]:
     """Simulate every candidate once at each of its first guesses.
 
-    Parameters
-    ----------
-    bench : Bench
-    state : State
-        Fitted model without the candidates.
-    known : dict
-        Candidates by name.
-    tell : callable
-        Called with each name.
-
-    Returns
-    -------
-    list of Guess
-        Largest promise first; none of an effect of which the residual shows no sign.
+    Largest promise first; none of an effect of which the residual shows no sign. ``state``: the
+    fitted model without the candidates. ``tell``: called with each name.
     """
     clues, few = Residual(bench, state), _telling(bench, state)
     whole = _View.of(bench, state, few)
@@ -87,18 +69,9 @@ def score_tests(
 class _View:
     """Two operating points, at which guesses are simulated.
 
-    Parameters
-    ----------
-    bench : Bench
-    state : State
-    idle : float
-        Loss that the nuisance parameters reach alone.
-    noise : float
-        Of the operating point with the least, DN.
-    biased : bool
-        Whether so much is missing that the level itself may be biased.
-    weight : float
-        What a unit of the loss stands for on the whole field.
+    ``idle``: loss that the nuisance parameters reach alone. ``noise``: of the operating point with
+    the least, DN. ``biased``: whether so much is missing that the level itself may be biased.
+    ``weight``: what a unit of the loss stands for on the whole field.
     """
 
     bench: Bench

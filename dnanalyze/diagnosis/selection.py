@@ -12,14 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import SCALE, State
 
 if TYPE_CHECKING:
     from dnanalyze.diagnosis.score_test import Guess
 
-# Scale of Student's t, in standard deviations, and of the loss of the fit: beyond it a statistic,
-# such as a saturated quantile, is limited in what it says.
-SCALE = 6.0
 # Neighbouring quantiles and bands are correlated, about eight of them as one, so that the deviance
 # overstates twice the log likelihood ratio.
 DEFLATION = 8.0
@@ -85,7 +82,11 @@ class Trial:
 
 
 def deviance(z: np.ndarray) -> np.ndarray:
-    """Deviance of each statistic, SCALE^2 ln(1 + (z / SCALE)^2): that of Student's t."""
+    """Deviance of each statistic, SCALE^2 ln(1 + (z / SCALE)^2): that of Student's t.
+
+    ``z``: in standard deviations. The scale is that of the loss of the fit; beyond it a statistic,
+    such as a saturated quantile, is limited in what it says.
+    """
     return SCALE**2 * np.log1p((z / SCALE) ** 2)
 
 

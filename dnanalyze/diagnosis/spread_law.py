@@ -30,16 +30,8 @@ SPREAD = "delta"
 def spread_law(null: Null) -> Trial | None:
     """The model with a slope of the spread over 1/kT, refitted, where that is significant.
 
-    Parameters
-    ----------
-    null : Null
-        The model with a constant spread; one with a law is not tested.
-
-    Returns
-    -------
-    Trial or None
-        None where the score test of the slope does not reach what one sensor in a thousand shows
-        by chance, or the refit is not significant.
+    A score test comes first, at the level of one sensor in a thousand. A model with a law is not
+    tested again.
     """
     held, state = null.held, null.state
     temperatures = {p.temperature_c for p, _ in held.plan.settings} - {None}

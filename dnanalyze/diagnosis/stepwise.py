@@ -56,26 +56,10 @@ def choose(
     tell: Callable[[str], None] = lambda _: None,
     so_far: SoFar | None = None,
 ) -> tuple[list[Trial], Trial | None]:
-    """Test the candidates.
+    """The candidates refitted, the most probable first, and the one to add next.
 
-    Parameters
-    ----------
-    null : Null
-        The model at its optimum.
-    known : dict
-        Candidates by name.
-    tell : callable
-        Called with each name.
-    so_far : SoFar, optional
-        Takes what is found, as it is found.
-
-    Returns
-    -------
-    list of Trial
-        Those refitted, the most probable first.
-    Trial or None
-        What to add next: the first of them, or the slope of the spread of the dark current (named
-        as the base), if it is significant and has more evidence.
+    That is the first of them, or the slope of the spread of the dark current (named as the base),
+    if it is significant and has more evidence. Arguments are those of `trials`.
     """
     tried = trials(null, known, tell, so_far)
     best, law = supported(null, tried), spread_law(null)
@@ -155,19 +139,7 @@ def removal(held: Bench, state: State, name: str) -> State:
 
 
 def reduced(held: Bench, state: State) -> tuple[State, list[str]]:
-    """Backward step: drop effects that are not significant in the present model.
-
-    Parameters
-    ----------
-    held : Bench
-    state : State
-
-    Returns
-    -------
-    state : State
-        The model without them, refitted.
-    gone : list of str
-    """
+    """Backward step: the model without effects that are no longer significant, and their names."""
     gone = []
     for name in [n for n in state.model.names if n not in (*EVERYDAY, BASE)]:
         without = Null(held, removal(held, state, name))
@@ -190,23 +162,8 @@ def swapped(
     While much was missing, two such effects explained nearly as much; which of them it is shows
     once the rest is in the model. The effect itself is among them, from new first guesses.
 
-    Parameters
-    ----------
-    held : Bench
-    state : State
-        A model that is not adequate, at its optimum.
-    added : sequence of str
-        Effects that may go.
-    known : dict
-        Effects that may come, by name.
-    tell : callable
-        Called with each name.
-
-    Returns
-    -------
-    tuple or None
-        The effect that goes, the model without it, and the one that comes; None where no exchange
-        is significant.
+    ``added`` may go, ``known`` may come. Returned are the effect that goes, the model without it,
+    and the one that comes; None where no exchange is significant.
     """
     null, found = Null(held, state), []
     for name in added:
@@ -228,17 +185,8 @@ def swapped(
 class Path:
     """A model and the steps that led to it.
 
-    Parameters
-    ----------
-    state : State
-    steps : tuple of Step
-        The first entry is the starting model.
-    dropped : tuple of str
-        Effects that were removed and are not added again.
-    tried : tuple of Trial
-        At the end: the candidates tested last.
-    best : Trial, optional
-        Of these, the one that is significant, where a limit of the user kept it out.
+    ``dropped``: effects that were removed and are not added again. At the end, ``tried``: the
+    candidates tested last, and ``best``: the significant one that a limit of the user kept out.
     """
 
     state: State
@@ -257,19 +205,9 @@ class Path:
 class Search:
     """A stepwise search and its limits.
 
-    Parameters
-    ----------
-    held : Bench
-    known : dict
-        Effects that may be added, by name.
-    begun : tuple of str
-        Effects of the starting model, which do not count as added.
-    most, until_error
-        Limits of the user on the number of effects and on the model error.
-    tell, trying : callable
-        Called with every step, and with the name of every candidate.
-    keep : callable
-        Called with the path whenever its model is complete.
+    ``known``: effects that may be added. ``begun``: those of the starting model, which do not count
+    as added. ``most``, ``until_error``: limits of the user. ``tell``, ``trying``: called with every
+    step, and with the name of every candidate. ``keep``: called whenever the model is complete.
     """
 
     held: Bench

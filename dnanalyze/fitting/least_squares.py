@@ -19,7 +19,7 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.noise_model import NoiseModel
 
-HUBER = 6.0
+SCALE = 6.0  # of the loss, in floors: a difference beyond it counts in proportion, not squared
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
 STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
@@ -96,7 +96,7 @@ def given(z: np.ndarray) -> Callable[[], np.ndarray]:
 
 def loss(z: np.ndarray) -> float:
     """Sum of 2 c^2 (sqrt(1 + (z/c)^2) - 1), about z^2 below c and 2 c |z| above."""
-    return float(2 * HUBER**2 * np.sum(np.sqrt(1 + (z / HUBER) ** 2) - 1))
+    return float(2 * SCALE**2 * np.sum(np.sqrt(1 + (z / SCALE) ** 2) - 1))
 
 
 def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
@@ -328,7 +328,7 @@ def converge(
 
 def weights(z: np.ndarray) -> np.ndarray:
     """Square roots of the weights that make least squares the pseudo-Huber loss."""
-    return (1 + (z / HUBER) ** 2) ** -0.25
+    return (1 + (z / SCALE) ** 2) ** -0.25
 
 
 def _step(state: State, damping: float) -> tuple[np.ndarray, float]:

@@ -16,8 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "report"))
 import report_fakes as fakes
 
 import dnanalyze
-from dnanalyze.checking.check import Check
 from dnanalyze.channels.refinement import ChannelRefinement, ChannelStep
+from dnanalyze.checking.check import Check
 from dnanalyze.diagnosis.results import Candidate, Step
 from dnanalyze.model.noise_model import load_model
 

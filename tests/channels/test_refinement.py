@@ -10,8 +10,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "model"))
 import hdr_sensor
 
-from dnanalyze.demo import Channel, VirtualSensor, generate_channels
 from dnanalyze.channels.refinement import belonging, by_channel, refine_channels
+from dnanalyze.demo import Channel, VirtualSensor, generate_channels
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel

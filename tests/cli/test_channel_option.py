@@ -93,8 +93,8 @@ def test_over_channels_each_has_its_own_laws(folder, tmp_path, capsys):
 def test_refine_and_add_over_channels_complete_each_and_give_one_model(
     folder, tmp_path, monkeypatch, capsys
 ):
+    from dnanalyze.channels import refinement as channels
     from dnanalyze.comparator import compare
-    from dnanalyze.diagnosis import channels
 
     seen = {}
 
@@ -107,7 +107,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
         channels, "add_channels", lambda found, name, own, **_: finished(found, own)
     )
     monkeypatch.setattr(compare, "compare", lambda *_, **__: fakes.comparison())
-    monkeypatch.setattr(channels, "parameters_of", lambda *_: fakes.fit().parameters)
+    monkeypatch.setattr(channels, "standard_errors", lambda *_: fakes.fit().parameters)
     for command, more in (
         ("refine", ["--max-effects", "3"]), ("add", ["column_fpn"]), ("channels", [])
     ):  # fmt: skip
@@ -134,7 +134,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
 def test_diagnose_over_channels_names_the_channel_of_each_candidate(
     folder, tmp_path, monkeypatch, capsys
 ):
-    from dnanalyze.diagnosis import channels
+    from dnanalyze.channels import refinement as channels
 
     made = {"hcg": fakes.diagnosis("missing"), "lcg": fakes.diagnosis("adequate")}
     monkeypatch.setattr(channels, "diagnose_channels", lambda *_, **__: made)
