@@ -23,7 +23,7 @@ from dnanalyze.diagnosis.selection import (
     overdispersion,
     standings,
 )
-from dnanalyze.fitting.from_part import carried, part_for
+from dnanalyze.fitting.from_part import carried, derived_anew, part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
     State,
@@ -110,7 +110,7 @@ def _at_their_optima(null: Null, found: list[Trial]) -> list[Trial]:
     near += [t.effect for t in found if t.fitted_gain > ALIKE * leader.fitted_gain]
     if leader.evidence > PLAIN * leader.spread and set(near) <= {leader.effect}:
         return found
-    like = derive(null.held, leader.state, anew=True)
+    like = derived_anew(null.held, leader.state)
     made = []
     for t in found:
         if t is leader or t.effect in near:
