@@ -5,6 +5,7 @@ python benchmarks/strangers make DIR
 python benchmarks/strangers verify DIR
 python benchmarks/strangers run DIR --json out.jsonl
 python benchmarks/strangers table out.jsonl --against other.jsonl
+python benchmarks/strangers calibrate out.jsonl
 """
 
 from __future__ import annotations
@@ -96,6 +97,19 @@ def table(given: argparse.Namespace) -> int:
     return 0
 
 
+def calibrate(given: argparse.Namespace) -> int:
+    """Print how often effects of a stated confidence are right, by all and with one left out."""
+    from hidden_scores import table as markdown
+
+    from strangers import calibration
+    from strangers.run import stored
+
+    found = calibration.additions([r for path in given.results for r in stored(path).values()])
+    print("\n" + markdown(calibration.RELIABILITY_HEAD, calibration.reliability(found)))
+    print("\n" + markdown(calibration.LEFT_OUT_HEAD, calibration.left_out(found)))
+    return 0
+
+
 def listed(given: argparse.Namespace) -> int:
     """Print every case with what it hides and the names that are right."""
     from hidden_scores import table as markdown
@@ -162,6 +176,9 @@ def arguments(words: list[str] | None = None) -> argparse.Namespace:
     telling.add_argument("result", type=Path, metavar="RESULT.jsonl")
     telling.add_argument("--against", type=Path, help="a stored result of another commit")
     telling.set_defaults(do=table)
+    judging = commands.add_parser("calibrate", help="whether stated confidences are right")
+    judging.add_argument("results", type=Path, nargs="+", metavar="RESULT.jsonl")
+    judging.set_defaults(do=calibrate)
     return parser.parse_args(words)
 
 
