@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.nuisance import UNBIASED, bias, least_noise
+from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
@@ -142,10 +142,7 @@ def _from_guess(bench: Bench, guess: Guess, like: State, wanted: float) -> State
     does not reach what the score test promised, beyond chance.
     """
     begun = start(bench, guess.model, knobs_of(guess.model), like=like)
-    effect, noise = begun.model.get(guess.effect), least_noise(bench)
-    assert effect is not None
-    moved = [bias(effect, k, begun.model, noise) != UNBIASED for k in begun.knobs]
-    begun.jacobian[:, moved] = np.nan
+    begun = without_biased(bench, begun, guess.effect)
     ended = minimise(bench, begun, STEPS // 2, below=wanted)
     if guess.promise > NOTHING and ended.loss > like.loss - guess.promise:
         return minimise(bench, derive(bench, ended, anew=True), STEPS, below=wanted)

@@ -15,6 +15,7 @@ import numpy as np
 
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
+from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.guesses.evidence import quietest
@@ -62,6 +63,17 @@ def bias(effect: Effect, knob: Knob, model: NoiseModel, noise: float) -> tuple[f
     if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
         return UNBIASED
     return effect.bent(knob.name, knob.unit, noise)
+
+
+def without_biased(bench: Bench, state: State, name: str) -> State:
+    """A state without the derivatives of an effect and of what it biases: they change with it."""
+    effect, noise = state.model.get(name), least_noise(bench)
+    assert effect is not None
+    moved = [
+        k.effect == name or bias(effect, k, state.model, noise) != UNBIASED for k in state.knobs
+    ]
+    state.jacobian[:, moved] = np.nan
+    return state
 
 
 def from_moments(bench: Bench, model: NoiseModel, effect: Effect) -> NoiseModel | None:

@@ -25,7 +25,12 @@ from dnanalyze.diagnosis.candidates import (
     trials,
 )
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased
+from dnanalyze.diagnosis.nuisance import (
+    least_noise,
+    other_strengths,
+    unbiased,
+    without_biased,
+)
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.selection import (
@@ -100,11 +105,12 @@ def completed(held: Bench, found: Trial) -> State:
     models = [g.model for g in found.others if set(g.model.names) == known]
     for way in (_forms, other_strengths):
         models += way(state.model, found.effect, least_noise(held))
-    begun = [start(held, m, knobs_of(m)) for m in dict.fromkeys(models)]
+    begun = [start(held, m, knobs_of(m), like=state) for m in dict.fromkeys(models)]
     begun = [s for s in begun if not np.array_equal(s.train, state.train)]
     better = state
     for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
-        better = preferred(better, minimise(held, other, STEPS, below=better.loss))
+        ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
+        better = preferred(better, ended)
     if better is state:
         return state
     return completed(held, replace(found, state=better, others=()))
