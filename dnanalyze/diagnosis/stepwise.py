@@ -270,8 +270,11 @@ class Search:
         effect = type(state.model.get(best.effect))
         why = evidence_for(self.held, path.state, state, effect)  # type: ignore[arg-type]
         path = self._noted(path, state, best.effect, sure, near, why)
-        path = self._without(path, *reduced(self.held, path.state))
         self.keep(path)
+        state, gone = reduced(self.held, path.state)
+        if gone:
+            path = self._without(path, state, gone)
+            self.keep(path)
         return path
 
     def _with_law(self, path: Path, law: Trial) -> Path:
