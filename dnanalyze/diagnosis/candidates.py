@@ -1,4 +1,4 @@
-"""Candidates refitted: both rivals at their optimum before either is named."""
+"""Candidates refitted: competing effects are at their optima before either is named."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
 
 
 def _at_their_optima(null: Null, found: list[Trial]) -> list[Trial]:
-    """The leader and its competitors, fitted on with fresh derivatives where it is not plain.
+    """The leader and its competitors, fitted on with new derivatives where the choice is open.
 
     The competitors take the derivatives of what they share from the leader.
     """

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dnanalyze.diagnosis.baseline import EVERY_SENSOR, lacks_baseline, with_baseline
-from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, judged
+from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, judged, trials
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
 from dnanalyze.diagnosis.predictive_check import Null
@@ -24,7 +24,7 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words
-from dnanalyze.diagnosis.stepwise import choose, completed
+from dnanalyze.diagnosis.stepwise import choose, completed, supported
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import fitted, fitted_in_time
@@ -163,7 +163,7 @@ def _in_full(
         law = in_words(held, null.state.model)
         tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell)
     tell("detection limits")
-    found = judge(name, null, tried, best, open_to)
+    found = judge(name, null, tried, best, open_to, follow_up=True)
     limits = detection_limits(held, null.state, open_to)
     return replace(found, law=law, detection_limits=limits)
 
@@ -174,12 +174,16 @@ def judge(
     tried: Sequence[Trial],
     best: Trial | None,
     known: dict[str, type[Effect]],
+    follow_up: bool = False,
 ) -> Diagnosis:
-    """The verdict on a model, with its candidates; ``best``: the one that is significant."""
+    """The verdict on a model, with its candidates; ``best``: the one that is significant.
+
+    ``follow_up``: whether what it leaves is tested for further effects, which takes simulations.
+    """
     held, state, error = null.held, null.state, null.error
     open_yet = null.unexplained
     if best is not None:
-        first, open_yet = _leader(null, best, tried, known)
+        first, open_yet = _leader(null, best, tried, known, follow_up)
         rest = [t for t in tried if t is not best and t.gain > 0.0 and t.error < error]
         candidates = [first, *_by_confidence(_candidate(null, t, tried, known) for t in rest)]
     elif open_yet:
@@ -187,7 +191,7 @@ def judge(
             replace(
                 c := _candidate(null, t, tried, known),
                 confidence=c.confidence * STANDS_IN,
-                leaves=[n for n in open_yet if not null.mends([n], t.state)],
+                leaves=[n for n in open_yet if not null.corrects([n], t.state)],
             )
             for t in tried
             if t.gain > 0.0 and t.error < error
@@ -222,7 +226,11 @@ def _candidate(
 
 
 def _leader(
-    null: Null, best: Trial, tried: Sequence[Trial], known: dict[str, type[Effect]]
+    null: Null,
+    best: Trial,
+    tried: Sequence[Trial],
+    known: dict[str, type[Effect]],
+    follow_up: bool,
 ) -> tuple[Candidate, list[str]]:
     """The identified effect, with what it leaves: another candidate may correct that, or none.
 
@@ -235,19 +243,20 @@ def _leader(
         told.evidence.extend([against] if against else [])
     left = Null(held, best.state).unexplained
     others = [t for t in tried if t is not best and significant(t, null.error)]
-    if left and not any(null.mends(left[:1], t.state) for t in others):
+    second = next((t for t in others if null.corrects(left[:1], t.state)), None)
+    if left and second is None and follow_up:
         after = Null(held, completed(held, best))
         left = after.unexplained
+        told = replace(told, error_after=after.error, explained=_explained(null.error, after.error))
         open_to = candidates_of(after.state, known, [BASE])
-        others = choose(after, open_to)[0][:1] if left else []
-        others = [t for t in others if significant(t, after.error)]
-        told = replace(told, error_after=after.error)
-        told = replace(told, explained=_explained(null.error, after.error))
+        further = supported(after, trials(after, open_to)) if left else None
+        if further is not None and after.corrects(left[:3], further.state):
+            second = further
     if not left:
         return told, left
     worst = ", ".join(left[:3])
-    if others:
-        words = f"it does not explain {worst}, which {others[0].effect} in addition would correct"
+    if second is not None:
+        words = f"it does not explain {worst}, which {second.effect} in addition would correct"
         return replace(told, evidence=[*told.evidence, words], leaves=left), left
     words = (
         f"it does not explain {worst}, and no other candidate does: it may replace an effect that "

@@ -44,7 +44,7 @@ def profile(bench: Bench, state: State) -> Profile:
 def evidence_for(
     bench: Bench, before: State, after: State, effect: type[Effect], most: int = 3
 ) -> list[str]:
-    """Sentences on the statistics that the effect puts right, most telling first."""
+    """Sentences on the statistics that the effect corrects, largest first."""
     was, now = profile(bench, before), profile(bench, after)
     relief = {n: was.of(n) ** 2 - now.of(n) ** 2 for n in was.names}
     for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
@@ -84,7 +84,7 @@ def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
 def evidence_against(
     bench: Bench, rival: State, best: State, rival_name: str, name: str
 ) -> str | None:
-    """What the rival leaves wrong that the best candidate puts right."""
+    """What the competitor does not correct and the best candidate does."""
     left, right = profile(bench, rival), profile(bench, best)
     gap = {n: left.of(n) - right.of(n) for n in left.names}
     worst = max(gap, key=lambda n: gap[n])
@@ -106,7 +106,7 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
         return info.title
     z = state.train[here]
     worst = int(np.argmax(np.abs(z)))
-    off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the judged half may be the one that is off
+    off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the held-out half may be the one that differs
     i = here[worst]
     model = train.coordinates[i] - state.train[i] * train.floor[i]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model))

@@ -72,8 +72,7 @@ def without_biased(bench: Bench, state: State, name: str) -> State:
     moved = [
         k.effect == name or bias(effect, k, state.model, noise) != UNBIASED for k in state.knobs
     ]
-    state.jacobian[:, moved] = np.nan
-    return state
+    return replace(state, jacobian=np.where(moved, np.nan, state.jacobian))
 
 
 def from_moments(bench: Bench, model: NoiseModel, effect: Effect) -> NoiseModel | None:

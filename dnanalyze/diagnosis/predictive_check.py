@@ -16,7 +16,7 @@ from dnanalyze.fitting.predictor import Bench
 
 REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
 BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves
-SCATTER = 0.25  # of a misfit at the least: that of a root mean square of 8 normals, 1 / sqrt(16)
+SCATTER = 0.25  # of a root mean square over 8 operating points at the least: 1 / sqrt(2 * 8)
 
 
 def error_of(held: Bench, state: State) -> float:
@@ -106,7 +106,7 @@ class Null:
         own = self._misfits((self.state.train, self.state.test))
         return sorted(own, key=lambda name: -float(own[name].min()))[:3]
 
-    def mends(self, names: Sequence[str], after: State) -> bool:
+    def corrects(self, names: Sequence[str], after: State) -> bool:
         """Whether another model halves the squares of one of these statistics, on both halves."""
         sides = (
             (self.held.train.names, self.state.train, after.train),

@@ -126,7 +126,7 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
 def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Guess]:
     """Each guess beside the parameters as fitted, and beside such as no longer make up for it."""
     bench, state = view.bench, view.state
-    made: list[tuple[NoiseModel, bool]] = []
+    made: list[tuple[str, NoiseModel, bool]] = []
     for guess in guesses:
         seen = guess.lies_in(bench.plan.windows[0])
         starts = [state.model, unbiased(state.model, guess, view.noise)]
@@ -135,11 +135,10 @@ def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Guess]:
         for model in starts:
             if model is not None:
                 with suppress(InputError):
-                    made.append((model.with_effect(guess), seen))
-    moved = iter(bench.several([model for model, seen in made if seen]))
-    names = [set(model.names) - set(state.model.names) for model, _ in made]
+                    made.append((guess.name, model.with_effect(guess), seen))
+    moved = iter(bench.several([model for _, model, seen in made if seen]))
     found = []
-    for (model, seen), (name,) in zip(made, names, strict=True):
+    for name, model, seen in made:
         if seen:
             promise = view.idle - _least_loss(state, bench.train.z(next(moved)))
         else:  # the fitted half has none of it

@@ -85,9 +85,9 @@ def supported(null: Null, tried: Sequence[Trial]) -> Trial | None:
     found = tried[0]
     if not significant(found, null.error, NOTHING):
         return None
-    if null.mends(null.left[:3], found.state):
+    if null.corrects(null.left[:3], found.state):
         return found
-    corrects = not null.left or null.mends(null.left, found.state)
+    corrects = not null.left or null.corrects(null.left, found.state)
     return found if significant(found, null.error, CERTAIN if corrects else PLAIN) else None
 
 

@@ -122,9 +122,9 @@ def test_a_mean_level_beyond_its_limits_is_left_first(held):
 
 def test_the_effect_corrects_the_residual_and_the_same_model_does_not(without, right):
     left = without.left
-    assert without.mends(left, right.state)
-    assert not without.mends(left, without.state)
-    assert not without.mends([], right.state)
+    assert without.corrects(left, right.state)
+    assert not without.corrects(left, without.state)
+    assert not without.corrects([], right.state)
 
 
 def test_a_statistic_is_corrected_where_it_is_on_both_halves(without):
@@ -133,9 +133,9 @@ def test_a_statistic_is_corrected_where_it_is_on_both_halves(without):
         np.where(half.names == "drift", 0.0, z)
         for half, z in ((held.train, state.train), (held.test, state.test))
     )
-    assert without.mends(["drift", "mean"], replace(state, train=train, unseen=given(test)))
-    assert not without.mends(["drift", "mean"], replace(state, unseen=given(test)))
-    assert not without.mends(["mean"], replace(state, train=train, unseen=given(test)))
+    assert without.corrects(["drift", "mean"], replace(state, train=train, unseen=given(test)))
+    assert not without.corrects(["drift", "mean"], replace(state, unseen=given(test)))
+    assert not without.corrects(["mean"], replace(state, train=train, unseen=given(test)))
 
 
 def test_evidence_from_one_sensors_random_field_is_in_units_of_its_scatter():

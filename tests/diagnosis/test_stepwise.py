@@ -77,7 +77,7 @@ def test_nothing_is_chosen_where_nothing_is_missing(held):
 def test_the_evidence_asked_for_goes_by_the_residual_that_a_candidate_corrects(null):
     """Replicates reject the model; a candidate that corrects that needs less evidence."""
     right = fitted(null.held, RowFpn(1.0))
-    assert null.mends(null.left[:3], right)
+    assert null.corrects(null.left[:3], right)
     assert supported(null, []) is None
     for state, least in ((right, NOTHING), (null.state, PLAIN)):
         for spread in (1.0, 3.0):

@@ -1,6 +1,5 @@
 """Glow, gradients, cosmic rays, persistence and crosstalk against their closed forms."""
 
-
 import numpy as np
 import pytest
 from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames, growth
