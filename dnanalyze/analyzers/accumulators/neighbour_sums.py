@@ -7,7 +7,6 @@ from typing import Self
 
 import numpy as np
 
-from dnanalyze.analyzers.estimators.quantiles import in_order
 from dnanalyze.analyzers.kernels.layout import PEAK_SUMS, RANK_SUMS, TILE_SUMS
 from dnanalyze.analyzers.plan import BANDS, CLIP, FrameView, Plan
 
@@ -44,7 +43,7 @@ class Neighbours:
 
         plan = self.plan
         leads = np.array(EXCESS_SIGMAS) * plan.difference_sigma
-        top, share = top_level(view.frame, 1.0 if view.plan.integer else 0.0)
+        top, share = top_level(view.frame)
         peaks = np.zeros_like(self.peaks)
         rows, columns = edges_of(plan)
         neighbour_loops.peak_sums(
@@ -135,15 +134,13 @@ def rank_shares(plan: Plan, image: np.ndarray) -> np.ndarray:
     return out
 
 
-def top_level(frame: np.ndarray, lattice: float = 0.0) -> tuple[float, float]:
+def top_level(frame: np.ndarray) -> tuple[float, float]:
     """Where the top 1 % of a frame begin, from an even sample of its pixels.
 
     Parameters
     ----------
     frame : ndarray
-        (rows, columns), DN.
-    lattice : float
-        Spacing of the values, DN; 0 for continuous data.
+        (rows, columns), DN, float32.
 
     Returns
     -------
@@ -152,14 +149,16 @@ def top_level(frame: np.ndarray, lattice: float = 0.0) -> tuple[float, float]:
     share : float
         Share of the pixels at exactly this level that are among the top 1 %.
     """
+    from dnanalyze.analyzers.kernels.sorting import order_statistic
+
     step = max(1, int(np.sqrt(frame.size / _SAMPLE)))
     step += 1 - step % 2  # an odd step meets all phases of a two-column or colour pattern
-    sample = in_order(frame[::step, ::step], lattice)
-    level = sample[min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))]
-    if level == sample[0]:  # nearly all lie at one code: those there are no peaks, nor tied
+    sample = np.ravel(frame[::step, ::step])
+    place = min(sample.size - 1, int((1 - _TOP_SHARE) * sample.size))
+    level, below, alike = order_statistic(sample, place)
+    if not below:  # nearly all lie at one code: those there are no peaks, nor tied
         return float(level), 0.0
-    low, high = (int(np.searchsorted(sample, level, side)) for side in ("left", "right"))
-    above, alike = sample.size - high, high - low
+    above = sample.size - below - alike
     return float(level), min(1.0, max(0.0, (_TOP_SHARE * sample.size - above) / alike))
 
 

@@ -36,15 +36,23 @@ def in_order(sample: np.ndarray, step: float = 0.0) -> np.ndarray:
 
     flat = np.ravel(sample)
     if not step or flat.size < 2:
-        return np.sort(flat)
+        return _sorted(flat)
     first, last = flat.min(), flat.max()
     if not (float(last) - float(first)) / step < flat.size:  # NaN is not
-        return np.sort(flat)
+        return _sorted(flat)
     points = int((float(last) - float(first)) / step + 0.5) + 1
     levels, counts = np.zeros(points, flat.dtype), np.zeros(points, np.int64)
     if not tally_lattice(flat, float(first), step, levels, counts):
-        return np.sort(flat)
+        return _sorted(flat)
     return np.repeat(levels, counts)
+
+
+def _sorted(flat: np.ndarray) -> np.ndarray:
+    from dnanalyze.analyzers.kernels.sorting import radix_sorted
+
+    if flat.dtype == np.float32 and not np.isnan(flat).any():
+        return np.asarray(radix_sorted(flat))
+    return np.sort(flat)
 
 
 class Ordered:
