@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from dnanalyze.fitting.fit import at_a_glance, ordinary_start
-from dnanalyze.fitting.from_part import fitted
-from dnanalyze.fitting.least_squares import State, converge, given
+from dnanalyze.fitting.from_part import converge, fitted
+from dnanalyze.fitting.least_squares import State, given
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.start import partly_named
 from dnanalyze.model.laws import Law

@@ -18,7 +18,6 @@ from dnanalyze.diagnosis.selection import (
     PLAIN,
     Trial,
     competitors,
-    deviance,
     falls,
     overdispersion,
     standings,
@@ -28,6 +27,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
     State,
     derive,
+    deviance,
     minimise,
     start,
     with_derivatives_of,

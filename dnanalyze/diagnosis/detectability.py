@@ -11,6 +11,7 @@ import numpy as np
 from dnanalyze.diagnosis.candidates import LEAST
 from dnanalyze.diagnosis.selection import CERTAIN
 from dnanalyze.digits import number, unit_text
+from dnanalyze.fitting.from_part import Changes
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
@@ -57,11 +58,14 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
         if state.model.get(name) is None and strength is not None:
             asked[name] = _Asked(effect, *strength)
     least: dict[str, float] = {}
-    for readout, placed in itertools.product((True, False), repeat=2):
-        where = {calm} if readout else {calm, warm}
-        view = _View.of(held if placed else held.evened(state.model), state, sorted(where))
-        alike = {n: a for n, a in asked.items() if (a.readout, a.placed) == (readout, placed)}
-        least |= _least_shown(view, state.model, alike)
+    for readout, placing in itertools.product((True, False), Placing):
+        alike = {
+            n: a for n, a in asked.items() if (a.readout, a.effect.placing) == (readout, placing)
+        }
+        if alike:
+            where = {calm} if readout else {calm, warm}
+            view = _View.of(held, state, sorted(where), placing)
+            least |= _least_shown(view, state.model, alike)
     return {
         name: str(Limit(name, a.parameter, least[name], a.info.unit)) for name, a in asked.items()
     }
@@ -83,11 +87,6 @@ class _Asked:
     def readout(self) -> bool:
         """Whether it is told in DN, which the quietest setting shows best."""
         return self.info.unit.startswith("DN")
-
-    @property
-    def placed(self) -> bool:
-        """Whether it takes the whole field to tell."""
-        return self.effect.placing is Placing.SOMEWHERE
 
     def at(self, strength: float) -> Effect:
         return replace(self.effect(), **{self.parameter: strength})
@@ -118,25 +117,22 @@ def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) ->
 class _View:
     """A few settings, with what the model's own parameters can absorb at each."""
 
-    bench: Bench
-    base: np.ndarray
+    changes: Changes
     free: list[np.ndarray]
 
     @classmethod
-    def of(cls, held: Bench, state: State, settings: list[int]) -> _View:
-        bench = held.only(settings)
+    def of(cls, held: Bench, state: State, settings: list[int], placing: Placing) -> _View:
         parts = [state.jacobian[held.train.setting == s] for s in settings]
         usable = [part[:, np.linalg.norm(part, axis=0) > 1e-6] for part in parts]
         free = [np.linalg.qr(part)[0] for part in usable]
-        return cls(bench, bench.fitted_coordinates(state.model), free)
+        return cls(Changes.of(held.only(settings), state.model, placing), free)
 
     def gains(self, models: Sequence[NoiseModel]) -> list[float]:
         """Loss of the model without the effect, were each the truth; where it is largest."""
-        return [self._gain(moved) for moved in self.bench.several(models)]
+        return [self._gain(change) for change in self.changes.by(models)]
 
-    def _gain(self, moved: np.ndarray) -> float:
-        shift = np.nan_to_num((moved - self.base) / self.bench.train.floor)
-        parts = [shift[self.bench.train.setting == s] for s in range(len(self.free))]
+    def _gain(self, change: np.ndarray) -> float:
+        parts = [change[self.changes.wanted.setting == s] for s in range(len(self.free))]
         return max(loss(z - f @ (f.T @ z)) for z, f in zip(parts, self.free, strict=True))
 
 

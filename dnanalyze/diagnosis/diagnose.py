@@ -27,8 +27,8 @@ from dnanalyze.diagnosis.spread_law import in_words
 from dnanalyze.diagnosis.stepwise import choose, completed, supported
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
-from dnanalyze.fitting.from_part import fitted, fitted_in_time
-from dnanalyze.fitting.least_squares import State, converge
+from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
+from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -298,7 +298,7 @@ def _with_baseline_listed(
     before = start = Null(held, asked)
     # only all of them are refitted; beside what is missing, if that was found
     ended = found.trials[0].state if found.verdict == "missing" else stages[-1][1]
-    together = judged(start, stages[-1][0], ended)
+    together = judged(start, stages[-1][0], ended, scale=Null(held, stages[-1][1]))
     chance = float(confidences([together], start.error)[0])
     baseline = []
     for name, state in stages:

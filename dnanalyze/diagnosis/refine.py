@@ -18,9 +18,9 @@ from dnanalyze.diagnosis.stepwise import Path, Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit, paper_start, with_seed
-from dnanalyze.fitting.from_part import fitted_in_time
+from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, minimise, start
+from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp

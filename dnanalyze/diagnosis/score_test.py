@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -12,8 +13,8 @@ from scipy.optimize import minimize_scalar
 from dnanalyze.diagnosis.nuisance import from_moments, least_noise, unbiased
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.from_part import carried, part_for
-from dnanalyze.fitting.least_squares import State, evened, loss, weights
+from dnanalyze.fitting.from_part import Changes
+from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.model.effect import Effect, Placing
@@ -50,18 +51,11 @@ def score_tests(
     Largest promise first; none of an effect of which the residual shows no sign. ``state``: the
     fitted model without the candidates. ``tell``: called with each name.
     """
-    clues, few = Residual(bench, state), _telling(bench, state)
-    whole = _View.of(bench, state, few)
-    half = whole.evened()
-    views = {
-        Placing.EVERYWHERE: _of_part(bench, state, few, whole.idle) or half,
-        Placing.ANYWHERE: half,
-        Placing.SOMEWHERE: whole,
-    }
+    clues, view = Residual(bench, state), _View.of(bench, state)
     found: list[Guess] = []
     for name, effect in known.items():
         tell(name)
-        found += _at_guesses(views[effect.placing], effect.guess(clues))
+        found += view.promises(effect.guess(clues), effect.placing)
     return sorted(found, key=lambda g: -g.promise)
 
 
@@ -71,7 +65,6 @@ class _View:
 
     ``idle``: loss that the nuisance parameters reach alone. ``noise``: of the operating point with
     the least, DN. ``biased``: whether so much is missing that the level itself may be biased.
-    ``weight``: what a unit of the loss stands for on the whole field.
     """
 
     bench: Bench
@@ -79,27 +72,42 @@ class _View:
     idle: float
     noise: float
     biased: bool
-    weight: float = 1.0
 
     @classmethod
-    def of(cls, bench: Bench, state: State, settings: list[int]) -> _View:
+    def of(cls, bench: Bench, state: State) -> _View:
+        settings = _telling(bench, state)
         there = _restricted(bench, state, settings)
-        idle = _least_loss(there, there.train)
-        return cls(bench.only(settings), there, idle, least_noise(bench), much_left(state))
+        idle = _least_loss(there, np.zeros(len(there.train)))
+        return cls(bench.only(settings), there, idle, least_noise(bench), much_left(there))
 
-    def evened(self) -> _View:
-        """Without the held-out half of the field, where the model lets it be left out."""
-        bench, state = evened(self.bench, self.state)
-        return replace(self, bench=bench, state=state, idle=_least_loss(state, state.train))
+    @cached_property
+    def changes(self) -> Callable[[Placing], Changes]:
+        """For effects of each placing; the present model is simulated once for each."""
+        return cache(partial(Changes.of, self.bench, self.state.model))
 
+    def promises(self, guesses: Sequence[Effect], placing: Placing) -> list[Guess]:
+        """Each guess, beside parameters that do not make up for it."""
+        made: list[tuple[str, NoiseModel, bool]] = []
+        for guess in guesses:
+            seen = guess.lies_in(self.bench.plan.windows[0])
+            for model in self._beside(guess):
+                with suppress(InputError):
+                    made.append((guess.name, model.with_effect(guess), seen))
+        visible = [model for _, model, seen in made if seen]
+        shifts = iter(self.changes(placing).by(visible) if visible else ())
+        found = []
+        for name, model, seen in made:
+            if seen:
+                promise = self.idle - _least_loss(self.state, next(shifts))
+            else:  # the fitted half has none of it
+                promise = loss(self.state.test) - loss(self.bench.judged_z(model))
+            found.append(Guess(name, model, promise))
+        return found
 
-def _of_part(bench: Bench, state: State, settings: list[int], idle: float) -> _View | None:
-    """A part of the field, where it may stand for the whole and much is missing."""
-    there = part_for(bench, state.model)
-    if there is None or not much_left(state):
-        return None
-    view = _View.of(there, carried(state, bench, there), settings)
-    return replace(view, weight=idle / view.idle)
+    def _beside(self, guess: Effect) -> list[NoiseModel]:
+        model = self.state.model
+        anew = from_moments(self.bench, model, guess) if self.biased else None
+        return [unbiased(model, guess, self.noise) or model, *([anew] if anew else [])]
 
 
 def much_left(state: State) -> bool:
@@ -123,32 +131,8 @@ def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
     )
 
 
-def _at_guesses(view: _View, guesses: Sequence[Effect]) -> list[Guess]:
-    """Each guess beside the parameters as fitted, and beside such as no longer make up for it."""
-    bench, state = view.bench, view.state
-    made: list[tuple[str, NoiseModel, bool]] = []
-    for guess in guesses:
-        seen = guess.lies_in(bench.plan.windows[0])
-        starts = [state.model, unbiased(state.model, guess, view.noise)]
-        if view.biased:
-            starts.append(from_moments(bench, state.model, guess))
-        for model in starts:
-            if model is not None:
-                with suppress(InputError):
-                    made.append((guess.name, model.with_effect(guess), seen))
-    moved = iter(bench.several([model for _, model, seen in made if seen]))
-    found = []
-    for name, model, seen in made:
-        if seen:
-            promise = view.idle - _least_loss(state, bench.train.z(next(moved)))
-        else:  # the fitted half has none of it
-            promise = loss(state.test) - loss(bench.judged_z(model))
-        found.append(Guess(name, model, view.weight * promise))
-    return found
-
-
-def _least_loss(state: State, moved: np.ndarray) -> float:
-    """Least loss along the line from the present statistics through the moved ones.
+def _least_loss(state: State, change: np.ndarray) -> float:
+    """Least loss along the line of a change of the predictions, in floors.
 
     The nuisance parameters are projected out.
     """
@@ -157,7 +141,9 @@ def _least_loss(state: State, moved: np.ndarray) -> float:
     free = np.linalg.qr(state.jacobian[:, usable] * w[:, None])[0]
 
     def at(step: float) -> float:
-        z = state.train + step * (moved - state.train)
+        z = state.train - step * change
         return loss(z - (free @ (free.T @ (z * w))) / w)
 
+    if not change.any():
+        return at(0.0)
     return float(min(at(1.0), minimize_scalar(at, bounds=(0.0, 3.0), method="bounded").fun))

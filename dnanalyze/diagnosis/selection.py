@@ -1,4 +1,4 @@
-"""When an effect counts as missing: deviance, evidence, overdispersion, confidence.
+"""When an effect counts as missing: evidence, overdispersion, confidence.
 
 Pure numbers; nothing is simulated here.
 """
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dnanalyze.fitting.least_squares import SCALE, State
+from dnanalyze.fitting.least_squares import State, deviance
 
 if TYPE_CHECKING:
     from dnanalyze.diagnosis.score_test import Guess
@@ -79,15 +79,6 @@ class Trial:
         model = self.state.model
         effect = model.get(self.effect)
         return 0.0 if effect is None else math.log(effect.odds(model.names))
-
-
-def deviance(z: np.ndarray) -> np.ndarray:
-    """Deviance of each statistic, SCALE^2 ln(1 + (z / SCALE)^2): that of Student's t.
-
-    ``z``: in standard deviations. The scale is that of the loss of the fit; beyond it a statistic,
-    such as a saturated quantile, is limited in what it says.
-    """
-    return SCALE**2 * np.log1p((z / SCALE) ** 2)
 
 
 def _by_name(names: np.ndarray, *z: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -17,8 +17,9 @@ from scipy.stats import chi2
 from dnanalyze.diagnosis.candidates import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import Trial, significant
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import Knob, knobs_of
-from dnanalyze.fitting.least_squares import State, converge, derive, weights
+from dnanalyze.fitting.least_squares import State, derive, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.noise_model import NoiseModel

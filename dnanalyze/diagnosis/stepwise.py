@@ -40,13 +40,13 @@ from dnanalyze.diagnosis.selection import (
     Trial,
     competitors,
     confidence_of,
-    deviance,
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, minimise, start
+from dnanalyze.fitting.least_squares import State, deviance, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel

@@ -11,10 +11,10 @@ import numpy as np
 from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import (
     State,
-    converge,
     derive,
     longest,
     loss,

@@ -7,8 +7,9 @@ simulated sensor.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -17,8 +18,11 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
+
+STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
 
 
 def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
@@ -75,10 +79,78 @@ def derived_anew(bench: Bench, state: State) -> State:
     return replace(state, jacobian=_derivatives(near, part, bench))
 
 
+def converge(
+    bench: Bench,
+    state: State,
+    rounds: int = 3,
+    iterations: int = 6,
+    tell: Callable[[State], None] = lambda _: None,
+    own: bool = False,
+    hopeless: float = math.inf,
+) -> State:
+    """Minimise, take all derivatives anew and go on, until that no longer helps.
+
+    Broyden's derivatives are good enough to get near; the last steps want true ones. Those of the
+    round are true still where its last step took off what they promised. A fit that still falls
+    steeply after these rounds is given as many again. ``own``: the derivatives that are known were
+    taken here; of another model they are not trusted at the end. ``hopeless``: loss a number from
+    which true derivatives are not worth their simulations.
+    """
+    own = own or bool(np.isnan(state.jacobian).all())
+    for n in range(2 * rounds):
+        before = state.merit
+        begun = derived_anew(bench, state) if n else state
+        state = minimise(bench, begun, iterations, tell=tell)
+        least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
+        ended = (state.at_rest and (n or own)) or (n and before - state.merit < least)
+        if ended or state.loss > hopeless * len(state.train):
+            break
+    return state
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What a change of the model does to the predictions of the fitted half.
+
+    ``bench``: where both models are simulated. ``base``: predictions of the unchanged model there.
+    ``wanted``: numbers of the whole field, in whose floors a change is expressed.
+    """
+
+    bench: Bench
+    base: np.ndarray
+    wanted: Target
+
+    @classmethod
+    def of(cls, bench: Bench, model: NoiseModel, placing: Placing) -> Changes:
+        """For effects of one placing: on the part of the field, or on a half, where that shows them
+        as the whole does.
+        """
+        if placing < Placing.SOMEWHERE:
+            near = part_for(bench, model) if placing is Placing.EVERYWHERE else None
+            near = near or bench.evened(model)
+        else:
+            near = bench
+        return cls(near, near.fitted_coordinates(model), bench.train)
+
+    def by(self, models: Sequence[NoiseModel]) -> Iterator[np.ndarray]:
+        """Change of each number by each of several models, in floors; 0 where one lacks it."""
+        rows = _rows(self.bench.train, self.wanted)
+        known = rows >= 0
+        for moved in self.bench.several(models):
+            change = np.zeros(len(self.wanted.keys))
+            change[known] = np.nan_to_num(moved - self.base)[rows[known]]
+            yield change / self.wanted.floor
+
+
+def _rows(there: Target, here: Target) -> np.ndarray:
+    """Place of each number of one target in another; -1 where it is not in it."""
+    row = {key: i for i, key in enumerate(there.keys)}
+    return np.array([row.get(key, -1) for key in here.keys])
+
+
 def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:
     """Those of a state on one of the two, as they are on the other."""
-    row = {key: i for i, key in enumerate(there.train.keys)}
-    rows = np.array([row.get(key, -1) for key in here.train.keys])
+    rows = _rows(there.train, here.train)
     known = rows >= 0
     scale = there.train.floor[rows[known]] / here.train.floor[known]
     jacobian = np.zeros((len(here.train.keys), len(state.knobs)))

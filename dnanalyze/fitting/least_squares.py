@@ -22,7 +22,6 @@ from dnanalyze.model.noise_model import NoiseModel
 SCALE = 6.0  # of the loss, in floors: a difference beyond it counts in proportion, not squared
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
-STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
 # Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
 # and the statistics with them, by some floors however short the step: less would be lost in it.
 SMALLEST, LARGEST = 12.0, 400.0
@@ -94,9 +93,14 @@ def given(z: np.ndarray) -> Callable[[], np.ndarray]:
     return lambda: z
 
 
+def deviance(z: np.ndarray) -> np.ndarray:
+    """Pseudo-Huber loss 2 c^2 (sqrt(1 + (z/c)^2) - 1) of each: z^2 well below c, 2 c |z| above."""
+    return np.asarray(2 * SCALE**2 * (np.sqrt(1 + (z / SCALE) ** 2) - 1))
+
+
 def loss(z: np.ndarray) -> float:
-    """Sum of 2 c^2 (sqrt(1 + (z/c)^2) - 1), about z^2 below c and 2 c |z| above."""
-    return float(2 * SCALE**2 * np.sum(np.sqrt(1 + (z / SCALE) ** 2) - 1))
+    """Sum of the deviance, which a fit minimises."""
+    return float(np.sum(deviance(z)))
 
 
 def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
@@ -294,35 +298,6 @@ def minimise(
             if stale and damping > FIRM:
                 break
             stale = True
-    return state
-
-
-def converge(
-    bench: Bench,
-    state: State,
-    rounds: int = 3,
-    iterations: int = 6,
-    tell: Callable[[State], None] = lambda _: None,
-    own: bool = False,
-    hopeless: float = math.inf,
-) -> State:
-    """Minimise, take all derivatives anew and go on, until that no longer helps.
-
-    Broyden's derivatives are good enough to get near; the last steps want true ones. Those of the
-    round are true still where its last step took off what they promised. A fit that still falls
-    steeply after these rounds is given as many again. ``own``: the derivatives that are known were
-    taken here; of another model they are not trusted at the end. ``hopeless``: loss a number from
-    which true derivatives are not worth their simulations.
-    """
-    own = own or bool(np.isnan(state.jacobian).all())
-    for n in range(2 * rounds):
-        before = state.merit
-        begun = derive(bench, state, anew=True) if n else state
-        state = minimise(bench, begun, iterations, tell=tell)
-        least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
-        ended = (state.at_rest and (n or own)) or (n and before - state.merit < least)
-        if ended or state.loss > hopeless * len(state.train):
-            break
     return state
 
 

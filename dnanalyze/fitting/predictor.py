@@ -133,7 +133,7 @@ class Bench:
             plan=plan,
             train=self.train.only(settings),
             test=self.test.only(settings),
-            part=None,
+            part=None if self.part is None else self.part.only(settings),
         )
 
     def replicate(self, model: NoiseModel, number: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Placing
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
@@ -44,8 +45,8 @@ def with_effect(state, name, **numbers):
 
 def test_several_settings_show_what_the_best_of_them_shows(state):
     held, fitted = state
-    both = _View.of(held, fitted, [0, 2])
-    alone = [_View.of(held, fitted, [s]) for s in (0, 2)]
+    both = _View.of(held, fitted, [0, 2], Placing.SOMEWHERE)
+    alone = [_View.of(held, fitted, [s], Placing.SOMEWHERE) for s in (0, 2)]
     for name, numbers, best in (
         (OF_READOUT, {"sigma": 1.0}, 0), (OF_CHARGE, {"alpha": 0.03}, 1),
     ):  # fmt: skip
@@ -57,11 +58,11 @@ def test_several_settings_show_what_the_best_of_them_shows(state):
 
 def test_what_the_models_own_numbers_absorb_is_not_seen(state):
     held, fitted = state
-    view = _View.of(held, fitted, [0])
+    view = _View.of(held, fitted, [0], Placing.SOMEWHERE)
     noise = fitted.model.get("read_noise")
     moved = fitted.model.with_effect(replace(noise, sigma=noise.sigma * 1.05))
-    shift = (held.only([0]).fitted_coordinates(moved) - view.base) / view.bench.train.floor
-    assert view.gains([moved])[0] < 0.3 * float(np.nansum(shift**2))
+    (change,) = view.changes.by([moved])
+    assert view.gains([moved])[0] < 0.3 * float(np.sum(change**2))
 
 
 @pytest.mark.parametrize(("name", "parameter"), [(OF_READOUT, "sigma"), (OF_CHARGE, "alpha")])
@@ -69,7 +70,7 @@ def test_at_its_limit_an_effect_gains_about_what_is_asked(state, name, parameter
     held, fitted = state
     text = detection_limits(held, fitted, {name: KNOWN[name]})[name]
     limit = float(text.split(" = ")[1].split()[0])
-    view = _View.of(held, fitted, [0, 2])
+    view = _View.of(held, fitted, [0, 2], Placing.SOMEWHERE)
     gains = view.gains([with_effect(fitted, name, **{parameter: limit * f}) for f in (0.3, 1, 3)])
     # a power law carries the limit from where the effect shows plainly
     assert CERTAIN / 5 < gains[1] < 5 * CERTAIN

@@ -10,18 +10,16 @@ from hypothesis import strategies as st
 from dnanalyze.diagnosis.candidates import by_standing
 from dnanalyze.diagnosis.selection import (
     NOTHING,
-    SCALE,
     Trial,
     apart,
     competitors,
     confidence_of,
     confidences,
-    deviance,
     falls,
     overdispersion,
     significant,
 )
-from dnanalyze.fitting.least_squares import State, given
+from dnanalyze.fitting.least_squares import State, deviance, given
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.dpc import Dpc
@@ -39,18 +37,6 @@ def halves(lines: float, shading: float) -> np.ndarray:
 
 def one(z: float) -> float:
     return float(deviance(np.array([z]))[0])
-
-
-def test_the_deviance_is_a_square_below_its_scale_and_limited_beyond():
-    np.testing.assert_allclose(deviance(np.array([0.1, -0.2])), [0.01, 0.04], rtol=1e-3)
-    assert one(SCALE) == pytest.approx(SCALE**2 * np.log(2))
-    assert one(1e4) < 16 * SCALE**2
-
-
-@drawn(st.floats(0, 1e4), st.floats(0, 1e4))
-def test_the_deviance_grows_with_the_difference(a, b):
-    assert (one(a) <= one(b)) == (a <= b) or one(a) == one(b)
-    assert one(a) == one(-a) <= a * a + 1e-9
 
 
 def test_a_statistic_falls_by_what_it_does_at_all_operating_points():

@@ -9,8 +9,9 @@ from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.spread_law import in_words, spread_law, with_law
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, converge, start
+from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.model.laws import BOLTZMANN_EV, ArrheniusLaw

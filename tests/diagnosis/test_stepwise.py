@@ -18,8 +18,9 @@ from dnanalyze.diagnosis.stepwise import (
 )
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import converge, start
+from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow

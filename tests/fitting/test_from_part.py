@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 
 from dnanalyze.fitting import design as designs
+from dnanalyze.fitting import from_part
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.from_part import carried, derived_anew, fitted, part_for
+from dnanalyze.fitting.from_part import Changes, carried, converge, derived_anew, fitted, part_for
 from dnanalyze.fitting.knobs import knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import converge, derive, minimise, start
+from dnanalyze.fitting.least_squares import State, derive, given, minimise, start
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import paper_models
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
@@ -66,7 +68,7 @@ def test_a_part_is_measured_as_if_it_were_all_there_is(held):
         np.testing.assert_array_equal(one.floor, other.floor)
     assert held.part.memo is held.memo
     assert held.part.helpers is held.helpers
-    assert held.only([0]).part is None
+    assert held.only([0]).part.train.keys == held.part.only([0]).train.keys
 
 
 def test_a_quarter_of_the_field_tells_each_number_half_as_well(held):
@@ -167,3 +169,70 @@ def test_derivatives_are_taken_on_the_part_where_every_part_shows_them(held, sim
         derived_anew(held, somewhere).jacobian, derive(held, somewhere, anew=True).jacobian
     )
     assert all(simulated)
+
+
+@pytest.mark.parametrize(
+    ("kept", "hopeless", "rounds"),
+    [(0.995, np.inf, 2), (0.9, np.inf, 3), (0.5, np.inf, 6), (0.9, 5.0, 3), (0.9, 1.0, 1)],
+)
+def test_a_fit_that_falls_steeply_is_given_more_rounds_a_hopeless_one_none(
+    kept, hopeless, rounds, monkeypatch
+):
+    made = []
+
+    def lower(_bench, state, *_, **__):
+        made.append(state)
+        return replace(state, train=kept**0.5 * state.train)
+
+    monkeypatch.setattr(from_part, "minimise", lower)
+    monkeypatch.setattr(from_part, "derived_anew", lambda _bench, state: state)
+    begun = State(None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0)))
+    from_part.converge(None, begun, hopeless=hopeless)
+    assert len(made) == rounds
+
+
+@pytest.mark.parametrize(
+    ("known", "own", "true", "rounds"),
+    [
+        (False, False, [True], 1),
+        (False, False, [False, True], 2),
+        (True, False, [True, True], 2),
+        (True, True, [True], 1),
+        (True, True, [False, True], 2),
+    ],
+)
+def test_derivatives_whose_steps_kept_their_promise_are_not_taken_anew(
+    known, own, true, rounds, monkeypatch
+):
+    """Those of another model are taken anew in any case."""
+    made = []
+
+    def lower(_bench, state, *_, **__):
+        made.append(state)
+        return replace(state, train=0.5 * state.train, at_rest=true[len(made) - 1])
+
+    monkeypatch.setattr(from_part, "minimise", lower)
+    monkeypatch.setattr(from_part, "derived_anew", lambda _bench, state: state)
+    begun = State(
+        None, [], np.full(100, 4.0), given(np.zeros(1)), np.full((100, 1), 1.0 if known else np.nan)
+    )
+    from_part.converge(None, begun, own=own)
+    assert len(made) == rounds
+
+
+def test_what_lies_everywhere_changes_the_part_as_the_whole(held):
+    before = model(4)
+    after = before.with_effect(KNOWN["read_noise"](sigma=3.3))
+    part = Changes.of(held, before, Placing.EVERYWHERE)
+    whole = Changes.of(held, before, Placing.SOMEWHERE)
+    assert part.bench is held.part
+    assert whole.bench is held
+    (near,), (true,) = part.by([after]), whole.by([after])
+    assert np.linalg.norm(near - true) < 0.2 * np.linalg.norm(true)
+
+
+def test_what_lies_at_places_of_its_own_is_simulated_on_the_whole(held):
+    placed = model(4, column_taps={})
+    assert Changes.of(held, placed, Placing.EVERYWHERE).bench.part is not None
+    assert not Changes.of(held, model(4), Placing.SOMEWHERE).bench.even
+    assert Changes.of(held, model(4), Placing.ANYWHERE).bench.even

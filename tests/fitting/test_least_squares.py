@@ -6,12 +6,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import small_series as small
+from hypothesis import given as drawn
+from hypothesis import strategies as st
 
 from dnanalyze.fitting import least_squares
 from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.least_squares import (
+    SCALE,
     SEVERAL,
     derive,
+    deviance,
     given,
     minimise,
     start,
@@ -73,28 +77,6 @@ def test_many_derivatives_are_taken_on_half_of_the_field_where_that_tells_them(e
     assert np.all(apart < 0.3 * np.linalg.norm(one_by_one, axis=0))
 
 
-@pytest.mark.parametrize(
-    ("kept", "hopeless", "rounds"),
-    [(0.995, np.inf, 2), (0.9, np.inf, 3), (0.5, np.inf, 6), (0.9, 5.0, 3), (0.9, 1.0, 1)],
-)
-def test_a_fit_that_falls_steeply_is_given_more_rounds_a_hopeless_one_none(
-    kept, hopeless, rounds, monkeypatch
-):
-    made = []
-
-    def lower(_bench, state, *_, **__):
-        made.append(state)
-        return replace(state, train=kept**0.5 * state.train)
-
-    monkeypatch.setattr(least_squares, "minimise", lower)
-    monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
-    begun = least_squares.State(
-        None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0))
-    )
-    least_squares.converge(None, begun, hopeless=hopeless)
-    assert len(made) == rounds
-
-
 def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkeypatch):
     asked, whole = [], Bench.judged_z
     monkeypatch.setattr(
@@ -107,35 +89,6 @@ def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkey
     assert len(ended.test) == len(held.test.keys)
     assert ended.test is ended.test
     assert asked == [ended.model]
-
-
-@pytest.mark.parametrize(
-    ("known", "own", "true", "rounds"),
-    [
-        (False, False, [True], 1),
-        (False, False, [False, True], 2),
-        (True, False, [True, True], 2),
-        (True, True, [True], 1),
-        (True, True, [False, True], 2),
-    ],
-)
-def test_derivatives_whose_steps_kept_their_promise_are_not_taken_anew(
-    known, own, true, rounds, monkeypatch
-):
-    """Those of another model are taken anew in any case."""
-    made = []
-
-    def lower(_bench, state, *_, **__):
-        made.append(state)
-        return replace(state, train=0.5 * state.train, at_rest=true[len(made) - 1])
-
-    monkeypatch.setattr(least_squares, "minimise", lower)
-    monkeypatch.setattr(least_squares, "derive", lambda _bench, state, **_: state)
-    begun = least_squares.State(
-        None, [], np.full(100, 4.0), given(np.zeros(1)), np.full((100, 1), 1.0 if known else np.nan)
-    )
-    least_squares.converge(None, begun, own=own)
-    assert len(made) == rounds
 
 
 @pytest.mark.parametrize(
@@ -202,3 +155,19 @@ def test_an_energy_is_held_where_the_temperatures_tell_no_slope(span, held):
     knobs = [k for k in knobs_of(model) if k.effect == "hot_pixels" and k.parameter == "ea_ev"]
     found = derive(bench, start(bench, model, knobs))
     assert (np.linalg.norm(found.jacobian) == 0) == held
+
+
+def one(z: float) -> float:
+    return float(deviance(np.array([z]))[0])
+
+
+def test_the_deviance_is_a_square_below_its_scale_and_linear_beyond():
+    np.testing.assert_allclose(deviance(np.array([0.1, -0.2])), [0.01, 0.04], rtol=1e-3)
+    assert one(SCALE) == pytest.approx(2 * SCALE**2 * (np.sqrt(2) - 1))
+    assert one(2e4) - one(1e4) == pytest.approx(2 * SCALE * 1e4, rel=1e-3)
+
+
+@drawn(st.floats(0, 1e4), st.floats(0, 1e4))
+def test_the_deviance_grows_with_the_difference(a, b):
+    assert (one(a) <= one(b)) == (a <= b) or one(a) == one(b)
+    assert one(a) == one(-a) <= a * a + 1e-9
