@@ -33,11 +33,13 @@ from dnanalyze.diagnosis.nuisance import (
 )
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
+from dnanalyze.diagnosis.score_test import much_left
 from dnanalyze.diagnosis.selection import (
     CERTAIN,
     NOTHING,
     PLAIN,
     Trial,
+    apart,
     competitors,
     confidence_of,
     significant,
@@ -97,8 +99,10 @@ def completed(held: Bench, found: Trial) -> State:
     Where the model error is above 1, so that a better model can be told from the present one, the
     alternatives are simulated once, and those with the lowest loss refitted: other choices of the
     effect, other strengths, and its other first guesses. Repeated until none of them is better.
+
+    Where much is left, the optimum will move with the next effect: the refit is taken as it is.
     """
-    state = converge(held, found.state)
+    state = found.state if much_left(found.state) else converge(held, found.state)
     if error_of(held, state) <= 1.0:
         return state
     known = {found.effect, *state.model.names}
@@ -191,13 +195,18 @@ def swapped(
 class Path:
     """A model and the steps that led to it.
 
-    ``dropped``: effects that were removed and are not added again. At the end, ``tried``: the
+    ``dropped``: effects that were removed and are not added again. ``converged``: whether everything
+    is at its optimum, which is left to the end where much is missing. ``open``: candidates that were
+    significant beside the last one, of other statistics: they are tried before all others. At the
+    end, ``tried``: the
     candidates tested last, and ``best``: the significant one that a limit of the user kept out.
     """
 
     state: State
     steps: tuple[Step, ...] = ()
     dropped: tuple[str, ...] = ()
+    converged: bool = True
+    open: tuple[str, ...] = ()
     tried: tuple[Trial, ...] = ()
     best: Trial | None = None
 
@@ -238,11 +247,18 @@ class Search:
         while not self.near_enough(path):
             null = Null(self.held, path.state)
             open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
-            tried, best = choose(null, open_to, self.trying)
+            first = {name: e for name, e in open_to.items() if name in path.open}
+            tried, best = choose(null, first or open_to, self.trying)
+            if best is None and first:
+                path = replace(path, open=())
+                continue
             path = replace(path, tried=tuple(tried), best=best)
             added, gone = self._added(path.state), None
             if best is not None and best.effect == BASE:
                 path = self._with_law(path, best)
+                continue
+            if best is None and not path.converged:
+                path = self._converged(path)
                 continue
             if best is None and not null.adequate:
                 found = swapped(self.held, path.state, added, open_to, self.trying)
@@ -250,11 +266,11 @@ class Search:
                     gone, null, best = found
                     tried = [best]
             if best is None or (self.most is not None and len(added) - bool(gone) >= self.most):
-                return path
+                return self._converged(path)
             if gone is not None:
                 path = self._without(path, null.state, [gone])
             path = self._with(path, null, tried, best)
-        return replace(path, tried=(), best=None)
+        return self._converged(replace(path, tried=(), best=None))
 
     def near_enough(self, path: Path) -> bool:
         """Whether the model error is as low as the user asked."""
@@ -270,11 +286,24 @@ class Search:
         effect = type(state.model.get(best.effect))
         why = evidence_for(self.held, path.state, state, effect)  # type: ignore[arg-type]
         path = self._noted(path, state, best.effect, sure, near, why)
+        beside = [t.effect for t in tried if significant(t, null.error) and apart(best, t)]
+        path = replace(path, converged=not much_left(state), open=tuple(beside))
         self.keep(path)
         state, gone = reduced(self.held, path.state)
         if gone:
             path = self._without(path, state, gone)
             self.keep(path)
+        return path
+
+    def _converged(self, path: Path) -> Path:
+        """Everything at its optimum: the error of the last step is that of the new state."""
+        if path.converged:
+            return path
+        state = converge(self.held, path.state)
+        *steps, last = path.steps
+        last = replace(last, error=error_of(self.held, state))
+        path = replace(path, state=state, steps=(*steps, last), converged=True)
+        self.keep(path)
         return path
 
     def _with_law(self, path: Path, law: Trial) -> Path:
