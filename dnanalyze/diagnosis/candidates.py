@@ -14,7 +14,6 @@ from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
     ALIKE,
-    NOTHING,
     PLAIN,
     Trial,
     competitors,
@@ -26,7 +25,6 @@ from dnanalyze.fitting.from_part import carried, derived_anew, part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
     State,
-    derive,
     deviance,
     minimise,
     start,
@@ -87,7 +85,8 @@ def trials(
         wanted = min(wanted, (null.state.loss + ended.loss) / 2.0)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
-    return by_standing(_at_their_optima(null, found))
+    promises = {name: own[0].promise for name, own in guesses.items()}
+    return by_standing(_at_their_optima(null, found, promises))
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
@@ -96,10 +95,11 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
     return tuple(g for g in guesses[1:] if g is guesses[1] or first[g.kind] is g)
 
 
-def _at_their_optima(null: Null, found: list[Trial]) -> list[Trial]:
+def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
     """The leader and its competitors, fitted on with new derivatives where the choice is open.
 
-    The competitors take the derivatives of what they share from the leader.
+    Candidates whose score test promised nearly as much as the leader gained are among them. The
+    competitors take the derivatives of what they share from the leader.
     """
     if not found:
         return found
@@ -107,7 +107,8 @@ def _at_their_optima(null: Null, found: list[Trial]) -> list[Trial]:
     if leader.fitted_gain < LEAST:
         return found
     near = competitors(leader, found)
-    near += [t.effect for t in found if t.fitted_gain > ALIKE * leader.fitted_gain]
+    likely = {t.effect: max(t.fitted_gain, promises[t.effect]) for t in found}
+    near += [name for name, gain in likely.items() if gain > ALIKE * leader.fitted_gain]
     if leader.evidence > PLAIN * leader.spread and set(near) <= {leader.effect}:
         return found
     like = derived_anew(null.held, leader.state)
@@ -138,15 +139,10 @@ def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) 
 def _from_guess(bench: Bench, guess: Guess, like: State, wanted: float) -> State:
     """A refit on one field, with the derivatives of the model without where these carry over.
 
-    They do not for the parameters that the effect has biased. All are taken anew where the refit
-    does not reach what the score test promised, beyond chance.
+    They do not for the parameters that the effect has biased.
     """
     begun = start(bench, guess.model, knobs_of(guess.model), like=like)
-    begun = without_biased(bench, begun, guess.effect)
-    ended = minimise(bench, begun, STEPS // 2, below=wanted)
-    if guess.promise > NOTHING and ended.loss > like.loss - guess.promise:
-        return minimise(bench, derive(bench, ended, anew=True), STEPS, below=wanted)
-    return ended
+    return minimise(bench, without_biased(bench, begun, guess.effect), STEPS, below=wanted)
 
 
 def judged(null: Null, effect: str, after: State, scale: Null | None = None) -> Trial:

@@ -195,11 +195,11 @@ def swapped(
 class Path:
     """A model and the steps that led to it.
 
-    ``dropped``: effects that were removed and are not added again. ``converged``: whether everything
-    is at its optimum, which is left to the end where much is missing. ``open``: candidates that were
-    significant beside the last one, of other statistics: they are tried before all others. At the
-    end, ``tried``: the
-    candidates tested last, and ``best``: the significant one that a limit of the user kept out.
+    ``dropped``: effects that were removed and are not added again. ``converged``: whether all
+    parameters are at their optimum, which waits for the end where much is missing. ``open``:
+    candidates of other statistics that were significant beside the last one, tried before all
+    others. At the end, ``tried``: the candidates tested last, and ``best``: the significant one
+    that a limit of the user kept out.
     """
 
     state: State
