@@ -28,6 +28,19 @@ def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
     return wanted and all(model.get(name) is None for name in EVERYDAY)
 
 
+def baseline_start(bench: Bench, exclude: Sequence[str] = ()) -> NoiseModel:
+    """The model with the baseline effects that are not excluded, from moments of the frames."""
+    begun = ordinary_start(bench)
+    for name in exclude:
+        begun = begun.without(name)
+    return begun
+
+
+def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
+    """All baseline effects fitted together."""
+    return fitted(bench, begun, partial(converge, own=True, hopeless=FAR_OFF))
+
+
 def with_baseline(
     bench: Bench, paper: State, exclude: Sequence[str], note: Callable[[str, State], None]
 ) -> State:
@@ -38,10 +51,7 @@ def with_baseline(
 
     ``paper``: the Wang 2025 model, fitted. ``note``: called with each effect and the state then.
     """
-    found, begun = at_a_glance(bench), ordinary_start(bench)
-    for name in exclude:
-        begun = begun.without(name)
-    full = fitted(bench, begun, partial(converge, own=True, hopeless=FAR_OFF))
+    found, full = at_a_glance(bench), baseline_fitted(bench, baseline_start(bench, exclude))
     names = [n for n in EVERYDAY if n not in exclude]
 
     def stage(named: Sequence[str], pedestal: Law) -> State:

@@ -7,7 +7,13 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from dnanalyze.diagnosis.baseline import EVERY_SENSOR, lacks_baseline, with_baseline
+from dnanalyze.diagnosis.baseline import (
+    EVERY_SENSOR,
+    baseline_fitted,
+    baseline_start,
+    lacks_baseline,
+    with_baseline,
+)
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, judged, trials
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
@@ -135,9 +141,11 @@ def first_answer(
     part = held.part
     if part is None:
         return []
-    state = fitted(part, model)
-    if lacks_baseline(model, exclude):
-        state = with_baseline(part, state, exclude, lambda *_: None)
+    baseline = lacks_baseline(model, exclude)
+    # the fits of the whole field begin with these, and do not simulate them again
+    state = (
+        baseline_fitted(part, baseline_start(held, exclude)) if baseline else fitted(part, model)
+    )
     found = score_tests(part, state, candidates_of(state, known, [BASE]))
     return list(dict.fromkeys(g.effect for g in found if g.promise > 0.0))
 

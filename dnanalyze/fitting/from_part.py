@@ -41,13 +41,12 @@ def fitted(
     model : NoiseModel
         Where to begin.
     fit : callable
-        What is done on the whole field.
+        What is done on either field.
     """
     part = part_for(bench, model)
     if part is None:
         return fit(bench, start(bench, model, knobs_of(model)))
-    near = minimise(part, start(part, model, knobs_of(model)))
-    return fit(bench, carried(near, part, bench))
+    return fit(bench, carried(fitted(part, model, fit), part, bench))
 
 
 def fitted_in_time(bench: Bench, model: NoiseModel) -> State:
@@ -56,8 +55,8 @@ def fitted_in_time(bench: Bench, model: NoiseModel) -> State:
     try:
         return fitted(bench, model, partial(minimise, tell=so_far.append))
     except TimeUp:
-        pass
-    return so_far[-1] if so_far else start(bench.within(TimeLimit()), model, knobs_of(model))
+        best = so_far[-1].model if so_far else model
+        return start(bench.within(TimeLimit()), best, knobs_of(best))
 
 
 def carried(state: State, there: Bench, here: Bench) -> State:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,8 @@ from dnanalyze.model.effect import Placing
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 
+PREDICTIONS_BYTES = 16 << 20  # some hundred simulations, 10 kB each at 10 operating points
+
 
 @dataclass(frozen=True)
 class Bench:
@@ -33,6 +37,9 @@ class Bench:
     train, test : Target
     memo : Memo
         Fields kept between simulations.
+    predictions : Memo
+        What was simulated is not simulated again: a fit begins on a part of the field, and so does
+        the next search.
     helpers : Helpers
         Processes that share them; none by default.
     part : Bench, optional
@@ -49,6 +56,7 @@ class Bench:
     train: Target
     test: Target
     memo: Memo = field(default_factory=room)
+    predictions: Memo = field(default_factory=partial(Memo, PREDICTIONS_BYTES))
     helpers: Helpers = field(default_factory=Helpers)
     part: Bench | None = None
     even: bool = False
@@ -98,13 +106,21 @@ class Bench:
         TimeUp
             The time is up.
         """
-        found: list[np.ndarray] = []
-        count = self.limit.batch or max(1, len(models))
-        for begin in range(0, len(models), count):
+        found: dict[NoiseModel, Any] = {m: self.predictions.find(self._key(m)) for m in models}
+        wanted = [m for m, known in found.items() if known is None]
+        count = self.limit.batch or max(1, len(wanted))
+        for begin in range(0, len(wanted), count):
             self.limit.check()
-            jobs = [self._job(model, half=0) for model in models[begin : begin + count]]
-            found += [prediction(seen, 0, self.train) for seen in self._simulated(jobs)]
-        return found
+            batch = wanted[begin : begin + count]
+            made = self._simulated([self._job(model, half=0) for model in batch])
+            for model, seen in zip(batch, made, strict=True):
+                found[model] = prediction(seen, 0, self.train)
+                self.predictions.get(self._key(model), partial(found.get, model))
+        return [found[m] for m in models]
+
+    def _key(self, model: NoiseModel) -> Hashable:
+        """By which a prediction of the fitted half is kept."""
+        return (model, self.even, self.plan.windows, *self.plan.settings)
 
     def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
         """Predicted coordinates of train alone: all that a step of a fit goes by."""
@@ -141,20 +157,23 @@ class Bench:
         other = replace(model, seed=model.seed + 1 + number)
         # Its fields are drawn once, and would only push the useful ones out of the memo.
         bench = replace(self, memo=Memo(0))
-        key = ("replicate", other, self.plan.windows, *self.plan.settings)
-        return self.memo.get(key, lambda: bench.coordinates(other))
+        return self.predictions.get(
+            ("both halves", self._key(other)), partial(bench.coordinates, other)
+        )
 
 
 def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
     """Read the captures once and take the statistics of both halves."""
     plans = [plan] if plan.part is None else [plan, plan.part]
     measured = analyze_windows(plan.captures, [w for p in plans for w in p.windows])
-    memo, helpers = room(), helpers or Helpers()
+    memo, helpers, predictions = room(), helpers or Helpers(), Memo(PREDICTIONS_BYTES)
 
     def of(number: int, part: Bench | None = None) -> Bench:
         halves = measured[2 * number : 2 * number + 2]
         train, test = target(halves, 0), target(halves, 1)
         train = replace(train, allowed=allowed(train, dark_signals(halves[0], train)))
-        return Bench(plans[number], halves, train, test, memo, helpers, part, even=number > 0)
+        return Bench(
+            plans[number], halves, train, test, memo, predictions, helpers, part, even=number > 0
+        )
 
     return of(0, of(1) if plan.part else None)

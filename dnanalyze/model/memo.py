@@ -38,12 +38,19 @@ class Memo:
             self._making.pop(key, None)
         return value
 
+    def find(self, key: object) -> Any | None:
+        """What is kept by this key; None where nothing is."""
+        with self._lock:
+            if key not in self._held:
+                return None
+            self._held.move_to_end(key)
+            return self._held[key]
+
     def get(self, key: object, make: Callable[[], Any]) -> Any:
         """``make()``, or what it gave last time; threads may at worst make a thing twice."""
-        with self._lock:
-            if key in self._held:
-                self._held.move_to_end(key)
-                return self._held[key]
+        value = self.find(key)
+        if value is not None:
+            return value
         value = make()
         with self._lock:
             if key not in self._held:

@@ -23,6 +23,25 @@ def test_either_half_alone_is_what_it_is_beside_the_other(cfa):
         assert sum(shaded) > 0
 
 
+def test_what_was_simulated_is_not_simulated_again(monkeypatch):
+    here, made = small.bench_of(), []
+    whole = Bench._simulated
+    monkeypatch.setattr(
+        Bench, "_simulated", lambda self, jobs: made.extend(jobs) or whole(self, jobs)
+    )
+    first, second = small.model(), small.model(read_noise={"sigma": 2.5})
+    begun = here.several([first, second, first])
+    assert [job.model for job in made] == [first, second]
+    assert begun[0] is begun[2]
+    again = here.several([second, first])
+    assert again[0] is begun[1]
+    assert again[1] is begun[0]
+    assert len(made) == 2
+    here.evened(first).fitted_coordinates(first)  # half of the field: other numbers
+    here.only([0]).fitted_coordinates(first)
+    assert len(made) == 4
+
+
 def test_another_sensor_of_the_make_is_drawn_once(monkeypatch):
     here, made = small.bench_of(), []
     whole = Bench.coordinates

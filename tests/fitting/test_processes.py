@@ -15,6 +15,7 @@ from dnanalyze.fitting.processes import MOST, WORTH, Helpers, helpers_for
 from dnanalyze.fitting.simulated import Job, room, shared
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effect import Effect, Stage
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.registry import built_in
 
 
@@ -25,8 +26,8 @@ def held():
 
 @contextmanager
 def helped(held):
-    """The bench with one helper."""
-    made = replace(held, helpers=Helpers(1))
+    """The bench with one helper, and nothing simulated yet."""
+    made = replace(held, helpers=Helpers(1), predictions=Memo())
     try:
         yield made
     finally:
