@@ -9,7 +9,13 @@ import numpy as np
 from dnanalyze.analyzers.estimators.saturation import MAJORITY, Saturation, saturation
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
 from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
-from dnanalyze.detection.flatten import pair_differences, robust_sd, without_lines, without_shading
+from dnanalyze.detection.flatten import (
+    pair_differences,
+    robust_sd,
+    without_lines,
+    without_shading,
+    without_tones,
+)
 from dnanalyze.detection.memory import Autocorrelation, autocorrelation
 from dnanalyze.detection.rank import Exceedance, exceedance
 from dnanalyze.detection.replaced import Replaced, replaced
@@ -140,7 +146,7 @@ def gather(
         {8: exceedance(images, 8), 12: exceedance(images[:1], 12), 24: exceedance(images[:1], 24)},
         _recorded(parts),
         octave_spectrum(images),
-        lag_correlation(images),
+        lag_correlation(np.stack([without_tones(image) for image in images])),
         texture(images),
         _standing_out(clean, 1, noise, ceiling, counted),
         _standing_out(clean, 2, noise, ceiling, counted),

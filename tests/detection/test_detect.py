@@ -61,11 +61,12 @@ def test_unfiltered_sensors_are_left_in_peace(seed):
         Traits(hot=4e-3, clusters=1.0, cluster_size=5.0),
         Traits(flicker=5.0, pink=3.0, row_noise=3.0, column_fpn=4.0),
         Traits(hum=4.0, rts=0.03),
+        Traits(hum=8.0, hum_at=(0.144, 0.175)),  # neighbours alike along rows and columns
         Traits(gain=0.09, pedestal=2.0, white=255.0),
         Traits(plane_offset=6.0, plane_gain=0.2),
         Traits(glow=300.0, drift=0.02, cosmic=20.0),
     ],
-    ids=["crosstalk", "clusters", "1/f", "hum", "coarse", "mosaic", "glow"],
+    ids=["crosstalk", "clusters", "1/f", "hum", "diagonal hum", "coarse", "mosaic", "glow"],
 )
 def test_nuisances_at_their_worst_are_not_filters(traits):
     found = detect(captures(VirtualSensor(traits, SHAPE, 3), SERIES, 8))

@@ -41,6 +41,7 @@ class Traits:
     pink_fixed: float = 0.0
     pink_slope: float = 1.0
     hum: float = 0.0  # periodic pattern, random phase
+    hum_at: tuple[float, float] = (0.17, 0.05)  # down the rows, along them, cycles/pixel
     rts: float = 0.0  # fraction of blinking pixels
     rts_e: float = 15.0
     heavy: float = 0.0  # share of read noise with tails three times as wide
@@ -102,6 +103,7 @@ def random_traits(rng: np.random.Generator) -> Traits:
         if kind != "eight_bit"
         else 8.0,
         white=255.0 if kind == "eight_bit" else float(2 ** rng.choice([10, 12, 14, 16]) - 1),
+        hum_at=(float(rng.uniform(0.0, 0.5)), float(rng.uniform(-0.5, 0.5))),
     )
 
 
@@ -193,7 +195,8 @@ class VirtualSensor:
             e += t.pink * _pink(self.shape, t.pink_slope, rng)
         if t.hum:
             yy, xx = np.ogrid[0:h, 0:w]
-            e += t.hum * 1.41 * np.sin(2 * np.pi * (0.17 * yy + 0.05 * xx + rng.random()))
+            u, v = t.hum_at
+            e += t.hum * 1.41 * np.sin(2 * np.pi * (u * yy + v * xx + rng.random()))
         dn = np.clip(np.round(self._gain * e + t.pedestal), 0, t.white)
         if t.comb != 1:
             dn = np.clip(np.round(dn * t.comb), 0, 65535)
