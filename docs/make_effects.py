@@ -37,6 +37,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "convolved_lognormal": {"mu": 3.0, "phi": 0.05},
     "cosmic_rays": {"rate": 4000.0, "energy": 600.0, "length": 6.0},
     "crosstalk": {"alpha": 0.08},
+    "dark_current_fpn": {"rms": 0.3},
     "dark_gradient": {"x": 8.0, "y": 4.0, "xx": 3.0},
     "dark_shading": {"rms": 0.3},
     "defect_lines": {"fraction": 0.02, "sigma": 15.0},

@@ -81,6 +81,9 @@ ANSWERS: dict[str, Answer] = {
     "multiplication": Answer(
         ("electron_multiplication",), "an electron-multiplying register's excess noise"
     ),
+    "clipping_at_zero": Answer(
+        (BASELINE, "black_clipping"), "the converter of the baseline has no codes below 0 either"
+    ),
     # no effect of the catalogue has these laws
     "edge_offset": Answer((), "offsets that rise towards the edges, without charge"),
     "quadrant_offsets": Answer((), "four quadrants, each with its offset and gain"),
@@ -90,6 +93,13 @@ ANSWERS: dict[str, Answer] = {
     "dark_jitter": Answer((), "the dark charge of whole frames scaled at random"),
     "concentric_rings": Answer((), "growth rings of the wafer"),
 }  # fmt: skip
+
+
+# What every sensor of a generator has: an effect that its captures support, and nothing hidden.
+EVERY_SENSOR: dict[str, frozenset[str]] = {
+    # a normal dark current nonuniformity; claimed of the ordinary ones (`pattern_skewness`)
+    "pyxel": frozenset({"dark_current_fpn"}),
+}
 
 
 def names_of(kind: str) -> tuple[str, ...]:

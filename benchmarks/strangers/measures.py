@@ -36,6 +36,14 @@ def _inner_sd(values: np.ndarray) -> float:
     return float(np.std(values[np.abs(values - np.median(values)) <= limit]))
 
 
+def pattern_skewness(stack: np.ndarray) -> float:
+    """Skewness of the mean frame without its outliers; 0 for a normal distribution."""
+    pattern = _float(stack).mean(0)
+    middle, sd = np.median(pattern), max(_robust(pattern), 0.5)
+    inner = pattern[np.abs(pattern - middle) <= 5.0 * sd]
+    return float(np.mean((inner - inner.mean()) ** 3) / inner.std() ** 3)
+
+
 def temporal_sd(stack: np.ndarray) -> float:
     """Standard deviation of the temporal noise without its outliers, DN."""
     return _inner_sd(_difference(stack))
@@ -328,7 +336,7 @@ STATISTICS: dict[str, Callable[..., float]] = {
         edge_noise_ratio, column_noise_spread, segment_sd, interleaved_sd, mosaic_sd,
         raster_covariance, neighbour_correlation, frame_correlation, maxima_share,
         lowest_code_share, empty_codes, code_roughness, spectral_peak, trailing_share,
-        wandering_share, ring_rms,
+        wandering_share, ring_rms, pattern_skewness,
     )
 }  # fmt: skip
 

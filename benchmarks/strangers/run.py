@@ -14,6 +14,7 @@ from typing import Any
 
 from strangers.case import Case
 from strangers.folders import folder_of
+from strangers.score import of_the_hidden
 
 
 def answer(folder: Path) -> dict[str, Any]:
@@ -50,7 +51,7 @@ def described(case: Case) -> dict[str, Any]:
 
 
 def stored(path: Path | None) -> dict[str, dict[str, Any]]:
-    """Rows of a file by their keys; a line cut short by the end of a run is passed over."""
+    """Scored rows of a file by their keys; a line cut short by the end of a run is passed over."""
     rows = {}
     if path is not None and path.exists():
         for line in path.read_text("utf-8").splitlines():
@@ -58,7 +59,7 @@ def stored(path: Path | None) -> dict[str, dict[str, Any]]:
                 row = json.loads(line)
             except json.JSONDecodeError:
                 continue
-            rows[row["key"]] = row
+            rows[row["key"]] = of_the_hidden(row)
     return rows
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from strangers.answers import BASELINE, names_of
+from strangers.answers import BASELINE, EVERY_SENSOR, names_of
 
 Row = Mapping[str, Any]
 SURE = 0.9  # an addition with at least this confidence is said for certain
@@ -30,6 +30,17 @@ def mcnemar(gained: int, lost: int) -> float:
         return 1.0
     tail = sum(math.comb(total, k) for k in range(min(gained, lost) + 1)) / 2**total
     return min(1.0, 2 * tail)
+
+
+def of_the_hidden(row: Row) -> dict[str, Any]:
+    """The row without the effects that every sensor of its generator has."""
+    own = EVERY_SENSOR.get(row["generator"], frozenset())
+    if row.get("failed") or not own & set(row["named"]):
+        return dict(row)
+    named = [name for name in row["named"] if name not in own]
+    additions = [[name, sure] for name, sure in row["additions"] if name not in own]
+    first = next((name for name, _ in additions if name in named), None)
+    return dict(row) | {"named": named, "additions": additions, "first": first}
 
 
 def accepted(row: Row) -> list[set[str]]:

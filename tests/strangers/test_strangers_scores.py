@@ -13,6 +13,7 @@ from strangers.score import (
     detected_right,
     falsely_sure,
     mcnemar,
+    of_the_hidden,
     paired,
     right,
     wilson,
@@ -73,6 +74,15 @@ def test_mcnemar_is_the_two_sided_binomial(gained, lost, p):
 def test_an_ordinary_sensor_is_right_without_an_addition():
     assert right(row())
     assert not right(named("row_noise"))
+
+
+def test_what_every_sensor_of_a_generator_has_is_neither_right_nor_false():
+    both = named("dark_current_fpn", "row_noise", generator="pyxel", hides=["row_noise"])
+    scored = of_the_hidden(both)
+    assert (scored["named"], scored["first"]) == (["row_noise"], "row_noise")
+    assert right(scored)
+    assert right(of_the_hidden(named("dark_current_fpn", generator="pyxel")))
+    assert not right(of_the_hidden(named("dark_current_fpn", generator="plain")))
 
 
 def test_the_right_name_has_to_come_first():

@@ -320,7 +320,7 @@ EFFECTS: dict[str, tuple[tuple[str, ...], Changes, Claims, float, float]] = {
                     edge_offset, 0.7, 3.0),
     "multiplication": (("multiplication",), _multiplied, multiplied, 10.0, 100.0),
     "nonlinearity": (("nonlinearity",), _bent, bent, 0.15, 0.45),
-    "black_clipping": (("black_clipping",), _of("bias_offset_adu", _noise), clipped,
+    "black_clipping": (("clipping_at_zero",), _of("bias_offset_adu", _noise), clipped,
                        1.8, 0.5),
 }  # fmt: skip
 

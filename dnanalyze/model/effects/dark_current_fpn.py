@@ -83,6 +83,7 @@ class DarkCurrentFpn(Effect):
             return 1.0, 0.5 * (1.0 - LEFT**2) * math.log1p(rms**2)
         return 1.0, 0.0
 
+
 def gamma_deviates(normal: np.ndarray, rms: float) -> np.ndarray:
     """Standard normal deviates to gamma deviates of mean 1, by way of their probability, float32.
 

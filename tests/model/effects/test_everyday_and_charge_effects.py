@@ -23,6 +23,7 @@ EFFECTS = {
     "persistence": {"amplitude": 0.1},
     "crosstalk": {"alpha": 0.02},
     "dark_shading": {"rms": 0.1},
+    "dark_current_fpn": {"rms": 0.2, "law": "gamma"},
     "transfer_tails": {"loss": 0.1},
     "electron_multiplication": {"induced": 0.5},
     "scaled_lines": {"fraction": 0.05, "sigma": 0.5},
