@@ -39,6 +39,9 @@ ANSWERS: dict[str, Answer] = {
     "power_law_hot_pixels": Answer(("hot_pixels",), "rates follow a power law"),
     "damage_hot_pixels": Answer(("hot_pixels",), "exponential rates of displacement damage"),
     "offset_jumps": Answer(("offset_drift",), "white offsets of whole frames, no walk"),
+    "dark_jitter": Answer(
+        ("offset_drift",), "the dark charge of whole frames scaled at random: `scaled`, `white`"
+    ),
     "flicker_cutoff": Answer(("flicker_noise",), "1/f above a lower cutoff, white below"),
     "alternating_flicker": Answer(
         ("flicker_noise",), "1/f noise of two chains, one for even and one for odd columns"
@@ -90,7 +93,6 @@ ANSWERS: dict[str, Answer] = {
     "noise_at_edges": Answer((), "read noise that rises towards the edges"),
     "channel_noise": Answer((), "read noise that differs between interleaved channels"),
     "nonlinearity": Answer((), "a response that bends with charge"),
-    "dark_jitter": Answer((), "the dark charge of whole frames scaled at random"),
     "concentric_rings": Answer((), "growth rings of the wafer"),
 }  # fmt: skip
 

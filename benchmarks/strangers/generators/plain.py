@@ -720,7 +720,7 @@ EFFECTS: dict[str, tuple[tuple[str, ...], Build, float, float]] = {
     "dead_pixels": (("dead_pixels",), dead_pixels, 0.001, 0.006),
     "digital_gain": (("digital_gain",), digital_gain, 1.13, 1.5),
     "missing_codes": (("missing_codes",), missing_codes, 0.2, 0.5),
-    "black_clipping": (("black_clipping",), black_clipping, 1.8, 0.5),
+    "black_clipping": (("clipping_at_zero",), black_clipping, 1.8, 0.5),
     "temporal_denoise": (("temporal_denoise",), temporal_denoise, 0.2, 0.5),
 }
 
