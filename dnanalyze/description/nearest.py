@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dnanalyze.comparator.error import LUCK
+from dnanalyze.diagnosis.candidates import candidates_of
 from dnanalyze.diagnosis.explain import evidence_against
 from dnanalyze.diagnosis.predictive_check import error_of
-from dnanalyze.diagnosis.score_test import score_tests
+from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.digits import number
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise
@@ -16,8 +17,10 @@ from dnanalyze.fitting.least_squares import start as begun_at
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.registry import BASE
 
 STEPS = 4
+PROMISING = 2  # effects that are refitted for their score test alone
 # By geometry and time: what the catalogue has that leaves power at the same place.
 NEAR = {
     ("wave", "fixed"): ("periodic_pattern", "cfa_mismatch", "column_taps"),
@@ -70,24 +73,32 @@ def nearest(
     effect: CompositeEffect,
     known: Mapping[str, type[Effect]],
 ) -> list[Nearest]:
-    """A few effects, each refitted instead of the structure."""
-    names = (
+    """A few effects, each refitted instead of the structure.
+
+    Those that look alike, and the two with the largest score tests: what is all over the spectrum
+    leaves power where the structure was found, too.
+    """
+    alike = (
         NOISE
         if effect.what == "noise" and effect.where in ("wave", "rings")
         else NEAR.get((effect.where, effect.when), ())
     )
+    open_to = candidates_of(state, dict(known), [BASE])
+    guesses: dict[str, Guess] = {}
+    for guess in score_tests(held, state, open_to):  # the largest first
+        guesses.setdefault(guess.effect, guess)
     nan = float("nan")
     found = []
-    for name in [n for n in names if n in known]:
+    for name in dict.fromkeys([*(n for n in alike if n in known), *list(guesses)[:PROMISING]]):
         if state.model.get(name) is not None:
             error = error_of(held, state)
             found.append(Nearest(name, nan, f"already in the model, model error {number(error)}"))
             continue
-        seen = score_tests(held, state, {name: known[name]})
-        if not seen:
+        if name not in guesses:
             found.append(Nearest(name, nan, "not indicated by the statistics"))
             continue
-        begun = begun_at(held, seen[0].model, knobs_of(seen[0].model), like=state)
+        larger = guesses[name].model
+        begun = begun_at(held, larger, knobs_of(larger), like=state)
         rival = minimise(held, begun, STEPS)
         why = evidence_against(held, rival, ended, name, CompositeEffect.name)
         found.append(Nearest(name, error_of(held, rival), why or "explains nearly as much"))

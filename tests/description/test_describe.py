@@ -24,3 +24,14 @@ def test_of_an_ordinary_sensor_nothing_is_described():
     found = dnanalyze.describe(generate(SENSOR, {}, (192, 192), frames=6, seed=3))
     assert found.verdict in ("adequate", "nothing")
     assert "composite" not in found.model.names
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", ["column_fpn", "row_noise"])
+def test_an_effect_of_the_catalogue_that_explains_as_much_is_preferred(effect):
+    """Random columns have one largest wave among them, which no effect of its own left there."""
+    found = dnanalyze.describe(generate(SENSOR, {effect: "middling"}, (192, 192), frames=6, seed=3))
+    assert found.verdict != "described"
+    assert "composite" not in found.model.names
+    assert effect in [n.effect for n in found.nearest]
+    assert effect in found.text
