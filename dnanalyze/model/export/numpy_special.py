@@ -18,6 +18,16 @@ def ndtri(p: np.ndarray) -> np.ndarray:
     return np.vectorize(statistics.NormalDist().inv_cdf, otypes=[float])(np.asarray(p, float))
 
 
+def gammaincinv(a: float, p: np.ndarray) -> np.ndarray:
+    """Quantiles of the gamma distribution of shape a; its density over ln x is summed."""
+    low = (math.log(1e-11) + math.lgamma(a + 1.0)) / a  # below it lies a probability of 1e-11
+    y = np.linspace(low, math.log(a + 9.0 * math.sqrt(a) + 40.0), 400_001)
+    density = np.exp(a * y - np.exp(y) - math.lgamma(a))
+    below = np.append(0.0, np.cumsum(density[1:] + density[:-1]))
+    found: np.ndarray = np.exp(np.interp(p, below / below[-1], y))
+    return found
+
+
 def pdtrc(k: np.ndarray, mean: float) -> np.ndarray:
     """Probability that a Poisson count exceeds k."""
     top = int(np.max(k)) + 1

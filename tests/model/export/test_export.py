@@ -236,3 +236,14 @@ def test_the_command(tmp_path, capsys):
         assert back.read_text() == (tmp_path / "M.yaml").read_text()
     assert main(["export", str(back), "--format", "xlsx", "-o", str(tmp_path / "x")]) == 2
     assert "valid: csv, getframes, json, numpy, pyxel, torch, yaml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("shape", [0.25, 1.0, 25.0, 1e4, 1e6])
+def test_quantiles_of_the_gamma_distribution_are_those_of_scipy(shape):
+    from scipy import special
+
+    from dnanalyze.model.export.numpy_special import gammaincinv
+
+    p = special.ndtr(np.linspace(-4.0, 4.0, 41))
+    expected = special.gammaincinv(shape, p)
+    np.testing.assert_allclose(gammaincinv(shape, p), expected, rtol=1e-5, atol=1e-5 * shape**0.5)
