@@ -73,14 +73,14 @@ def run(given: argparse.Namespace) -> int:
     """Run what is made and has no line yet, then print the tables."""
     from strangers.folders import folder_of
     from strangers.run import run_all, store, stored
-    from strangers.score import falsely_sure, of_the_hidden, right
+    from strangers.score import falsely_sure, hidden_only, right
 
     rows = stored(given.json)
     there = [c for c in chosen(given) if folder_of(given.root, c).exists()]
     todo = [c for c in there if c.key not in rows]
     for count, row in enumerate(run_all(todo, given.root, given.jobs, given.limit), 1):
         store(given.json, row)
-        row = rows[row["key"]] = of_the_hidden(row)
+        row = rows[row["key"]] = hidden_only(row)
         sign = ("ok" if right(row) else "--") + (" FALSE" if falsely_sure(row) else "")
         said = row.get("failed") or f"{', '.join(row['named']) or 'nothing'}; {row['verdict']}"
         print(f"{count}/{len(todo)} {sign} {row['key']}: {said}", flush=True)

@@ -30,17 +30,20 @@ def mean(stack: np.ndarray) -> float:
     return float(np.median(_float(stack).mean(0)))
 
 
-def _inner_sd(values: np.ndarray) -> float:
-    """Standard deviation of what lies within 5 robust deviations; whole numbers do no harm."""
+def _inner(values: np.ndarray) -> np.ndarray:
+    """What lies within 5 robust deviations; whole numbers do no harm."""
     limit = 5.0 * max(_robust(values), 0.5)
-    return float(np.std(values[np.abs(values - np.median(values)) <= limit]))
+    return values[np.abs(values - np.median(values)) <= limit]
+
+
+def _inner_sd(values: np.ndarray) -> float:
+    """Standard deviation without outliers."""
+    return float(np.std(_inner(values)))
 
 
 def pattern_skewness(stack: np.ndarray) -> float:
     """Skewness of the mean frame without its outliers; 0 for a normal distribution."""
-    pattern = _float(stack).mean(0)
-    middle, sd = np.median(pattern), max(_robust(pattern), 0.5)
-    inner = pattern[np.abs(pattern - middle) <= 5.0 * sd]
+    inner = _inner(_float(stack).mean(0))
     return float(np.mean((inner - inner.mean()) ** 3) / inner.std() ** 3)
 
 

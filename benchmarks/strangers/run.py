@@ -14,7 +14,7 @@ from typing import Any
 
 from strangers.case import Case
 from strangers.folders import folder_of
-from strangers.score import of_the_hidden
+from strangers.score import hidden_only
 
 
 def answer(folder: Path) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def stored(path: Path | None) -> dict[str, dict[str, Any]]:
                 row = json.loads(line)
             except json.JSONDecodeError:
                 continue
-            rows[row["key"]] = of_the_hidden(row)
+            rows[row["key"]] = hidden_only(row)
     return rows
 
 

@@ -32,7 +32,7 @@ def mcnemar(gained: int, lost: int) -> float:
     return min(1.0, 2 * tail)
 
 
-def of_the_hidden(row: Row) -> dict[str, Any]:
+def hidden_only(row: Row) -> dict[str, Any]:
     """The row without the effects that every sensor of its generator has."""
     own = EVERY_SENSOR.get(row["generator"], frozenset())
     if row.get("failed") or not own & set(row["named"]):

@@ -20,7 +20,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE
 
 STEPS = 4
-PROMISING = 2  # effects that are refitted for their score test alone
+PROMISING = 2  # largest score tests: the effect that is missing, and what it is confounded with
 # By geometry and time: what the catalogue has that leaves power at the same place.
 NEAR = {
     ("wave", "fixed"): ("periodic_pattern", "cfa_mismatch", "column_taps"),

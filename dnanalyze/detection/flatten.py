@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-# Of white noise one bin in 3e9 is 30 times above the median: exp(-30 ln 2).
+# Of white noise one bin in 1e9 is 30 times above the median: 2^-30.
 STRENGTH = 30.0
 LEAKING = 10.0  # pi^2: a line of so many times the strength still exceeds it one bin away
-MOST_TONES = 16
+MOST_TONES = 16  # a bound on the time: harmonics of a few interferences
 
 
 def robust_sd(values: np.ndarray) -> float:
@@ -92,7 +92,7 @@ def without_tones(image: np.ndarray, strength: float = STRENGTH) -> np.ndarray:
         u, v = np.fft.fftfreq(image.shape[0])[at[0]], at[1] / image.shape[1]
         rest = _without_sinusoid(image, float(u), float(v))
         if _spectrum_and_ratio(rest)[1][at] > ratio[at] / 4:
-            break  # no sinusoid: a broad line
+            break  # a broad line: less than half of its amplitude is one sinusoid
         image = rest
     spectrum, ratio = _spectrum_and_ratio(image)
     lines = ratio > strength
@@ -143,5 +143,6 @@ def _without_sinusoid(image: np.ndarray, u: float, v: float) -> np.ndarray:
         v += float(np.angle(np.sum(phasors[:, 1:] * phasors[:, :-1].conj()))) / (2 * np.pi * size)
     wave = np.outer(np.exp(2j * np.pi * u * y), np.exp(2j * np.pi * v * x)).ravel()
     parts = np.stack([wave.real, wave.imag])
-    amplitudes = np.linalg.solve(parts @ parts.T, parts @ centred.ravel())
+    # at 0.5 cycles/pixel along both axes the sine is 0
+    amplitudes = np.linalg.pinv(parts @ parts.T, rcond=1e-9) @ (parts @ centred.ravel())
     return image - (amplitudes @ parts).reshape(h, w).astype(image.dtype)

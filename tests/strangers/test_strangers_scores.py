@@ -12,8 +12,8 @@ from strangers.score import (
     by_generator,
     detected_right,
     falsely_sure,
+    hidden_only,
     mcnemar,
-    of_the_hidden,
     paired,
     right,
     wilson,
@@ -78,11 +78,11 @@ def test_an_ordinary_sensor_is_right_without_an_addition():
 
 def test_what_every_sensor_of_a_generator_has_is_neither_right_nor_false():
     both = named("dark_current_fpn", "row_noise", generator="pyxel", hides=["row_noise"])
-    scored = of_the_hidden(both)
+    scored = hidden_only(both)
     assert (scored["named"], scored["first"]) == (["row_noise"], "row_noise")
     assert right(scored)
-    assert right(of_the_hidden(named("dark_current_fpn", generator="pyxel")))
-    assert not right(of_the_hidden(named("dark_current_fpn", generator="plain")))
+    assert right(hidden_only(named("dark_current_fpn", generator="pyxel")))
+    assert not right(hidden_only(named("dark_current_fpn", generator="plain")))
 
 
 def test_the_right_name_has_to_come_first():

@@ -11,8 +11,7 @@ import numpy as np
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
 REACH = 6.0  # standard normal deviates: 2e-9 of the pixels lie beyond
-NODES = 1537  # of the table of gamma deviates, interpolated to 1e-5 of their standard deviation
-
+NODES = 1537  # of the table of gamma deviates: 2e-5 of their standard deviation for rms to 2
 LEFT = 0.3  # of the seed's standard deviation, 9 % of its variance: a fit can move it either way
 
 
@@ -41,7 +40,7 @@ class DarkCurrentFpn(Effect):
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0 (DSNU)",
-        "Janesick, Photon Transfer, SPIE Press (2007), chapter 11: dark current FPN",
+        "Janesick, Photon Transfer, SPIE Press (2007): dark current FPN",
         "Baer, A model for dark current characterization and simulation, SPIE 6068 (2006)",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
