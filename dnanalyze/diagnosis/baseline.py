@@ -22,6 +22,11 @@ EVERY_SENSOR = (
 FAR_OFF = 5.0  # loss per statistic beyond which the next effect moves all that is fitted here
 
 
+def far_off(state: State) -> bool:
+    """Whether so much is left that the next effect moves all parameters."""
+    return state.loss > FAR_OFF * len(state.train)
+
+
 def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
     """Whether a model has none of the baseline effects that are not excluded."""
     wanted = any(name not in exclude for name in EVERYDAY)

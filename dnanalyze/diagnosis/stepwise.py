@@ -3,7 +3,8 @@
 Read from `Search.run` down: each step is `choose` (score tests, refits, significance), `completed`
 (form and strength of the effect, everything at its optimum) and `reduced` (backward step). Where
 nothing more is significant and the model is not adequate, `swapped` tries confounded effects in
-the place of one that was added.
+the place of one that was added. While the model is far off, the steps are taken on a part of the
+field; the whole field confirms them.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.baseline import EVERY_SENSOR, lacks_baseline, with_baseline
+from dnanalyze.diagnosis.baseline import EVERY_SENSOR, far_off, lacks_baseline, with_baseline
 from dnanalyze.diagnosis.candidates import (
     LEAST,
     REFITS,
@@ -46,7 +47,7 @@ from dnanalyze.diagnosis.selection import (
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.from_part import carried, converge
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, deviance, minimise, start
 from dnanalyze.fitting.predictor import Bench
@@ -223,6 +224,8 @@ class Search:
     ``known``: effects that may be added. ``begun``: those of the starting model, which do not count
     as added. ``most``, ``until_error``: limits of the user. ``tell``, ``trying``: called with every
     step, and with the name of every candidate. ``keep``: called whenever the model is complete.
+    ``whole``: the bench of the whole field where ``held`` is that of a part; model errors, and what
+    is kept, are of it.
     """
 
     held: Bench
@@ -233,44 +236,82 @@ class Search:
     tell: Callable[[Step], None] = lambda _: None
     trying: Callable[[str], None] = lambda _: None
     keep: Callable[[Path], None] = lambda _: None
+    whole: Bench | None = None
 
     def run(self, state: State, exclude: Sequence[str] = ()) -> Path:
         """From a fitted model to one in which nothing more is significant, or to a limit."""
         path = self._noted(Path(state), state, None)
-        self.keep(path)
+        self._kept(path)
         if lacks_baseline(state.model, exclude):
             stages: list[tuple[str, State]] = []
             with_baseline(self.held, state, exclude, lambda *stage: stages.append(stage))
             for name, stage in stages:
                 path = self._noted(path, stage, name, why=[EVERY_SENSOR])
-            self.keep(path)
+            self._kept(path)
+        return self._searched(self._on_part(path))
+
+    def _on_part(self, path: Path) -> Path:
+        """The forward steps that a part of the field decides, confirmed on the whole field.
+
+        While the model is far off, a quarter of the field leaves as little doubt as all of it.
+        """
+        part = self.held.part
+        if part is None:
+            return path
+        coarse = replace(self, held=replace(part, even=False), whole=self.held)
+        begun = replace(path, state=carried(path.state, self.held, coarse.held))
+        found = coarse._while_far_off(begun)
+        if found is begun:
+            return path
+        state = carried(found.state, coarse.held, self.held)
+        return self._converged(replace(found, state=state, converged=False))
+
+    def _while_far_off(self, path: Path) -> Path:
+        while far_off(path.state) and not self.near_enough(path):
+            null = Null(self.held, path.state)
+            tested = self._tested(path, null)
+            if tested.best is None or self._full(tested):
+                break
+            path = self._with(tested, null, tested.best)
+        return path
+
+    def _searched(self, path: Path) -> Path:
+        """Forward, backward and swap steps until none is significant."""
         while not self.near_enough(path):
             null = Null(self.held, path.state)
-            open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
-            first = {name: e for name, e in open_to.items() if name in path.open}
-            tried, best = choose(null, first or open_to, self.trying)
-            if best is None and first:
-                path = replace(path, open=())
-                continue
-            path = replace(path, tried=tuple(tried), best=best)
-            added, gone = self._added(path.state), None
-            if best is not None and best.effect == BASE:
-                path = self._with_law(path, best)
-                continue
+            path = self._tested(path, null)
+            best, gone = path.best, None
             if best is None and not path.converged:
                 path = self._converged(path)
                 continue
             if best is None and not null.adequate:
+                open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
+                added = self._added(path.state)
                 found = swapped(self.held, path.state, added, open_to, self.trying)
                 if found is not None:
                     gone, null, best = found
-                    tried = [best]
-            if best is None or (self.most is not None and len(added) - bool(gone) >= self.most):
+                    path = replace(path, tried=(best,))
+            if best is None or self._full(path, gone):
                 return self._converged(path)
             if gone is not None:
                 path = self._without(path, null.state, [gone])
-            path = self._with(path, null, tried, best)
+            path = self._with(path, null, best)
         return self._converged(replace(path, tried=(), best=None))
+
+    def _tested(self, path: Path, null: Null) -> Path:
+        """The candidates tested: those first that were significant beside the last one."""
+        open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
+        first = {name: e for name, e in open_to.items() if name in path.open}
+        tried, best = choose(null, first or open_to, self.trying)
+        if best is None and first:
+            return self._tested(replace(path, open=()), null)
+        return replace(path, tried=tuple(tried), best=best)
+
+    def _full(self, path: Path, gone: str | None = None) -> bool:
+        """Whether the user wants no more effects; ``gone``: the one that another replaces."""
+        law = path.best is not None and path.best.effect == BASE
+        added = len(self._added(path.state)) - (gone is not None)
+        return self.most is not None and not law and added >= self.most
 
     def near_enough(self, path: Path) -> bool:
         """Whether the model error is as low as the user asked."""
@@ -279,8 +320,11 @@ class Search:
     def _added(self, state: State) -> list[str]:
         return [n for n in state.model.names if n not in (*self.begun, *EVERYDAY)]
 
-    def _with(self, path: Path, null: Null, tried: Sequence[Trial], best: Trial) -> Path:
+    def _with(self, path: Path, null: Null, best: Trial) -> Path:
         """One more effect, completed, and what is superfluous with it gone."""
+        if best.effect == BASE:
+            return self._with_law(path, best)
+        tried = path.tried
         sure, near = confidence_of(best, tried, null.error), competitors(best, tried)
         state = completed(self.held, best)
         effect = type(state.model.get(best.effect))
@@ -288,29 +332,36 @@ class Search:
         path = self._noted(path, state, best.effect, sure, near, why)
         beside = [t.effect for t in tried if significant(t, null.error) and apart(best, t)]
         path = replace(path, converged=not much_left(state), open=tuple(beside))
-        self.keep(path)
+        self._kept(path)
+        return self._reduced(path) if path.converged else path
+
+    def _reduced(self, path: Path) -> Path:
+        """Without the effects that are no longer significant."""
         state, gone = reduced(self.held, path.state)
         if gone:
             path = self._without(path, state, gone)
-            self.keep(path)
+            self._kept(path)
         return path
 
     def _converged(self, path: Path) -> Path:
-        """Everything at its optimum: the error of the last step is that of the new state."""
+        """Everything at its optimum, and what is then superfluous gone.
+
+        The error of the last step is that of the new state.
+        """
         if path.converged:
             return path
         state = converge(self.held, path.state)
         *steps, last = path.steps
         last = replace(last, error=error_of(self.held, state))
         path = replace(path, state=state, steps=(*steps, last), converged=True)
-        self.keep(path)
-        return path
+        self._kept(path)
+        return self._reduced(path)
 
     def _with_law(self, path: Path, law: Trial) -> Path:
         """The spread of the dark current free to change with temperature: no effect more."""
         state = converge(self.held, law.state)
         path = self._noted(path, state, None, why=[in_words(self.held, state.model)])
-        self.keep(path)
+        self._kept(path)
         return path
 
     def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
@@ -327,6 +378,13 @@ class Search:
         near: Sequence[str] = (),
         why: Sequence[str] = (),
     ) -> Path:
-        step = Step(name, Null(self.held, state).error, sure, list(why), list(near))
+        there = self._on_whole(state)
+        step = Step(name, error_of(self.whole or self.held, there), sure, list(why), list(near))
         self.tell(step)
         return replace(path, state=state, steps=(*path.steps, step))
+
+    def _kept(self, path: Path) -> None:
+        self.keep(replace(path, state=self._on_whole(path.state)))
+
+    def _on_whole(self, state: State) -> State:
+        return state if self.whole is None else carried(state, self.held, self.whole)

@@ -12,6 +12,7 @@ BUDGET_PIXELS = 12_000_000
 MOST_SETTINGS = 8
 MOST_FRAMES = 8
 LARGE = 3_000_000  # pixels of a simulation from which a fit begins on a part of the field
+BAND = 32  # rows of a part at the least: they resolve all bands but the lowest, 0 to .03 c/px
 ALIGNED = 4  # pixels by which a part may be moved: whole blocks of a colour filter
 
 
@@ -47,10 +48,13 @@ class Design:
 
     @property
     def part(self) -> Design | None:
-        """The middle of either half, a quarter of it; None where the whole is small."""
-        if self.pixels < LARGE:
+        """The middle quarter of the rows of either half; None where the whole is small.
+
+        It has every column, as the halves have.
+        """
+        if self.pixels < LARGE or self.train.shape[0] < 4 * BAND:
             return None
-        return replace(self, train=_middle(self.train), test=_middle(self.test))
+        return replace(self, train=_band(self.train), test=_band(self.test))
 
     @property
     def settings(self) -> list[tuple[OperatingPoint, int]]:
@@ -89,16 +93,11 @@ def design(
     return Design(replace(captures, settings=thinned), train, test)
 
 
-def _middle(window: Window) -> Window:
-    """Half of its rows and of its columns."""
-    rows, columns = (n // (2 * ALIGNED) * ALIGNED for n in window.shape)
-    top, left = (
-        low + (whole - inside) // (2 * ALIGNED) * ALIGNED
-        for low, whole, inside in zip(
-            (window.top, window.left), window.shape, (rows, columns), strict=True
-        )
-    )
-    return Window(top, top + rows, left, left + columns)
+def _band(window: Window) -> Window:
+    """The middle quarter of its rows."""
+    rows = window.shape[0] // (4 * ALIGNED) * ALIGNED
+    top = window.top + (window.shape[0] - rows) // (2 * ALIGNED) * ALIGNED
+    return Window(top, top + rows, window.left, window.right)
 
 
 def _spread(settings: tuple[Setting, ...], most: int) -> tuple[Setting, ...]:

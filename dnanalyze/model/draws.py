@@ -158,13 +158,19 @@ def add_lognormal(
 
 
 @recordable
-def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.ndarray:
-    """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated."""
+def share_with_neighbours(
+    signal: np.ndarray, edge: float, corner: float, uneven: float = 0.0
+) -> np.ndarray:
+    """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated.
+
+    ``uneven``: added to the weight along the row, taken off that along the column.
+    """
     from dnanalyze.model import kernels
 
     signal = _ready(signal)
     out = np.empty_like(signal)
-    kernels.share_with_neighbours(signal, np.float32(edge), np.float32(corner), out)
+    weights = np.float32(edge), np.float32(corner), np.float32(uneven)
+    kernels.share_with_neighbours(signal, *weights, out)
     return out
 
 

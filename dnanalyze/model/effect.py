@@ -52,8 +52,8 @@ class Stage(IntEnum):
 class Placing(IntEnum):
     """Where in the field an effect is, from what is the same all over to what is not."""
 
-    EVERYWHERE = 1  # every part of the field shows it alike
-    ANYWHERE = 2  # by one law at all places, unshaded, but not alike: few pixels, columns
+    EVERYWHERE = 1  # every band of rows over the whole width shows it alike
+    ANYWHERE = 2  # by one law at all places, unshaded, but not alike: few pixels
     SOMEWHERE = 3  # at places of its own, or shaded, be it by rows, clouds or hum; or not known
 
 

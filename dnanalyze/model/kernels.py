@@ -295,8 +295,11 @@ def _few(words, mean, count, work):
 
 
 @_compiled
-def share_with_neighbours(signal, edge, corner, out):
-    """out = 3x3 convolution of signal, weights ``edge`` and ``corner``, sum 1; edges repeated."""
+def share_with_neighbours(signal, edge, corner, uneven, out):
+    """out = 3x3 convolution of signal, of sum 1; the frame's edge is repeated.
+
+    Weights: ``edge + uneven`` along the row, ``edge - uneven`` along the column, ``corner``.
+    """
     rows, columns = signal.shape
     centre = F(1) - F(4) * edge - F(4) * corner
     sides = np.empty(columns, np.float32)
@@ -306,17 +309,21 @@ def share_with_neighbours(signal, edge, corner, out):
         for c in range(columns):
             sides[c] = up[c] + down[c]
         for c in range(1, columns - 1):
+            along = here[c - 1] + here[c + 1]
             line[c] = (
                 centre * here[c]
-                + edge * (sides[c] + (here[c - 1] + here[c + 1]))
+                + edge * (sides[c] + along)
                 + corner * (sides[c - 1] + sides[c + 1])
+                + uneven * (along - sides[c])
             )
         for c in (0, columns - 1):
             a, b = max(c - 1, 0), min(c + 1, columns - 1)
+            along = here[a] + here[b]
             line[c] = (
                 centre * here[c]
-                + edge * (sides[c] + (here[a] + here[b]))
+                + edge * (sides[c] + along)
                 + corner * (sides[a] + sides[b])
+                + uneven * (along - sides[c])
             )
 
 

@@ -162,7 +162,7 @@ def test_derivatives_are_taken_on_the_part_where_every_part_shows_them(held, sim
     assert not any(simulated)
     near = derive(held.part, carried(blank, held, held.part), anew=True)
     np.testing.assert_array_equal(found.jacobian, carried(near, held.part, held).jacobian)
-    placed = model(1, column_fpn={"sigma": 1.0})
+    placed = model(1, amp_glow={"amplitude": 5.0})
     somewhere = start(held, placed, knobs_of(placed))
     simulated.clear()
     np.testing.assert_array_equal(

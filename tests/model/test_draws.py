@@ -239,8 +239,8 @@ def test_crosstalk_kernel_is_the_convolution():
     from scipy.ndimage import convolve
 
     a = np.random.default_rng(0).normal(size=(31, 47)).astype(np.float32)
-    kernel = np.array([[0.01, 0.03, 0.01], [0.03, 0.84, 0.03], [0.01, 0.03, 0.01]])
-    got = draws.share_with_neighbours(a, 0.03, 0.01)
+    kernel = np.array([[0.01, 0.01, 0.01], [0.05, 0.84, 0.05], [0.01, 0.01, 0.01]])
+    got = draws.share_with_neighbours(a, 0.03, 0.01, 0.02)
     np.testing.assert_allclose(got, convolve(a.astype(float), kernel, mode="nearest"), atol=1e-6)
     for shape in ((1, 1), (1, 5), (5, 1), (2, 2)):
         ones = draws.share_with_neighbours(np.ones(shape, np.float32), 0.03, 0.01)

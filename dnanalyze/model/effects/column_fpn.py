@@ -21,7 +21,7 @@ class ColumnFpn(Effect):
     name: ClassVar[str] = "column_fpn"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "fixed"
-    placing: ClassVar[Placing] = Placing.ANYWHERE
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "Fixed vertical stripes: every column has its own offset."
     physics: ClassVar[str] = (
         "In a CMOS sensor all pixels of a column share one amplifier and one converter, whose "

@@ -18,7 +18,7 @@ class ColumnGain(Effect):
     name: ClassVar[str] = "column_gain"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "fixed"
-    placing: ClassVar[Placing] = Placing.ANYWHERE
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = (
         "Vertical stripes that grow with the signal: column amplifiers differ in gain."
     )

@@ -19,7 +19,7 @@ class ColumnNoise(Effect):
     name: ClassVar[str] = "column_noise"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
-    placing: ClassVar[Placing] = Placing.ANYWHERE
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "Vertical stripes that change in every frame."
     physics: ClassVar[str] = (
         "The offset of a column circuit is set once a frame where its clamp or its auto-zero is "

@@ -13,7 +13,10 @@ from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 
 @dataclass(frozen=True)
 class Crosstalk(Effect):
-    """Each pixel gives a share alpha to each edge neighbour and beta to each diagonal one."""
+    """Each pixel gives a share alpha to each edge neighbour and beta to each diagonal one.
+
+    Along rows and columns the share may differ.
+    """
 
     name: ClassVar[str] = "crosstalk"
     stage: ClassVar[Stage] = Stage.COUPLING
@@ -25,7 +28,8 @@ class Crosstalk(Effect):
     physics: ClassVar[str] = (
         "Neighbouring pixels are coupled by stray capacitance (interpixel capacitance, IPC) or "
         "by diffusion of charge, so a fixed share of each pixel's signal appears in its "
-        "neighbours, before the readout adds its noise. The share does not depend on amplitude, "
+        "neighbours, before the readout adds its noise. Along rows and columns it may differ, as "
+        "the wiring does. The share does not depend on amplitude, "
         "temperature or exposure. Dark current and its shot noise become correlated (correlation "
         "about 2 alpha), each hot pixel gains a halo of the same relative height, and the "
         "spectrum falls towards high frequency, down to a plateau when all noise is dark noise; "
@@ -33,8 +37,9 @@ class Crosstalk(Effect):
         "photon transfer comes out too small unless corrected."
     )
     formula: ClassVar[str] = (
-        "y = k * h, k = alpha on 4 edge neighbours, beta = diagonal x alpha on 4 diagonal ones, "
-        "centre 1 - 4 alpha - 4 beta; K(u,v) = 1 - 4(alpha+beta) + 2 alpha (cos 2 pi u + cos 2 "
+        "y = k * h, k = alpha (1 + a) on the neighbours in the row, alpha (1 - a) on those in the "
+        "column, a = anisotropy, beta = diagonal x alpha on the 4 diagonal ones, centre 1 - 4 "
+        "alpha - 4 beta; K(u,v) = 1 - 4(alpha+beta) + 2 alpha ((1 + a) cos 2 pi u + (1 - a) cos 2 "
         "pi v) + 4 beta cos 2 pi u cos 2 pi v"
     )
     references: ClassVar[tuple[str, ...]] = ("EMVA Standard 1288, release 4.0",)
@@ -60,12 +65,18 @@ class Crosstalk(Effect):
     }
     reach: ClassVar[int] = 1
 
-    alpha: float = parameter(2e-3, "1", 1e-6, 0.12, "share given to each edge neighbour")
+    alpha: float = parameter(2e-3, "1", 1e-6, 0.12, "mean share given to each edge neighbour")
     diagonal: float = parameter(0.25, "1", 0.0, 1.0, "diagonal share over alpha", "linear")
+    anisotropy: float = parameter(
+        0.0, "1", -1.0, 1.0, "shares in the row less those in the column, over their sum", "linear"
+    )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Convolve with the 3x3 kernel; the frame's outer rows and columns are repeated."""
-        alpha = self.value("alpha", site.point)
+        alpha, point = self.value("alpha", site.point), site.point
         return draws.share_with_neighbours(
-            signal, alpha, alpha * self.value("diagonal", site.point)
+            signal,
+            alpha,
+            alpha * self.value("diagonal", point),
+            alpha * self.value("anisotropy", point),
         )

@@ -18,7 +18,7 @@ class OffsetDrift(Effect):
     name: ClassVar[str] = "offset_drift"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
-    placing: ClassVar[Placing] = Placing.ANYWHERE
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "The black level drifts from frame to frame, or settles at the start."
     physics: ClassVar[str] = (
         "The black level depends on a reference voltage and on amplifiers that warm up. After "

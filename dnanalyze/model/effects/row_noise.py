@@ -19,7 +19,7 @@ class RowNoise(Effect):
     name: ClassVar[str] = "row_noise"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "temporal"
-    placing: ClassVar[Placing] = Placing.ANYWHERE
+    placing: ClassVar[Placing] = Placing.EVERYWHERE
     summary: ClassVar[str] = "Horizontal stripes that change in every frame (banding)."
     physics: ClassVar[str] = (
         "All pixels of a row are sampled at the same instant. A disturbance of the supply, "

@@ -127,7 +127,11 @@ def _noisy_pixels(effect: Effect, here: Electrons) -> Told:
 
 
 def _crosstalk(effect: Effect, here: Electrons) -> Told:
-    lost = ["the share of the diagonal neighbours"] if effect.value("diagonal", here.point) else []
+    words = {
+        "diagonal": "the share of the diagonal neighbours",
+        "anisotropy": "the difference between the shares along rows and columns",
+    }
+    lost = [text for name, text in words.items() if effect.value(name, here.point)]
     return {"ipc_coupling": effect.value("alpha", here.point)}, lost
 
 

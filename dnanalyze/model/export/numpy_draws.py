@@ -178,12 +178,18 @@ def add_lognormal(
     return add_scaled_normal(signal, mean, norm, sigma, keys[1], window, width)
 
 
-def share_with_neighbours(signal: np.ndarray, edge: float, corner: float) -> np.ndarray:
-    """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated."""
+def share_with_neighbours(
+    signal: np.ndarray, edge: float, corner: float, uneven: float = 0.0
+) -> np.ndarray:
+    """3x3 weights ``edge``, ``corner``, the rest in the centre; the frame's edge is repeated.
+
+    ``uneven``: added to the weight along the row, taken off that along the column.
+    """
     a, b, c, d, e, f, g, h, i = around(signal)
-    side, diagonal = np.float32(edge), np.float32(corner)
+    side, diagonal, more = np.float32(edge), np.float32(corner), np.float32(uneven)
     centre = np.float32(1) - 4 * side - 4 * diagonal
-    return centre * e + side * (b + d + f + h) + diagonal * (a + c + g + i)
+    sides = side * (b + d + f + h) + more * (d + f - b - h)
+    return centre * e + sides + diagonal * (a + c + g + i)
 
 
 def rank(values: np.ndarray, levels: np.ndarray, near: int) -> np.ndarray:

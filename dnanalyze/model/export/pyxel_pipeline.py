@@ -87,7 +87,7 @@ def _document(here: Electrons, shape: tuple[int, int], model: NoiseModel) -> dic
                 "simple_ipc",
                 coupling=share,
                 diagonal_coupling=share * crosstalk.value("diagonal", here.point),
-                anisotropic_coupling=0.0,
+                anisotropic_coupling=share * crosstalk.value("anisotropy", here.point),
             )
         )
     read = here.read_e * VOLT_PER_E

@@ -157,10 +157,12 @@ __device__ inline Square around(const float* field, u32 row, u32 column, u32 row
     return s;
 }
 
-__device__ inline float share(Square s, float edge, float corner) {
+__device__ inline float share(Square s, float edge, float corner, float uneven) {
     const float centre = 1.0f - 4.0f * edge - 4.0f * corner;
-    return centre * s.here[1] + edge * ((s.up[1] + s.down[1]) + (s.here[0] + s.here[2]))
-           + corner * ((s.up[0] + s.down[0]) + (s.up[2] + s.down[2]));
+    const float sides = s.up[1] + s.down[1], along = s.here[0] + s.here[2];
+    return centre * s.here[1] + edge * (sides + along)
+           + corner * ((s.up[0] + s.down[0]) + (s.up[2] + s.down[2]))
+           + uneven * (along - sides);
 }
 
 __device__ inline float kernel_mean(Square s, float phi) {

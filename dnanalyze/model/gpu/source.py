@@ -30,7 +30,7 @@ STEPS = {
     "normal": "normal(word(N[{0}], p))",
     "uniform": "uniform(word(N[{0}], p))",
     "counts": "counts(v{0}, v{1}, word(N[{2}], p))",
-    "share": "share(around((const float*)N[{0}], row, column, rows, columns), v{1}, v{2})",
+    "share": "share(around((const float*)N[{0}], row, column, rows, columns), v{1}, v{2}, v{3})",
     "kernel_mean": "kernel_mean(around((const float*)N[{0}], row, column, rows, columns), v{1})",
     "kernel_norm": "kernel_norm(around((const float*)N[{0}], row, column, rows, columns))",
     "telegraph": (

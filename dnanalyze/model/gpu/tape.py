@@ -235,10 +235,10 @@ class Recorded(NDArrayOperatorsMixin):
         norm = Recorded(tape, tape.step("kernel_norm", field))
         return self + (mean + np.float32(sigma) * norm * self._normal(keys[1]))
 
-    def _share_with_neighbours(self, edge: float, corner: float) -> Recorded:
+    def _share_with_neighbours(self, edge: float, corner: float, uneven: float) -> Recorded:
         tape = self.tape
         field = tape.made(self.step, self.size)
-        weights = tape.scalar(edge), tape.scalar(corner)
+        weights = tape.scalar(edge), tape.scalar(corner), tape.scalar(uneven)
         return self._onto(None, tape.step("share", field, *weights))
 
     def _add_telegraph(

@@ -370,13 +370,15 @@ def test_persistence_is_guessed_from_the_part_of_the_noise_that_is_of_charge():
         assert guess.amplitude * np.exp(-1 / guess.tau_s) == pytest.approx(0.02)
 
 
-def test_crosstalk_correlates_shot_noise_by_its_kernel_and_spares_read_noise():
+@pytest.mark.parametrize("uneven", [0.0, 0.6, -1.0])
+def test_crosstalk_correlates_shot_noise_by_its_kernel_and_spares_read_noise(uneven):
     a, d = 0.03, 0.5
     b = a * d
     charge = (flat(200.0), DarkShotNoise(dn_per_e=1.0))
-    y = frames((*charge, Crosstalk(a, d)), (256, 256), 6)
+    y = frames((*charge, Crosstalk(a, d, uneven)), (256, 256), 6)
     z = (y - 200) / np.sqrt(200)
-    k = np.array([[b, a, b], [a, 1 - 4 * a - 4 * b, a], [b, a, b]])
+    row, column = a * (1 + uneven), a * (1 - uneven)
+    k = np.array([[b, column, b], [row, 1 - 4 * a - 4 * b, row], [b, column, b]])
     full = np.zeros((5, 5))
     for i in range(3):
         for j in range(3):
@@ -387,7 +389,7 @@ def test_crosstalk_correlates_shot_noise_by_its_kernel_and_spares_read_noise():
         shifted = z[:, 2 + dy : 254 + dy, 2 + dx : 254 + dx]
         assert abs(np.mean(inner * shifted) - full[2 + dy, 2 + dx]) < 5 * np.sqrt(2 / n)
     assert abs(y.mean() - 200) < 5 * np.sqrt(200 / y.size)  # charge is conserved
-    read = frames((ReadNoise(1.0), Crosstalk(a, d)), (256, 256), 6)
+    read = frames((ReadNoise(1.0), Crosstalk(a, d, uneven)), (256, 256), 6)
     assert abs(np.mean(read[:, :, 1:] * read[:, :, :-1])) < 5 / np.sqrt(read.size)
 
 
@@ -406,11 +408,13 @@ def test_crosstalk_gives_every_hot_pixel_the_same_halo():
 
 def test_crosstalk_is_guessed_from_the_correlation_of_neighbours():
     clues = MadeUpClues(
-        seen={"temporal_corr_10": 0.04, "temporal_corr_01": 0.04},
+        seen={"temporal_corr_10": 0.06, "temporal_corr_01": 0.02},
         model={"temporal_corr_10": 0.0, "temporal_corr_01": 0.0},
         stands_out=("temporal_corr_10",),
     )
-    assert [g.alpha for g in Crosstalk.guess(clues)] == pytest.approx([0.02, 0.02])
+    guesses = Crosstalk.guess(clues)
+    assert [g.alpha for g in guesses] == pytest.approx([0.02] * 3)
+    assert [g.anisotropy for g in guesses] == pytest.approx([0.0, 0.0, 0.5])
 
 
 def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():

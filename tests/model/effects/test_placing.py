@@ -1,4 +1,4 @@
-"""What is said to be alike in every part of the field is, and what lies anywhere shades none."""
+"""What is said to be alike in every band of rows is, and what lies anywhere shades none."""
 
 import numpy as np
 import pytest
@@ -34,10 +34,7 @@ STRONG = {
     "column_noise": {"sigma": 2.0}, "offset_drift": {"step": 2.0}, "column_fpn": {"sigma": 2.0},
 }  # fmt: skip
 LOW, RARE = 3, 1e-4  # orders, and how seldom chance passes for shading
-CORNERS = [
-    Window(top, top + ROWS // 2, left, left + COLUMNS // 2)
-    for top, left in ((0, 0), (ROWS // 2, COLUMNS // 2))
-]
+BANDS = [Window(top, top + ROWS // 4, 0, COLUMNS) for top in (0, 3 * ROWS // 4)]
 
 
 def statistics(windows, *effects):
@@ -55,8 +52,8 @@ def statistics(windows, *effects):
 
 
 def off(*effects):
-    """Differences of two corners of the field, in their standard errors."""
-    one, other = statistics(CORNERS, *effects)
+    """Differences of two bands of rows, in their standard errors."""
+    one, other = statistics(BANDS, *effects)
     scales = {n: info.scale for n, info in infos().items() if info.compared}
     return np.array([
         (scales[n].coordinate(v.value) - scales[n].coordinate(other.values[n].value))
@@ -72,7 +69,7 @@ def size(z):
 
 
 @pytest.mark.parametrize("name", EVERYWHERE)
-def test_corners_differ_by_their_standard_errors(name):
+def test_bands_of_rows_differ_by_their_standard_errors(name):
     assert size(off(KNOWN[name](**PLAIN.get(name, {})))) < LIKE
 
 

@@ -34,7 +34,7 @@ MODEL = NoiseModel(
     (
         MAKE["convolved_lognormal"](mu=MU, delta=0.4, phi=0.001),
         MAKE["hot_pixels"](fraction=1e-3, scale=50.0, law="narrow"),
-        MAKE["crosstalk"](alpha=0.01, diagonal=0.25),
+        MAKE["crosstalk"](alpha=0.01, diagonal=0.25, anisotropy=0.3),
         MAKE["dark_shot_noise"](dn_per_e=K),
         MAKE["read_noise"](sigma=1.5, spread=0.3),
         MAKE["noisy_pixels"](fraction=0.02, sigma=4.0),
@@ -75,6 +75,7 @@ def test_a_camera_of_getframes():
     lost = " ".join(made.lost)
     assert "row_noise" in lost
     assert "diagonal" in lost
+    assert "along rows and columns" in lost
     assert "convolved_lognormal.phi" in lost
     assert all(f"# Not expressed: {what}" in made.text for what in made.lost)
 
@@ -94,6 +95,7 @@ def test_a_pipeline_of_pyxel():
     assert steps["output_node_noise"]["std_deviation"] == pytest.approx(1.5 / K * VOLT_PER_E)
     assert steps["dc_offset"]["offset"] / dn == pytest.approx(200.5)  # it truncates
     assert steps["simple_ipc"]["diagonal_coupling"] == pytest.approx(0.0025)
+    assert steps["simple_ipc"]["anisotropic_coupling"] == pytest.approx(0.003)
     assert any("hot_pixels" in what for what in made.lost)
 
 

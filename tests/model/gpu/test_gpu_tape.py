@@ -88,7 +88,7 @@ def test_only_what_is_read_around_a_pixel_takes_a_pass_more(signal):
     signal += np.ones(SHAPE, np.float32)
     before = signal.step
     assert len(passes(signal.tape, signal.step)) == 1
-    signal = signal.note("share_with_neighbours", 0.1, 0.01)
+    signal = signal.note("share_with_neighbours", 0.1, 0.01, 0.02)
     signal += np.float32(1)
     first, second = passes(signal.tape, signal.step)
     assert (first.step, second.step) == (before, signal.step)
