@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.nuisance import without_biased
+from dnanalyze.diagnosis.nuisance import SHOT, with_seen_gain, without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
@@ -81,12 +81,23 @@ def trials(
         if own[0].promise < LEAST or REACH * own[0].promise < null.state.loss - wanted:
             break
         tell(name)
-        ended = refitted(null.held, own[0], null.state, wanted)
-        wanted = min(wanted, (null.state.loss + ended.loss) / 2.0)
+        ends = []
+        for likely in _likely(own):
+            ends.append(refitted(null.held, likely, null.state, wanted))
+            wanted = min(wanted, (null.state.loss + ends[-1].loss) / 2.0)
+        ended = min(ends, key=lambda state: state.loss)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
     promises = {name: own[0].promise for name, own in guesses.items()}
     return by_standing(_at_their_optima(null, found, promises))
+
+
+def _likely(guesses: Sequence[Guess]) -> list[Guess]:
+    """The first guess, and the first of each other kind whose promise is nearly as large."""
+    first: dict[object, Guess] = {}
+    for guess in guesses:
+        first.setdefault(guess.kind, guess)
+    return [g for g in first.values() if g.promise >= ALIKE * guesses[0].promise]
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
@@ -139,9 +150,13 @@ def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) 
 def _from_guess(bench: Bench, guess: Guess, like: State, wanted: float) -> State:
     """A refit on one field, with the derivatives of the model without where these carry over.
 
-    They do not for the parameters that the effect has biased.
+    They do not for the parameters that the effect has biased, nor for a gain that begins again.
     """
-    begun = start(bench, guess.model, knobs_of(guess.model), like=like)
+    model = with_seen_gain(bench, guess.model)
+    begun = start(bench, model, knobs_of(model), like=like)
+    if model is not guess.model:
+        gain = [knob.effect == SHOT for knob in begun.knobs]
+        begun = replace(begun, jacobian=np.where(gain, np.nan, begun.jacobian))
     return minimise(bench, without_biased(bench, begun, guess.effect), STEPS, below=wanted)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.candidates import judged
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.selection import CERTAIN, NOTHING, PLAIN, Trial
@@ -16,9 +17,10 @@ from dnanalyze.diagnosis.stepwise import (
     supported,
     swapped,
 )
+from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
-from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.from_part import carried, converge
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
@@ -171,3 +173,34 @@ def test_a_search_ends_at_the_users_limits(held):
     enough = Search(held, ROWS, until_error=1e3).run(state)
     assert enough.tried == ()
     assert enough.best is None
+
+
+@pytest.fixture(scope="module")
+def far():
+    """Two effects of 20 times the read noise, in a field that has a part."""
+    points = tuple(OperatingPoint(t, 0.1) for t in (25.0, 65.0))
+    numbers = {
+        "convolved_lognormal": {"mu": 3.0, "delta": 0.6, "sigma": 1e-6},
+        "dark_shot_noise": {"dn_per_e": 0.5}, "read_noise": {"sigma": 2.0},
+        "pixel_fpn": {"sigma": 1.0}, "quantization": {},
+        "row_noise": {"sigma": 40.0}, "column_fpn": {"sigma": 40.0},
+    }  # fmt: skip
+    effects = tuple(built_in()[name](**own) for name, own in numbers.items())
+    model = NoiseModel(effects, 500.0, points[0], seed=4)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(designs, "LARGE", 0)
+        return bench(design(simulate(model, (256, 256), [(p, 4) for p in points])))
+
+
+def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far):
+    known = {n: built_in()[n] for n in ("row_noise", "column_fpn", "row_fpn", "column_noise")}
+    begun, told, kept = fitted(far), [], []
+    assert far_off(carried(begun, far, far.part))
+    path = Search(far, known, tell=told.append, keep=kept.append).run(begun)
+    assert {s.added for s in path.steps} == {None, "row_noise", "column_fpn"}
+    for state in (path.state, *(k.state for k in kept)):
+        assert len(state.train) == len(far.train.keys)
+    assert path.error == error_of(far, path.state) < 1.3
+    # the first effect is stated as the part has it, with the error that it leaves on the whole
+    assert told[1].error == error_of(far, kept[1].state)
+    assert told[1].confidence > 0.9
