@@ -5,7 +5,8 @@
 **Photon transfer.** Two frames of one operating point: pixels are sorted by their mean into bins of
 equal count, beyond the median into bins of equal ratio, so that hot pixels give the range. The
 variance of a bin is that of the difference of the two frames, over 2; what lies beyond 5 robust
-standard deviations is left out. The gain is the slope of the variance over the mean, weighted by its error.
+standard deviations is left out. The gain is the slope of the variance over the mean, weighted by
+its error.
 
 **Arrhenius.** Median of the frames less the median of the shortest exposure at that temperature, of
 the longest exposure; least squares of its logarithm over 1 / kT. The model's is that of the medians
