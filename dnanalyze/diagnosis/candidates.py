@@ -21,7 +21,7 @@ from dnanalyze.diagnosis.selection import (
     overdispersion,
     standings,
 )
-from dnanalyze.fitting.from_part import carried, derived_anew, part_for
+from dnanalyze.fitting.from_part import STEPS, carried, derived_anew, part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
     State,
@@ -36,7 +36,6 @@ from dnanalyze.model.effect import Effect
 LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
 REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 REACH = 6.0  # times its promise, which is that of two operating points, that a refit may gain
-STEPS = 6  # of a fit between two computations of the derivatives
 
 
 @dataclass

@@ -19,7 +19,6 @@ from dnanalyze.diagnosis.baseline import EVERY_SENSOR, far_off, lacks_baseline, 
 from dnanalyze.diagnosis.candidates import (
     LEAST,
     REFITS,
-    STEPS,
     SoFar,
     candidates_of,
     judged,
@@ -47,7 +46,7 @@ from dnanalyze.diagnosis.selection import (
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.from_part import carried, converge
+from dnanalyze.fitting.from_part import STEPS, carried, converge
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, deviance, minimise, start
 from dnanalyze.fitting.predictor import Bench

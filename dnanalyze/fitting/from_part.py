@@ -22,6 +22,7 @@ from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
+STEPS = 6  # of a fit between two computations of the derivatives
 STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
 
 
@@ -82,7 +83,7 @@ def converge(
     bench: Bench,
     state: State,
     rounds: int = 3,
-    iterations: int = 6,
+    iterations: int = STEPS,
     tell: Callable[[State], None] = lambda _: None,
     own: bool = False,
     hopeless: float = math.inf,
