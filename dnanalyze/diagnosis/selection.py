@@ -26,8 +26,8 @@ NOTHING = 25.0
 CERTAIN = 60.0  # odds of 10 against "nothing is missing"
 PLAIN = 300.0  # exceeds the variation between sensors of one make
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
-# Share of the best evidence from which a competitor is reported as confounded. Where all but so much
-# of the smaller gain is of other statistics, two candidates do not compete.
+# Share of the best evidence from which a competitor is reported as confounded. Where all but so
+# much of the smaller gain is of other statistics, two candidates do not compete.
 ALIKE = 0.75
 # Of the effects named where a residual remained, 13 of 19 were present in virtual sensors with an
 # effect of the catalogue, and 0 of 24 where the effect is in none.
