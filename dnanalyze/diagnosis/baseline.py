@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -33,12 +34,12 @@ def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
     return wanted and all(model.get(name) is None for name in EVERYDAY)
 
 
-def baseline_start(bench: Bench, exclude: Sequence[str] = ()) -> NoiseModel:
+def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> NoiseModel:
     """The model with the baseline effects that are not excluded, from moments of the frames."""
     begun = ordinary_start(bench)
     for name in exclude:
         begun = begun.without(name)
-    return begun
+    return replace(begun, seed=seed)
 
 
 def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
@@ -56,7 +57,10 @@ def with_baseline(
 
     ``paper``: the Wang 2025 model, fitted. ``note``: called with each effect and the state then.
     """
-    found, full = at_a_glance(bench), baseline_fitted(bench, baseline_start(bench, exclude))
+    found, full = (
+        at_a_glance(bench),
+        baseline_fitted(bench, baseline_start(bench, exclude, paper.model.seed)),
+    )
     names = [n for n in EVERYDAY if n not in exclude]
 
     def stage(named: Sequence[str], pedestal: Law) -> State:

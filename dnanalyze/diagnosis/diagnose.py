@@ -144,7 +144,9 @@ def first_answer(
     baseline = lacks_baseline(model, exclude)
     # the fits of the whole field begin with these, and do not simulate them again
     state = (
-        baseline_fitted(part, baseline_start(held, exclude)) if baseline else fitted(part, model)
+        baseline_fitted(part, baseline_start(held, exclude, model.seed))
+        if baseline
+        else fitted(part, model)
     )
     found = score_tests(part, state, candidates_of(state, known, [BASE]))
     return list(dict.fromkeys(g.effect for g in found if g.promise > 0.0))

@@ -55,6 +55,12 @@ def test_an_excluded_effect_is_left_out(held):
     assert full.model.get("dark_shot_noise") is None
 
 
+def test_the_simulated_sensor_stays_that_of_the_seed(held):
+    paper = replace(paper_start(held), seed=5)
+    full = with_baseline(held, start(held, paper, []), (), lambda *_: None)
+    assert full.model.seed == 5
+
+
 def test_a_model_with_any_of_them_lacks_none():
     model = NoiseModel((built_in()["convolved_lognormal"](),))
     assert lacks_baseline(model)
