@@ -2,9 +2,9 @@
 
     python benchmarks/independent_checks.py FOLDER=MODEL.yaml ...
 
-**Photon transfer.** Two frames of one operating point: pixels are sorted by their mean into bins of
-equal count, beyond the median into bins of equal ratio, so that hot pixels give the range. The
-variance of a bin is that of the difference of the two frames, over 2; what lies beyond 5 robust
+**Photon transfer.** Two frames of one operating point, each less its median: pixels are sorted by
+their mean into one bin about 0 and bins of equal ratio above it, so that hot pixels give the range.
+The variance of a bin is that of the difference of the two frames, over 2; what lies beyond 5 robust
 standard deviations is left out. The gain is the slope of the variance over the mean, weighted by
 its error.
 
@@ -22,10 +22,10 @@ import numpy as np
 
 import dnanalyze
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
 
-EV_PER_K = 8.617333e-5
 BINS, LEAST = 40, 60  # bins at most, pixels of one at the least
-THERMOMETER_C = 0.2
+THERMOMETER_C = 0.2  # standard error of a temperature
 
 
 def pair(captures: CaptureSet) -> tuple[np.ndarray, np.ndarray] | None:
@@ -89,7 +89,7 @@ def arrhenius(captures: CaptureSet) -> tuple[float, float, list[tuple[float, flo
     if len(signals) < 2:
         return np.nan, np.nan, signals
     celsius, dark = np.transpose(signals)
-    u = -1.0 / (EV_PER_K * (celsius + 273.15))
+    u = -1.0 / (BOLTZMANN_EV * (celsius + KELVIN))
     slope = float(np.polyfit(u, np.log(dark), 1)[0])
     reach = np.ptp(celsius)
     return slope, slope * np.sqrt(2.0) * THERMOMETER_C / reach, signals

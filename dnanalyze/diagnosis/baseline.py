@@ -57,10 +57,8 @@ def with_baseline(
 
     ``paper``: the Wang 2025 model, fitted. ``note``: called with each effect and the state then.
     """
-    found, full = (
-        at_a_glance(bench),
-        baseline_fitted(bench, baseline_start(bench, exclude, paper.model.seed)),
-    )
+    found = at_a_glance(bench)
+    full = baseline_fitted(bench, baseline_start(bench, exclude, paper.model.seed))
     names = [n for n in EVERYDAY if n not in exclude]
 
     def stage(named: Sequence[str], pedestal: Law) -> State:

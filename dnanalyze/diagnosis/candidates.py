@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.nuisance import SHOT, with_seen_gain, without_biased
+from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
@@ -149,13 +149,9 @@ def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) 
 def _from_guess(bench: Bench, guess: Guess, like: State, wanted: float) -> State:
     """A refit on one field, with the derivatives of the model without where these carry over.
 
-    They do not for the parameters that the effect has biased, nor for a gain that begins again.
+    They do not for the parameters that the effect has biased.
     """
-    model = with_seen_gain(bench, guess.model)
-    begun = start(bench, model, knobs_of(model), like=like)
-    if model is not guess.model:
-        gain = [knob.effect == SHOT for knob in begun.knobs]
-        begun = replace(begun, jacobian=np.where(gain, np.nan, begun.jacobian))
+    begun = start(bench, guess.model, knobs_of(guess.model), like=like)
     return minimise(bench, without_biased(bench, begun, guess.effect), STEPS, below=wanted)
 
 

@@ -13,18 +13,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.fitting.fit import at_a_glance, ordinary_start
+from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.start import least_gain
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.guesses.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY
 
 UNBIASED = (1.0, 0.0)
-SHOT, GAIN = "dark_shot_noise", "dn_per_e"
 
 
 def least_noise(bench: Bench) -> float:
@@ -75,20 +73,6 @@ def without_biased(bench: Bench, state: State, name: str) -> State:
         k.effect == name or bias(effect, k, state.model, noise) != UNBIASED for k in state.knobs
     ]
     return replace(state, jacobian=np.where(moved, np.nan, state.jacobian))
-
-
-def with_seen_gain(bench: Bench, model: NoiseModel) -> NoiseModel:
-    """A model whose gain is at least that with which a fit begins.
-
-    Where the model lacks the pixels that have charge, the gain is not determined and may vanish. On
-    its log scale it then moves no statistic, and beside hot pixels, which call for their shot
-    noise, no derivative would bring it back.
-    """
-    shot, least = model.get(SHOT), least_gain(at_a_glance(bench))
-    gain = getattr(shot, GAIN, None)
-    if shot is None or not isinstance(gain, float) or gain >= least:
-        return model
-    return model.with_effect(replace(shot, **{GAIN: least}))
 
 
 def from_moments(bench: Bench, model: NoiseModel, effect: Effect) -> NoiseModel | None:

@@ -26,9 +26,8 @@ NOTHING = 25.0
 CERTAIN = 60.0  # odds of 10 against "nothing is missing"
 PLAIN = 300.0  # exceeds the variation between sensors of one make
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
-# Share of the best evidence from which a competitor is reported as confounded. Where all but so
-# much of the smaller gain is of other statistics, two candidates do not compete.
-ALIKE = 0.75
+APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete
+ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
 # Of the effects named where a residual remained, 13 of 19 were present in virtual sensors with an
 # effect of the catalogue, and 0 of 24 where the effect is in none.
 STANDS_IN = 0.5
@@ -152,7 +151,7 @@ def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
 def apart(one: Trial, other: Trial) -> bool:
     """Whether two candidates explain different statistics, so that both may be missing."""
     a, b = (np.maximum(t.falls, 0.0) for t in (one, other))
-    return bool(np.minimum(a, b).sum() < (1.0 - ALIKE) * min(a.sum(), b.sum()))
+    return bool(np.minimum(a, b).sum() < APART * min(a.sum(), b.sum()))
 
 
 def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:

@@ -12,7 +12,7 @@ BUDGET_PIXELS = 12_000_000
 MOST_SETTINGS = 8
 MOST_FRAMES = 8
 LARGE = 3_000_000  # pixels of a simulation from which a fit begins on a part of the field
-BAND = 32  # rows of a part at the least: they resolve all bands but the lowest, 0 to .03 c/px
+BAND = 32  # rows of a part at the least: frequencies down the columns from .03 c/px on
 ALIGNED = 4  # pixels by which a part may be moved: whole blocks of a colour filter
 
 

@@ -64,12 +64,6 @@ def _paper(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def least_gain(m: Moments) -> float:
-    """The gain from which its shot noise is seen at the brightest point, DN/e-, or `FAINT`."""
-    brightest = int(np.argmax(m.signal))
-    return float(min(SEEN * m.temporal[brightest] / m.signal[brightest], FAINT))
-
-
 def ordinary_model(
     m: Moments, bits: int = 16, serial: tuple[float, float] = (0.0, 0.0)
 ) -> NoiseModel:
@@ -86,7 +80,8 @@ def ordinary_model(
     above = m.pedestal + m.signal - [value_at(black, p) for p in m.points]
     m = replace(m, signal=np.maximum(above, 0.01 * np.sqrt(np.min(m.total)) + 1e-3))
     (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
-    slope = max(slope, least_gain(m))
+    brightest = int(np.argmax(m.signal))
+    slope = max(slope, min(SEEN * m.temporal[brightest] / m.signal[brightest], FAINT))
     (offsets, relative), _ = nnls(
         _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
     )

@@ -10,15 +10,12 @@ from dnanalyze.diagnosis.nuisance import (
     least_noise,
     other_strengths,
     unbiased,
-    with_seen_gain,
 )
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import at_a_glance, ordinary_start
+from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.predictor import Bench, bench
-from dnanalyze.fitting.start import least_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
-from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.digital_gain import DigitalGain
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
@@ -103,12 +100,3 @@ def test_the_baseline_starts_from_the_moments_less_what_an_effect_adds(held):
     assert begun.pedestal == wanted.pedestal
     assert wanted.get(BASE) != model.get(BASE)
     assert from_moments(held, model, RowNoise(1.0)) is None
-
-
-def test_a_gain_that_has_vanished_begins_where_it_is_seen(held):
-    least = least_gain(at_a_glance(held))
-    assert least > 0
-    vanished = of_noise(SIGMA, DarkShotNoise(least / 100))
-    assert with_seen_gain(held, vanished).get("dark_shot_noise").dn_per_e == least
-    for kept in (of_noise(SIGMA, DarkShotNoise(2 * least)), of_noise(SIGMA)):
-        assert with_seen_gain(held, kept) is kept

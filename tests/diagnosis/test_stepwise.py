@@ -23,7 +23,7 @@ from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import carried, converge
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
@@ -192,12 +192,20 @@ def far():
         return bench(design(simulate(model, (256, 256), [(p, 4) for p in points])))
 
 
-def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far):
+def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, monkeypatch):
+    fields, simulated = [], Bench.several
+
+    def several(self, models):
+        fields.append((self.plan.windows, self.even))
+        return simulated(self, models)
+
+    monkeypatch.setattr(Bench, "several", several)
     known = {n: built_in()[n] for n in ("row_noise", "column_fpn", "row_fpn", "column_noise")}
     begun, told, kept = fitted(far), [], []
     assert far_off(carried(begun, far, far.part))
     path = Search(far, known, tell=told.append, keep=kept.append).run(begun)
     assert {s.added for s in path.steps} == {None, "row_noise", "column_fpn"}
+    assert (far.part.plan.windows, False) in fields  # a fit of the whole begins on an even part
     for state in (path.state, *(k.state for k in kept)):
         assert len(state.train) == len(far.train.keys)
     assert path.error == error_of(far, path.state) < 1.3

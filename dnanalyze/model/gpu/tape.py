@@ -235,7 +235,7 @@ class Recorded(NDArrayOperatorsMixin):
         norm = Recorded(tape, tape.step("kernel_norm", field))
         return self + (mean + np.float32(sigma) * norm * self._normal(keys[1]))
 
-    def _share_with_neighbours(self, edge: float, corner: float, uneven: float) -> Recorded:
+    def _share_with_neighbours(self, edge: float, corner: float, uneven: float = 0.0) -> Recorded:
         tape = self.tape
         field = tape.made(self.step, self.size)
         weights = tape.scalar(edge), tape.scalar(corner), tape.scalar(uneven)

@@ -13,7 +13,7 @@ from dnanalyze.model.effects.transfer_tails import TransferTails
 from dnanalyze.model.guesses.evidence import excess, shows
 
 LENGTHS = (0.4, 1.5, 4.0)  # pixels
-ONE_SIDED = 2.0  # times: correlation along the tail over that across it; crosstalk has 1
+ONE_SIDED = 2.0  # times: correlation along the tail over that across it; equal crosstalk has 1
 
 
 def guess(effect: type[TransferTails], clues: Clues) -> list[Effect]:
