@@ -40,6 +40,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "dark_current_fpn": {"rms": 0.3},
     "dark_gradient": {"x": 8.0, "y": 4.0, "xx": 3.0},
     "dark_shading": {"rms": 0.3},
+    "dead_pixels": {"fraction": 5e-3},
     "defect_lines": {"fraction": 0.02, "sigma": 15.0},
     "denoise": {"kind": "bilateral", "range": 8.0, "space": 1.0},
     "dpc": {"threshold": 10.0},

@@ -65,7 +65,7 @@ ANSWERS: dict[str, Answer] = {
         ("scaled_lines",), "columns that collect no charge, read as usual"
     ),
     "dead_pixels": Answer(
-        ("stuck_pixels",), "pixels that collect no charge; they keep their read noise"
+        ("dead_pixels",), "pixels that collect no charge; they keep their read noise"
     ),
     "tracks": Answer(("cosmic_rays",), "particles along straight tracks"),
     "single_hits": Answer(("cosmic_rays",), "particles that hit one pixel each"),

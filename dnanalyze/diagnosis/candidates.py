@@ -80,23 +80,12 @@ def trials(
         if own[0].promise < LEAST or REACH * own[0].promise < null.state.loss - wanted:
             break
         tell(name)
-        ends = []
-        for likely in _likely(own):
-            ends.append(refitted(null.held, likely, null.state, wanted))
-            wanted = min(wanted, (null.state.loss + ends[-1].loss) / 2.0)
-        ended = min(ends, key=lambda state: state.loss)
+        ended = refitted(null.held, own[0], null.state, wanted)
+        wanted = min(wanted, (null.state.loss + ended.loss) / 2.0)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
     promises = {name: own[0].promise for name, own in guesses.items()}
     return by_standing(_at_their_optima(null, found, promises))
-
-
-def _likely(guesses: Sequence[Guess]) -> list[Guess]:
-    """The first guess, and the first of each other kind whose promise is nearly as large."""
-    first: dict[object, Guess] = {}
-    for guess in guesses:
-        first.setdefault(guess.kind, guess)
-    return [g for g in first.values() if g.promise >= ALIKE * guesses[0].promise]
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:

@@ -197,9 +197,9 @@ class Path:
 
     ``dropped``: effects that were removed and are not added again. ``converged``: whether all
     parameters are at their optimum, which waits for the end where much is missing. ``open``:
-    candidates of other statistics that were significant beside the last one, tried before all
-    others. At the end, ``tried``: the candidates tested last, and ``best``: the significant one
-    that a limit of the user kept out.
+    candidates tried before all others: those of other statistics that were significant beside the
+    last one, and those with the largest score tests on a part of the field. At the end, ``tried``:
+    the candidates tested last, and ``best``: the significant one that a limit of the user kept out.
     """
 
     state: State
@@ -260,17 +260,18 @@ class Search:
         coarse = replace(self, held=replace(part, even=False), whole=self.held)
         begun = replace(path, state=carried(path.state, self.held, coarse.held))
         found = coarse._while_far_off(begun)
-        if found is begun:
-            return path
+        if found.steps == path.steps:
+            return replace(path, open=found.open)
         state = carried(found.state, coarse.held, self.held)
         return self._converged(replace(found, state=state, converged=False))
 
     def _while_far_off(self, path: Path) -> Path:
+        """Forward steps; the last candidates, of which none was significant, are left open."""
         while far_off(path.state) and not self.near_enough(path):
             null = Null(self.held, path.state)
             tested = self._tested(path, null)
             if tested.best is None or self._full(tested):
-                break
+                return replace(path, open=tuple(t.effect for t in tested.tried))
             path = self._with(tested, null, tested.best)
         return path
 

@@ -7,14 +7,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import with_baseline
-from dnanalyze.diagnosis.candidates import (
-    SoFar,
-    _likely,
-    _witnessed,
-    candidates_of,
-    judged,
-    trials,
-)
+from dnanalyze.diagnosis.candidates import SoFar, _witnessed, candidates_of, judged, trials
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import significant
 from dnanalyze.fitting.design import design
@@ -87,11 +80,3 @@ def test_a_half_without_the_effect_is_evidence_against_it_only():
     assert _witnessed(held, below, 30.0, -50.0) == (-20.0, -20.0)
     assert _witnessed(held, above, 2.0, 30.0) == (30.0, 30.0)
     assert _witnessed(held, above, -5.0, 30.0) == (25.0, 25.0)
-
-
-def test_each_kind_that_promises_nearly_as_much_is_refitted():
-    kinds = (("multiple", 100.0), ("multiple", 98.0), ("excess", 90.0), ("ratio", 60.0))
-    guesses = [SimpleNamespace(kind=kind, promise=promise) for kind, promise in kinds]
-    assert _likely(guesses) == [guesses[0], guesses[2]]
-    alike = [SimpleNamespace(kind=None, promise=promise) for promise in (10.0, 9.0)]
-    assert _likely(alike) == alike[:1]

@@ -21,7 +21,7 @@ class StuckPixels(Effect):
     stage: ClassVar[Stage] = Stage.DIGITAL
     varies: ClassVar[str] = "fixed"
     placing: ClassVar[Placing] = Placing.ANYWHERE
-    summary: ClassVar[str] = "Dead pixels: the same code in every frame, without noise."
+    summary: ClassVar[str] = "Defect pixels with the same code in every frame, without noise."
     physics: ClassVar[str] = (
         "A shorted or open pixel gives the same code in every frame, commonly the lowest or the "
         "highest, at times one between (`codes`): its temporal variance is exactly zero, which no "
@@ -39,6 +39,7 @@ class StuckPixels(Effect):
         "dead_count", "high_spike", "low_spike", "cold_count_8", "hot_count_128",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
+        "dead_pixels": "at the black level, with the usual read noise",
         "hot_pixels": "noisy, and growing with temperature until they clip",
         "black_clipping": "many pixels at the lowest code, that change from frame to frame",
         "defect_lines": "whole columns or rows, still noisy; a saturated one never changes",

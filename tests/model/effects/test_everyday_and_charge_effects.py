@@ -24,6 +24,7 @@ EFFECTS = {
     "crosstalk": {"alpha": 0.02},
     "dark_shading": {"rms": 0.1},
     "dark_current_fpn": {"rms": 0.2, "law": "gamma"},
+    "dead_pixels": {"fraction": 0.05},
     "transfer_tails": {"loss": 0.1},
     "electron_multiplication": {"induced": 0.5},
     "scaled_lines": {"fraction": 0.05, "sigma": 0.5},
