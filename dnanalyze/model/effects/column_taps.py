@@ -17,19 +17,21 @@ from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 class ColumnTaps(Effect):
     """y += o_t, t = j mod P or one strip of several; the rms over the taps is exact.
 
-    Strips are equal and vertical, or begin where `begins` says, along columns or rows; the rms is
-    then over the lines.
+    Of columns j, or of rows. Strips are equal, or begin where `begins` says; the rms is then over
+    the lines.
     """
 
     name: ClassVar[str] = "column_taps"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "fixed"
-    summary: ClassVar[str] = "Odd and even columns, or whole strips, at different levels."
+    summary: ClassVar[str] = "Odd and even columns or rows, or whole strips, at different levels."
     physics: ClassVar[str] = (
         "Fast sensors read over several outputs at once. Interleaved outputs take every P-th "
-        "column, often the odd ones at the top and the even ones at the bottom of the chip; "
+        "column, often the odd ones at the top and the even ones at the bottom of the chip, or "
+        "every second row (`axis`), as column converters that read two rows at a time do; "
         "others take a strip of the frame each. Each output has its own offset: a pattern of "
-        "exact period P, with lines at u = n/P of the spectrum, or steps at the seams. It is "
+        "exact period P, with lines at u = n/P of the spectrum (v = n/P for rows), or steps at "
+        "the seams. It is "
         "the same in every frame, independent of exposure, follows the analog gain and drifts "
         "slowly with the temperature of the electronics. A sequencer that is not locked to "
         "the frame sometimes starts at another tap, and the pattern shifts by whole columns "
@@ -39,15 +41,15 @@ class ColumnTaps(Effect):
         "optically black pixels."
     )
     formula: ClassVar[str] = (
-        "y_ij += o_((j + n slip) mod P), n the frame,  or  o_floor(j P / columns);  mean o = 0, "
-        "mean o^2 = sigma^2;  or o_s, s the strip with begin_s <= j < begin_(s+1), mean and mean "
-        "square over the lines, with s_e (o_(s-1) - o_s) e^(-(j - begin_s)/l) after an edge and "
+        "y_ij += o_((j + n slip) mod P), n the frame,  or  o_floor(j P / columns), or the same of "
+        "rows i;  mean o = 0, mean o^2 = sigma^2;  or o_s, s the strip with begin_s <= j < "
+        "begin_(s+1), mean and mean square over the lines, with s_e (o_(s-1) - o_s) e^(-(j - begin_s)/l) after an edge and "
         "s_e (o_(s+1) - o_s) e^(-(begin_(s+1) - 1 - j)/l) before one"
     )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (horizontal spectrogram)",)
     fingerprint: ClassVar[tuple[str, ...]] = (
         "column_periodic_2", "column_periodic_4", "column_taps_2", "column_taps_4",
-        "column_periodic_8", "column_taps_8", "column_periodic_3",
+        "column_periodic_8", "column_taps_8", "column_periodic_3", "row_periodic_2",
         "pattern_nyquist_10", "pattern_columns_0.3_0.5",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
@@ -59,18 +61,18 @@ class ColumnTaps(Effect):
     }
 
     sigma: float = parameter(0.5, "DN", 1e-4, 1e3, "rms of the offsets over the taps")
-    kind: str = choice("interleaved", "how columns belong to taps", "interleaved", "blocks")
+    kind: str = choice("interleaved", "how lines belong to taps", "interleaved", "blocks")
     taps: int = choice(2, "number of taps P", 2, 3, 4, 8, 16)
     levels: tuple[float, ...] = choice(
         (), "levels of the taps in proportion, as measured; drawn at random where there are none"
     )
     slip: float = parameter(
-        0.0, "column", 0.0, 15.0, "shift of interleaved taps from frame to frame", "held"
+        0.0, "line", 0.0, 15.0, "shift of interleaved taps from frame to frame", "held"
     )
     begins: tuple[float, ...] = choice(
         (), "line at which each strip after the first begins, as measured; equal strips where none"
     )
-    axis: str = choice("columns", "lines that unequal strips are made of", "columns", "rows")
+    axis: str = choice("columns", "lines that belong to taps", "columns", "rows")
     settle: float = parameter(
         0.0, "1", -1.0, 1.0, "share s_e of the step left beside an edge of unequal strips", "linear"
     )
@@ -98,24 +100,25 @@ class ColumnTaps(Effect):
         return () if self.begins and self.settle != 0.0 else ("settle", "length")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Add the offset of its tap to every column."""
-        if self.begins:
-            size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
-            if self.axis == "rows":
-                signal += (size * self._strips(site, site.shape[0])[site.row_index])[:, None]
-            else:
-                signal += size * self._strips(site, site.shape[1])[site.column_index]
-            return signal
+        """Add the offset of its tap to every line."""
+        size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        along_rows = self.axis == "rows"
+        lines, line = (
+            (site.shape[0], site.row_index) if along_rows else (site.shape[1], site.column_index)
+        )
+        offsets = self._strips(site, lines)[line] if self.begins else self._equal(site, lines, line)
+        signal += size * (offsets[:, None] if along_rows else offsets)
+        return signal
+
+    def _equal(self, site: Site, lines: int, line: np.ndarray) -> np.ndarray:
+        """Offsets of some lines, of taps that take as many each; mean 0 and rms 1."""
         offsets = self._levels(site, self.taps)
         offsets = offsets - offsets.mean()
         offsets /= np.sqrt(np.mean(offsets**2))
         if self.kind == "interleaved":
             slip = round(self.value("slip", site.point))
-            tap = (site.column_index + site.frame * slip) % self.taps
-        else:
-            tap = site.column_index * self.taps // site.shape[1]
-        signal += np.float32(self.value("sigma", site.point) * site.gain_ratio) * offsets[tap]
-        return signal
+            return np.asarray(offsets[(line + site.frame * slip) % self.taps])
+        return np.asarray(offsets[line * self.taps // lines])
 
     def _levels(self, site: Site, count: int) -> np.ndarray:
         """Level of each tap as named, or drawn once a sensor."""

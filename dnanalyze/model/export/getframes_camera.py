@@ -145,10 +145,12 @@ def _column_taps(effect: Effect, here: Electrons) -> Told:
     begins = [round(x) for x in getattr(effect, "begins")]  # noqa: B009
     taps = int(getattr(effect, "taps"))  # noqa: B009
     lost = ["the measured levels; getframes draws them at random"]
+    rows = axis == "rows"
     if getattr(effect, "kind") == "interleaved":  # noqa: B009
+        if rows:
+            return {}, ["taps of every n-th row"]
         return {"readout_channel_count": taps, "bias_channel_spread_adu": sigma}, lost
     count = len(begins) + 1 if begins else taps
-    rows = axis == "rows"
     fields: dict[str, Any] = {
         "amplifier_layout": [count, 1] if rows else [1, count],
         "amp_offset_spread_adu": sigma,

@@ -27,12 +27,15 @@ def guess(effect: type[ColumnTaps], clues: Clues) -> list[Effect]:
     Strips whose edges stand out of the profile of the columns or rows come before equal ones.
     """
     unequal = [_unequal(effect, clues, axis) for axis in ("columns", "rows")]
-    layouts = [("interleaved", *_interleaved(clues))]
+    layouts = [
+        ("interleaved", "columns", *_interleaved(clues)),
+        ("interleaved", "rows", _odd_and_even_rows(clues), 0.0),
+    ]
     if unequal[0] is None:
-        layouts.append(("blocks", _blocks(clues), 0.0))
+        layouts.append(("blocks", "columns", _blocks(clues), 0.0))
     equal = [
-        effect(bounded(effect, "sigma", float(np.std(o))), kind, o.size, _told(o), slip)  # type: ignore[arg-type]
-        for kind, o, slip in layouts
+        effect(bounded(effect, "sigma", float(np.std(o))), kind, o.size, _told(o), slip, axis=axis)  # type: ignore[arg-type]
+        for kind, axis, o, slip in layouts
         if o.size and np.ptp(o) > 0
     ]
     return [*equal, *(found for found in unequal if found is not None)]
@@ -109,6 +112,13 @@ def _interleaved(clues: Clues) -> tuple[np.ndarray, Law]:
         if value_at(slips, point) == 0.0:  # the mean over frames that slipped is none of theirs
             each.append(_tap_levels(places, means, taps))
     return _aligned([levels for levels in each if levels.size]), slips
+
+
+def _odd_and_even_rows(clues: Clues) -> np.ndarray:
+    """Mean level of the even and of the odd rows, DN; empty: no sign."""
+    if not shows(clues, ["row_periodic_2"]):
+        return np.empty(0)
+    return _tap_levels(*line_profile(clues, "rows"), 2)
 
 
 def _tap_levels(places: np.ndarray, means: np.ndarray, taps: int) -> np.ndarray:

@@ -182,3 +182,24 @@ def test_guess_sees_no_strips_in_a_smooth_profile():
         off={"shading_1_0": 9.0}, profiles={"columns": [line]}, curves={"block_means": [blocks]}
     )
     assert ColumnTaps.guess(seen) == []
+
+
+@pytest.mark.parametrize("kind", ["interleaved", "blocks"])
+def test_taps_of_rows_are_those_of_columns_turned(kind):
+    named = {"kind": kind, "taps": 4, "levels": LEVELS}
+    rows = added(ColumnTaps(5.0, axis="rows", slip=1.0, **named), 3, (96, 40))
+    columns = added(ColumnTaps(5.0, slip=1.0, **named), 3, (40, 96))
+    np.testing.assert_allclose(rows, columns.transpose(0, 2, 1), atol=1e-4)
+
+
+def test_guess_reads_odd_and_even_rows_off_their_profile():
+    rng = np.random.default_rng(8)
+    row = np.arange(256)
+    profile = np.where(row % 2, -0.1, 0.1) + 0.05 * rng.standard_normal(256)
+    seen = Given(off={"row_periodic_2": 12.0}, profiles={"rows": [profile]})
+    (effect,) = ColumnTaps.guess(seen)
+    assert (effect.axis, effect.kind, effect.taps) == ("rows", "interleaved", 2)
+    assert effect.levels == (1.0, -1.0)
+    # half the difference of two means of 128 rows: 4 of its standard deviations
+    assert effect.sigma == pytest.approx(0.1, abs=4 * 0.05 / np.sqrt(256))
+    assert ColumnTaps.guess(dataclasses.replace(seen, off={})) == []
