@@ -31,9 +31,8 @@ class ColumnTaps(Effect):
         "every second row (`axis`), as column converters that read two rows at a time do; "
         "others take a strip of the frame each. Each output has its own offset: a pattern of "
         "exact period P, with lines at u = n/P of the spectrum (v = n/P for rows), or steps at "
-        "the seams. It is "
-        "the same in every frame, independent of exposure, follows the analog gain and drifts "
-        "slowly with the temperature of the electronics. A sequencer that is not locked to "
+        "the seams. It is the same in every frame, independent of exposure, follows the analog "
+        "gain and drifts slowly with the temperature of the electronics. A sequencer that is not locked to "
         "the frame sometimes starts at another tap, and the pattern shifts by whole columns "
         "(`slip`). The amplifiers of a CCD may read parts of unequal width (`begins`), and "
         "the level may settle exponentially beside an edge, as the video chain does after a "
@@ -43,7 +42,8 @@ class ColumnTaps(Effect):
     formula: ClassVar[str] = (
         "y_ij += o_((j + n slip) mod P), n the frame,  or  o_floor(j P / columns), or the same of "
         "rows i;  mean o = 0, mean o^2 = sigma^2;  or o_s, s the strip with begin_s <= j < "
-        "begin_(s+1), mean and mean square over the lines, with s_e (o_(s-1) - o_s) e^(-(j - begin_s)/l) after an edge and "
+        "begin_(s+1), mean and mean square over the lines, with "
+        "s_e (o_(s-1) - o_s) e^(-(j - begin_s)/l) after an edge and "
         "s_e (o_(s+1) - o_s) e^(-(begin_(s+1) - 1 - j)/l) before one"
     )
     references: ClassVar[tuple[str, ...]] = ("EMVA 1288 release 4.0 (horizontal spectrogram)",)
