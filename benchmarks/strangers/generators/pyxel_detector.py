@@ -449,7 +449,7 @@ EFFECTS: dict[str, tuple[tuple[str, ...], Make, Claims, float, float]] = {
     "alternating": (("alternating_flicker",), alternating, raster(2), 0.5, 1.2),
     "nonlinearity": (("nonlinearity",), bent, curved, 0.4, 1.0),
     "successive": (("sar_converter",), successive, rough, 0.5, 1.5),
-    "black_clipping": (("black_clipping",), low_black, clipped, 1.5, 0.5),
+    "black_clipping": (("clipping_at_zero",), low_black, clipped, 1.5, 0.5),
 }  # fmt: skip
 
 PAIRS = (("tail", "pink"), ("coupling", "alternating"), ("radiation", "pink"))
