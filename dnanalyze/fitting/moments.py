@@ -210,15 +210,17 @@ def converter_bits(readings: Readings, stated: int | None) -> int:
 def serial_correlation(readings: Readings) -> tuple[float, float]:
     """Of read noise along a row at lags 1 and 2, from the quietest setting; 0 unless it stands out.
 
-    Crosstalk and filters act along columns too, rows and 1/f noise at all lags alike.
+    Crosstalk and filters act along columns too, rows and 1/f noise at all lags alike. Where no
+    setting has several frames, the noise of the single frame stands for that of the readout.
     """
-    noise = readings.value("temporal_noise_core")
+    part = "temporal" if np.isfinite(readings.value("temporal_noise_core")).any() else "frame"
+    noise = readings.value(f"{part}_noise_core")
     if not np.isfinite(noise).any():
         return 0.0, 0.0
     quietest = int(np.nanargmin(noise))
-    error = readings.error("temporal_corr_10")[quietest]
+    error = readings.error(f"{part}_corr_10")[quietest]
     lags = ("10", "20", "01", "02")
-    along, farther, *across = (readings.value(f"temporal_corr_{k}")[quietest] for k in lags)
+    along, farther, *across = (readings.value(f"{part}_corr_{k}")[quietest] for k in lags)
 
     def clear(value: float, *others: float) -> bool:
         away = np.abs(value - np.array([0.0, *others]))

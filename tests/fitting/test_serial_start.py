@@ -21,9 +21,9 @@ from dnanalyze.model.simulate import simulate
 HERE = OperatingPoint(25.0, 1.0, 1.0)
 
 
-def found(*effects):
+def found(*effects, frames=6):
     model = NoiseModel(effects, 100.0, HERE)
-    captures = simulate(model, (256, 256), [(HERE, 6)])
+    captures = simulate(model, (256, 256), [(HERE, frames)])
     return serial_correlation(Readings(bench(design(captures)).measured[0]))
 
 
@@ -34,6 +34,14 @@ def test_it_is_read_off_the_neighbours(serial):
     assert found(noise) == pytest.approx(serial, abs=5 * se)
 
 
+@pytest.mark.parametrize("serial", [(-0.15, 0.09), (0.08, 0.0)])
+def test_it_is_read_off_a_single_frame_too(serial):
+    se = 1 / np.sqrt(256 * 128)
+    noise = ReadNoise(4.0, serial=serial[0], serial2=serial[1])
+    assert found(noise, frames=1) == pytest.approx(serial, abs=5 * se)
+
+
+@pytest.mark.parametrize("frames", [1, 6])
 @pytest.mark.parametrize(
     "others",
     [
@@ -45,5 +53,5 @@ def test_it_is_read_off_the_neighbours(serial):
     ],
     ids=["white", "row noise", "1/f", "filter", "crosstalk"],
 )
-def test_what_else_correlates_neighbours_is_not_taken_for_it(others):
-    assert found(ReadNoise(4.0), *others) == (0.0, 0.0)
+def test_what_else_correlates_neighbours_is_not_taken_for_it(others, frames):
+    assert found(ReadNoise(4.0), *others, frames=frames) == (0.0, 0.0)

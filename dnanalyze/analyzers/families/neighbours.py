@@ -95,11 +95,13 @@ def finish(acc: Accumulated) -> FamilyResult:
     peaks = _Sums(plan, sums.peaks, np.array(sums.each["peaks"]))
     _ranks("frame", peaks, result)
     _peaks(peaks, result)
+    once = np.empty(0)
+    products = lag_products(plan, acc.clipped_pattern, CLIP * acc.pattern_sigma)
+    # of several frames it follows from those of the DSNU and of the temporal noise
+    part = "pattern" if acc.frames > 1 else "frame"
+    _correlations(part, _Sums(plan, products, once), result)
     if acc.frames > 1:
-        once = np.empty(0)
         _ranks("pattern", _Sums(plan, rank_shares(plan, acc.pattern), once), result)
-        products = lag_products(plan, acc.clipped_pattern, CLIP * acc.pattern_sigma)
-        _correlations("pattern", _Sums(plan, products, once), result)
         overlap = sums.differences / acc.difference_repeats
         ranks, lags, tiles = (
             _Sums(plan, getattr(sums, name), np.array(sums.each[name]), overlap)

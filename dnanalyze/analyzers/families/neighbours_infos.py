@@ -26,6 +26,7 @@ _TITLE = {"frame": "single frame", "pattern": "DSNU", "temporal": "temporal nois
 def _correlations(part: str) -> Iterator[StatisticInfo]:
     for name in LAG_NAMES:
         title = f"correlation of {_AWAY[name]}, {_TITLE[part]}"
+        title += ", where there is only one" if part == "frame" else ""
         yield StatisticInfo(
             f"{part}_corr_{name}", _FAMILY, "1", title,
             high=f"{_AWAY[name]} are more correlated {_OF[part]} than in the model: "
@@ -50,6 +51,7 @@ def _ranks(part: str) -> Iterator[StatisticInfo]:
 INFOS: tuple[StatisticInfo, ...] = (
     *_correlations("pattern"),
     *_correlations("temporal"),
+    *_correlations("frame"),
     *_ranks("frame"),
     *_ranks("pattern"),
     *_ranks("temporal"),

@@ -297,3 +297,17 @@ def test_errors_are_those_of_independent_captures():
     assert len(ratios) == 24
     for name, ratio in ratios.items():  # 8 % sampling error each, honest to 30 %
         assert 0.55 < ratio < 1.5, (name, ratio)
+
+
+def test_a_single_frame_has_correlations_of_its_own():
+    """A moving average (1, a) along the rows: a / (1 + a^2) at lag 1 along them, 0 elsewhere."""
+    rng = np.random.default_rng(15)
+    a, noise = -0.3, rng.normal(size=(300, 301)).astype(np.float32)
+    frame = noise[:, 1:] + np.float32(a) * noise[:, :-1]
+    found = values(neighbours, [frame])
+    expected = {"10": a / (1 + a * a), "01": 0.0, "11": 0.0, "20": 0.0, "02": 0.0}
+    for lag, correlation in expected.items():
+        value = found[f"frame_corr_{lag}"]
+        assert abs(value.value - correlation) < 4.5 * value.se, lag
+        assert 0.5 / 300 <= value.se < 0.01
+    assert not any(name.startswith("frame_corr") for name in values(neighbours, [frame, -frame]))
