@@ -1,8 +1,13 @@
 """Which first answers are right, and the part of a case that is looked at."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import tifffile
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 from first_answers import EVERY, FRAMES, SIDE, false, part_of, right
 
