@@ -186,7 +186,7 @@ def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
 
 @pytest.mark.parametrize(
     ("gain", "fitted", "enough"),
-    [(60.0, 61.0, True), (59.0, 60.0, False), (7.0, 200.0, True), (6.0, 200.0, False)],
+    [(61.0, 63.0, True), (61.0, 62.0, False), (7.0, 200.0, True), (6.0, 200.0, False)],
 )
 def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enough):
     found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)
