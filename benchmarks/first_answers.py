@@ -21,11 +21,19 @@ import time
 from pathlib import Path
 from typing import Any
 
-from strangers.answers import BASELINE, EVERY_SENSOR, names_of
-from strangers.score import mcnemar, wilson
+from strangers.answers import BASELINE, names_of
+from strangers.run import store, stored
+from strangers.score import (
+    Row,
+    accepted,
+    counted,
+    falsely_sure,
+    is_ordinary,
+    is_outside,
+    mcnemar,
+)
 
-Row = dict[str, Any]
-LISTED, LIKELY, SURE = 0.2, 0.5, 0.9  # confidences
+LISTED, LIKELY = 0.2, 0.5  # confidences
 EVERY, FRAMES, SIDE = 2, 4, 144
 
 
@@ -41,8 +49,11 @@ def part_of(folder: Path, target: Path) -> None:
             tifffile.imwrite(target / point.name / frame.name, image.copy())
 
 
-def answer(folder: Path) -> Row:
-    """Verdict and candidates beyond the baseline; none where the part cannot be analysed."""
+def answer(folder: Path) -> dict[str, Any]:
+    """Verdict and candidates beyond the baseline, as the suite has those that were added.
+
+    None where the part cannot be analysed.
+    """
     import dnanalyze
     from dnanalyze.errors import InputError
 
@@ -52,12 +63,13 @@ def answer(folder: Path) -> Row:
         try:
             found = dnanalyze.diagnose(dnanalyze.load(Path(place) / folder.name))
         except InputError as error:  # a filter that leaves no noise there
-            return {"verdict": f"refused: {error}", "candidates": [], "cpu": 0.0}
+            return {"verdict": f"refused: {error}", "named": [], "additions": []}
     beyond = [c for c in found.candidates if c.effect not in found.ordinary]
     return {
         "verdict": found.verdict,
-        "candidates": [(c.effect, c.confidence) for c in beyond],
-        "cpu": time.process_time() - begun,
+        "named": [c.effect for c in beyond],
+        "additions": [(c.effect, c.confidence) for c in beyond],
+        "cpu_seconds": time.process_time() - begun,
     }
 
 
@@ -65,62 +77,30 @@ def run(given: argparse.Namespace) -> None:
     """All cases that have no line yet, in an order that is random and always the same."""
     truths = sorted(given.root.glob("*/*.truth.json"))
     random.Random(given.seed).shuffle(truths)
-    known = stored(given.json) if given.json.exists() else {}
+    known = stored(given.json)
     for truth in truths[: given.first]:
         folder = truth.with_name(truth.name.removesuffix(".truth.json"))
         key = f"{truth.parent.name}/{folder.name}"
         if key in known or not folder.is_dir():
             continue
         hides = json.loads(truth.read_text("utf-8"))["hides"]
-        row = {"key": key, "generator": truth.parent.name, "hides": hides, **answer(folder)}
-        with given.json.open("a", encoding="utf-8") as stream:
-            stream.write(json.dumps(row) + "\n")
-
-
-def stored(path: Path) -> dict[str, Row]:
-    """Rows of a result by key."""
-    rows = map(json.loads, path.read_text("utf-8").splitlines())
-    return {row["key"]: row for row in rows}
+        row = {"key": key, "generator": truth.parent.name, "hides": hides}
+        store(given.json, row | answer(folder))
 
 
 def kind(row: Row) -> str:
     """What is hidden: nothing, or something in or outside the catalogue."""
-    if not row["hides"]:
-        return "ordinary"
-    return "catalogue" if all(names_of(k) for k in row["hides"]) else "outside"
-
-
-def told(row: Row) -> list[tuple[str, float]]:
-    """Candidates but those that every sensor of the generator has."""
-    own = EVERY_SENSOR.get(row["generator"], frozenset())
-    return [(c[0], c[1]) for c in row["candidates"] if c[0] not in own]
-
-
-def true_names(row: Row) -> set[str]:
-    """All names that are right."""
-    return {name for k in row["hides"] for name in names_of(k)}
-
-
-def false(row: Row) -> bool:
-    """Whether an effect that is not there is stated for certain."""
-    return any(sure >= SURE and name not in true_names(row) for name, sure in told(row))
+    return "ordinary" if is_ordinary(row) else "outside" if is_outside(row) else "catalogue"
 
 
 def right(row: Row) -> bool:
     """Whether the first answer is right."""
-    found, true = told(row), true_names(row)
-    if kind(row) == "outside":
-        return not false(row)
-    if kind(row) == "ordinary" or all(BASELINE in names_of(k) for k in row["hides"]):
+    if is_outside(row):
+        return not falsely_sure(row)
+    found, true = row["additions"], set().union(*accepted(row))
+    if all(BASELINE in names_of(k) for k in row["hides"]):  # with nothing hidden too
         return not any(sure >= LIKELY and name not in true for name, sure in found)
     return bool(found) and found[0][0] in true and found[0][1] >= LISTED
-
-
-def share(rows: list[Row]) -> str:
-    """Right of all, with a 95 % Wilson interval."""
-    count = sum(map(right, rows))
-    low, high = wilson(count, len(rows))
-    return f"{count}/{len(rows)} ({low:.0%} to {high:.0%})"
 
 
 def table(given: argparse.Namespace) -> None:
@@ -142,8 +122,9 @@ def table(given: argparse.Namespace) -> None:
             gained = sum(right(a) and not right(b) for a, b in zip(now, then, strict=True))
             lost = sum(right(b) and not right(a) for a, b in zip(now, then, strict=True))
             print(
-                f"| {generator} | {sort} | {share(now)} | {share(then)} | {gained}, {lost} "
-                f"| {mcnemar(gained, lost):.2f} | {sum(map(false, now))}, {sum(map(false, then))} |"
+                f"| {generator} | {sort} | {counted(now, right)} | {counted(then, right)} "
+                f"| {gained}, {lost} | {mcnemar(gained, lost):.2f} "
+                f"| {sum(map(falsely_sure, now))}, {sum(map(falsely_sure, then))} |"
             )
 
 

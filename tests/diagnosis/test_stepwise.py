@@ -7,8 +7,10 @@ from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.candidates import judged
 from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.selection import CERTAIN, NOTHING, PLAIN, Trial
 from dnanalyze.diagnosis.stepwise import (
+    Path,
     Search,
     choose,
     completed,
@@ -212,3 +214,16 @@ def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, m
     # the first effect is stated as the part has it, with the error that it leaves on the whole
     assert told[1].error == error_of(far, kept[1].state)
     assert told[1].confidence > 0.9
+
+
+def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
+    known = {n: built_in()[n] for n in ("rts", "persistence", "row_noise", "column_fpn")}
+    tested: list[str] = []
+    search = Search(far, known, most=0, trying=tested.append)
+    begun = Path(fitted(far), (Step(None, 1.0),))
+    path = search._on_part(begun)
+    assert {"row_noise", "column_fpn"} <= set(path.open) < set(known)
+    assert path.state is begun.state
+    tested.clear()
+    assert search._searched(path).steps == begun.steps
+    assert set(tested) == set(path.open)  # one of them is significant: no other is tested

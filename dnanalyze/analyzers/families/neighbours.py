@@ -97,7 +97,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     _peaks(peaks, result)
     once = np.empty(0)
     products = lag_products(plan, acc.clipped_pattern, CLIP * acc.pattern_sigma)
-    # of several frames it follows from those of the DSNU and of the temporal noise
+    # with several frames, the correlations of one follow from those of DSNU and temporal noise
     part = "pattern" if acc.frames > 1 else "frame"
     _correlations(part, _Sums(plan, products, once), result)
     if acc.frames > 1:

@@ -126,6 +126,10 @@ def _noisy_pixels(effect: Effect, here: Electrons) -> Told:
     }, []
 
 
+def _dead_pixels(effect: Effect, here: Electrons) -> Told:
+    return {"dead_pixel_fraction": effect.value("fraction", here.point)}, []
+
+
 def _crosstalk(effect: Effect, here: Electrons) -> Told:
     words = {
         "diagonal": "the share of the diagonal neighbours",
@@ -141,14 +145,14 @@ def _offset_drift(effect: Effect, here: Electrons) -> Told:
 
 
 def _column_taps(effect: Effect, here: Electrons) -> Told:
-    sigma, axis = effect.value("sigma", here.point), getattr(effect, "axis")  # noqa: B009
+    sigma = effect.value("sigma", here.point)
     begins = [round(x) for x in getattr(effect, "begins")]  # noqa: B009
     taps = int(getattr(effect, "taps"))  # noqa: B009
     lost = ["the measured levels; getframes draws them at random"]
-    rows = axis == "rows"
+    rows = getattr(effect, "axis") == "rows"  # noqa: B009
     if getattr(effect, "kind") == "interleaved":  # noqa: B009
         if rows:
-            return {}, ["taps of every n-th row"]
+            return {}, ["interleaved taps of rows"]
         return {"readout_channel_count": taps, "bias_channel_spread_adu": sigma}, lost
     count = len(begins) + 1 if begins else taps
     fields: dict[str, Any] = {
@@ -170,6 +174,7 @@ def _cosmic_rays(effect: Effect, here: Electrons) -> Told:
 WORDS = {
     "hot_pixels": _hot_pixels,
     "noisy_pixels": _noisy_pixels,
+    "dead_pixels": _dead_pixels,
     "crosstalk": _crosstalk,
     "offset_drift": _offset_drift,
     "column_taps": _column_taps,

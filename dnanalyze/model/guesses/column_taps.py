@@ -122,7 +122,7 @@ def _odd_and_even_rows(clues: Clues) -> np.ndarray:
 
 
 def _tap_levels(places: np.ndarray, means: np.ndarray, taps: int) -> np.ndarray:
-    """Mean level of each tap, DN, beside a parabola; empty where there are too few columns."""
+    """Mean level of each tap, DN, beside a parabola; empty where there are too few lines."""
     if means.size < 3 * taps:
         return np.empty(0)
     x = np.linspace(-1.0, 1.0, means.size)

@@ -80,6 +80,30 @@ def test_a_camera_of_getframes():
     assert all(f"# Not expressed: {what}" in made.text for what in made.lost)
 
 
+def test_dead_pixels_have_a_field_of_getframes():
+    made = getframes_preset(MODEL.with_effect(MAKE["dead_pixels"](fraction=0.003)), (48, 64))
+    assert tomllib.loads(made.text)["dead_pixel_fraction"] == 0.003
+    assert not any("dead_pixels" in what for what in made.lost)
+
+
+@pytest.mark.parametrize(
+    ("taps", "fields"),
+    [
+        ({"taps": 4}, {"readout_channel_count": 4, "bias_channel_spread_adu": 2.0}),
+        ({"taps": 2, "axis": "rows"}, {}),
+        ({"kind": "blocks", "taps": 4}, {"amplifier_layout": [1, 4], "amp_offset_spread_adu": 2.0}),
+        ({"kind": "blocks", "taps": 4, "axis": "rows"}, {"amplifier_layout": [4, 1]}),
+    ],
+)
+def test_taps_have_channels_or_amplifiers_of_getframes(taps, fields):
+    made = getframes_preset(MODEL.with_effect(MAKE["column_taps"](sigma=2.0, **taps)), (48, 64))
+    camera = tomllib.loads(made.text)
+    assert fields.items() <= camera.items()
+    spreads = {"bias_channel_spread_adu", "amp_offset_spread_adu"} & camera.keys()
+    assert len(spreads) == bool(fields)
+    assert any("column_taps" in what for what in made.lost)
+
+
 def test_a_pipeline_of_pyxel():
     made = pyxel_pipeline(MODEL, (48, 64), 25.0)
     plain = yaml.safe_load(made.text)
