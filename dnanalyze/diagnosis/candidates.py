@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
+from dnanalyze.diagnosis.forms import LEAST, REFITS, completed
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
@@ -33,8 +34,6 @@ from dnanalyze.fitting.least_squares import (
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 
-LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
-REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 REACH = 6.0  # times its promise, which is that of two operating points, that a refit may gain
 
 
@@ -85,7 +84,14 @@ def trials(
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
     promises = {name: own[0].promise for name, own in guesses.items()}
-    return by_standing(_at_their_optima(null, found, promises))
+    made = _at_their_optima(null, found, promises)
+    return by_standing([t for t in made if _shown(null.held, t)])
+
+
+def _shown(bench: Bench, found: Trial) -> bool:
+    """Whether a refit ended where the captures tell the effect from a constant one."""
+    effect = found.state.model.get(found.effect)
+    return effect is None or effect.shows_in(max(n for _, n in bench.plan.settings))
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
@@ -95,7 +101,7 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
 
 
 def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
-    """The leader and its competitors, fitted on with new derivatives where the choice is open.
+    """The leader and its competitors in their best forms, where the choice is open.
 
     Candidates whose score test promised nearly as much as the leader gained are among them. The
     competitors take the derivatives of what they share from the leader.
@@ -115,8 +121,9 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     for t in found:
         if t is leader or t.effect in near:
             begun = like if t is leader else with_derivatives_of(t.state, like)
-            ended = minimise(null.held, begun, STEPS)
-            t = replace(judged(null, t.effect, ended), others=t.others)
+            ended = replace(t, state=minimise(null.held, begun, STEPS))
+            best = completed(null.held, ended)
+            t = replace(judged(null, t.effect, best), complete=True)
         made.append(t)
     return made
 

@@ -17,6 +17,7 @@ from dnanalyze.diagnosis.baseline import (
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, judged, trials
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
+from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.results import Candidate, Diagnosis
 from dnanalyze.diagnosis.score_test import score_tests
@@ -30,7 +31,7 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words
-from dnanalyze.diagnosis.stepwise import choose, completed, supported
+from dnanalyze.diagnosis.stepwise import choose, supported
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time

@@ -9,28 +9,13 @@ field; the whole field confirms them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from dnanalyze.diagnosis.baseline import EVERY_SENSOR, far_off, lacks_baseline, with_baseline
-from dnanalyze.diagnosis.candidates import (
-    LEAST,
-    REFITS,
-    SoFar,
-    candidates_of,
-    judged,
-    trials,
-)
+from dnanalyze.diagnosis.candidates import SoFar, candidates_of, judged, trials
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.nuisance import (
-    least_noise,
-    other_strengths,
-    unbiased,
-    without_biased,
-)
+from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.score_test import much_left
@@ -45,16 +30,12 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
-from dnanalyze.errors import InputError
 from dnanalyze.fitting.from_part import STEPS, carried, converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, deviance, minimise, start
+from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY
-
-UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 
 def choose(
@@ -91,55 +72,6 @@ def supported(null: Null, tried: Sequence[Trial]) -> Trial | None:
         return found
     corrects = not null.left or null.corrects(null.left, found.state)
     return found if significant(found, null.error, CERTAIN if corrects else PLAIN) else None
-
-
-def completed(held: Bench, found: Trial) -> State:
-    """The model with the best form and strength of an effect, and everything at its optimum.
-
-    Where the model error is above 1, so that a better model can be told from the present one, the
-    alternatives are simulated once, and those with the lowest loss refitted: other choices of the
-    effect, other strengths, and its other first guesses. Repeated until none of them is better.
-
-    Where much is left, the optimum will move with the next effect: the refit is taken as it is.
-    """
-    state = found.state if much_left(found.state) else converge(held, found.state)
-    if error_of(held, state) <= 1.0:
-        return state
-    known = {found.effect, *state.model.names}
-    models = [g.model for g in found.others if set(g.model.names) == known]
-    for way in (_forms, other_strengths):
-        models += way(state.model, found.effect, least_noise(held))
-    begun = [start(held, m, knobs_of(m), like=state) for m in dict.fromkeys(models)]
-    begun = [s for s in begun if not np.array_equal(s.train, state.train)]
-    better = state
-    for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
-        ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
-        better = preferred(better, ended)
-    if better is state:
-        return state
-    return completed(held, replace(found, state=better, others=()))
-
-
-def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
-    """The model with each other choice of an effect, and with its relatives."""
-    effect = model.get(name)
-    assert effect is not None
-    others = list(effect.relatives())
-    for choice, info in effect.parameters().items():
-        if info.scale == "choice" and choice not in (*UNTRIED, *effect.idle()):
-            for other in info.choices:
-                if other != getattr(effect, choice):
-                    with suppress(InputError):  # a choice that the others rule out
-                        others.append(replace(effect, **{choice: other}))
-    for other in others:
-        with suppress(InputError):
-            yield (unbiased(model, other, noise, effect) or model).with_effect(other)
-
-
-def preferred(state: State, other: State) -> State:
-    """The other where it gains more than is worth a refit, in the mean of both halves."""
-    was, now = (np.sum(deviance(s.test)) + np.sum(deviance(s.train)) for s in (state, other))
-    return other if (was - now) / 2.0 > LEAST else state
 
 
 def removal(held: Bench, state: State, name: str) -> State:

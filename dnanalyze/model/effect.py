@@ -537,6 +537,21 @@ class Effect:
         """
         return True
 
+    def shows_in(self, frames: int) -> bool:
+        """Whether captures of so many frames tell it from an effect that is constant.
+
+        Parameters
+        ----------
+        frames : int
+            Most frames of one operating point.
+
+        Returns
+        -------
+        bool
+            False where it is as good as constant in them.
+        """
+        return True
+
     def relatives(self) -> list[Effect]:
         """Other forms that show nearly alike, with numbers to match; tried once this one fits.
 

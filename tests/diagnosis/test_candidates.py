@@ -1,5 +1,6 @@
 """Refits of candidates."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import with_baseline
 from dnanalyze.diagnosis.candidates import SoFar, _witnessed, candidates_of, judged, trials
+from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import significant
 from dnanalyze.fitting.design import design
@@ -15,6 +17,7 @@ from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import Window
+from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.effects.defect_lines import DefectLines
 from dnanalyze.model.effects.row_fpn import RowFpn
 from dnanalyze.model.registry import BASE, built_in
@@ -66,6 +69,36 @@ def test_candidates_are_not_in_the_model_nor_excluded(null):
 
 def test_no_candidates_no_trials(null):
     assert trials(null, {}) == []
+
+
+@pytest.fixture(scope="module")
+def alike() -> Null:
+    """A sensor with few atoms of one metal: its hot pixels are nearly alike."""
+    drawn = draw_sensor(np.random.default_rng(11))
+    hidden = {"dark_current_steps": {"level": "middling"}}
+    held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    paper = fitted(held, paper_start(held))
+    return Null(held, with_baseline(held, paper, (), lambda *_: None))
+
+
+def test_competitors_are_compared_in_their_best_forms(alike):
+    found = trials(alike, of("dark_current_steps", "hot_pixels", "hot_clusters"))
+    leader = found[0]
+    assert leader.effect == "dark_current_steps"
+    assert {t.effect for t in found if t.complete} >= {leader.effect, "hot_pixels"}
+    for t in found:
+        if t.complete:
+            assert completed(alike.held, t) is t.state
+
+
+def test_an_effect_that_the_captures_do_not_show_as_such_is_no_candidate(null):
+    @dataclass(frozen=True)
+    class Unseen(ColumnFpn):
+        def shows_in(self, frames):
+            return frames > 4
+
+    assert [t.effect for t in trials(null, of("column_fpn"))] == ["column_fpn"]
+    assert trials(null, {"column_fpn": Unseen}) == []
 
 
 def test_a_half_without_the_effect_is_evidence_against_it_only():

@@ -5,7 +5,6 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import far_off
-from dnanalyze.diagnosis.candidates import judged
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.selection import CERTAIN, NOTHING, PLAIN, Trial
@@ -13,8 +12,6 @@ from dnanalyze.diagnosis.stepwise import (
     Path,
     Search,
     choose,
-    completed,
-    preferred,
     reduced,
     supported,
     swapped,
@@ -28,12 +25,8 @@ from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
-from dnanalyze.model.effects.pixel_fpn import PixelFpn
-from dnanalyze.model.effects.quantization import Quantization
-from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.row_fpn import RowFpn
 from dnanalyze.model.effects.row_noise import RowNoise
-from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
@@ -127,31 +120,6 @@ def test_an_effect_at_a_wrong_place_is_guessed_again():
     assert found is not None
     assert found[2].state.model.get("amp_glow").location == "se"
     assert found[2].error < 0.5 * error_of(held, state)
-
-
-@pytest.mark.parametrize("seed", [2, 3])
-def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(seed):
-    point, sigma, share = OperatingPoint(25.0, 1.0, 1.0), 1.2, 0.45
-
-    def model(noise, memory, seed):
-        effects = ReadNoise(noise), PixelFpn(1.0), Quantization(12), TemporalDenoise(memory)
-        return NoiseModel(effects, 64.0, point, seed)
-
-    held = bench(design(simulate(model(sigma, share, 1), (128, 128), [(point, 8)])))
-    begun = model(0.8 * sigma, 0.25, seed)
-    null = Null(held, start(held, begun.without("temporal_denoise"), []))
-    found = judged(null, "temporal_denoise", start(held, begun, knobs_of(begun)))
-    ended = completed(held, found)
-    # 16,384 pixels of 8 frames tell a memory to about .01
-    assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
-    assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
-
-
-def test_the_better_by_both_halves_is_preferred(null):
-    right = fitted(null.held, RowFpn(1.0))
-    assert preferred(null.state, right) is right
-    assert preferred(right, null.state) is right
-    assert preferred(right, right) is right
 
 
 def test_a_search_states_its_steps_and_keeps_complete_models(held):

@@ -94,6 +94,11 @@ class Rts(Effect):
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
+    def shows_in(self, frames: int) -> bool:
+        """Not where fewer than one trap in ten changes its state: hot pixels look the same."""
+        dwell = self.dwell_frames
+        return not isinstance(dwell, (int, float)) or dwell <= 10.0 * frames
+
     def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
         return (0.0 if name == "read_noise.spread" else 1.0), 0.0

@@ -11,17 +11,21 @@ from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.counted_steps import counted_steps
 from dnanalyze.model.guesses.evidence import SIGN, curve, shows
+from dnanalyze.model.guesses.hot_counts import USUAL
 from dnanalyze.model.guesses.single_peak import single_peak
+
+METALS = 0.35  # activation energy of molybdenum and tungsten, eV
+QUANTILES = tuple(f"pattern_q{p}" for p in (0.001, 0.01, 0.1, 0.25, 0.75, 0.9, 0.99, 0.999))
 
 
 def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
     """The spacing of the peaks, setting by setting; few or many atoms a pixel.
 
-    Of rare atoms two peaks must be seen: one alone is of hot pixels that are alike.
+    Of rare atoms one peak may be seen alone, as of hot pixels that are alike.
     """
     guesses = _counted(effect, clues)
     rare = single_peak(clues)
-    if rare is not None and rare.second:
+    if rare is not None:
         guesses += _grown(effect, clues, rare.amplitude, [rare.share])
     if shows(clues, ("pattern_steps",)):
         z = np.nan_to_num(clues.z("pattern_steps"))
@@ -31,8 +35,8 @@ def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
 
 
 def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
-    """Of the ripples in the characteristic functions of all settings."""
-    if not shows(clues, effect.fingerprint):
+    """Of the ripples in the characteristic functions, where the model's histogram is another."""
+    if not shows(clues, QUANTILES, 0):
         return []
     spacing, numbers = np.full(len(clues.points), np.nan), []
     for setting in range(spacing.size):
@@ -47,9 +51,15 @@ def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
 def _grown(
     effect: type[DarkCurrentSteps], clues: Clues, spacing: np.ndarray, numbers: list[float]
 ) -> list[Effect]:
-    """Guesses from a spacing of peaks, DN, one a setting."""
-    fitted = hints.thermal_fit(clues, spacing / hints.exposure_and_gain(clues), 0.35)
-    if fitted is None:
-        return []
-    step, ea = fitted
-    return [effect(**clip(effect, step=step, mean_number=n, ea_ev=ea)) for n in numbers]
+    """Guesses from a spacing of peaks, DN, one a setting.
+
+    Of a spacing seen at one temperature: the activation energy of these metals, and the usual one.
+    """
+    amplitude = spacing / hints.exposure_and_gain(clues)
+    fits = [hints.thermal_fit(clues, amplitude, ea_ev) for ea_ev in (METALS, USUAL)]
+    return [
+        effect(**clip(effect, step=fit[0], mean_number=n, ea_ev=fit[1]))
+        for fit in dict.fromkeys(fits)
+        if fit is not None
+        for n in numbers
+    ]

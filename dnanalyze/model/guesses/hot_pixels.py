@@ -23,7 +23,7 @@ def guess(effect: type[HotPixels], clues: Clues) -> list[Effect]:
 
 def _narrow(effect: type[HotPixels], clues: Clues) -> list[Effect]:
     peak = single_peak(clues)
-    if peak is None or peak.second:
+    if peak is None:
         return []
     fitted = hints.thermal_fit(clues, peak.amplitude / hints.exposure_and_gain(clues), USUAL)
     if fitted is None:

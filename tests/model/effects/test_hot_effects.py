@@ -296,6 +296,26 @@ def test_steps_of_which_many_pixels_have_one_are_counted_over_temperature():
     assert DarkCurrentSteps.guess(clues) == []
 
 
+def test_steps_seen_at_one_temperature_have_either_usual_activation_energy():
+    points = HERE, WARM
+    seen = {"pattern_step_dn": [np.nan, 12.0]}
+    clues = MadeUpClues(points, seen=seen, stands_out=("pattern_steps",))
+    guesses = DarkCurrentSteps.guess(clues)
+    assert {g.ea_ev for g in guesses} == {0.35, 0.55}
+    for g in guesses:
+        assert g.step * growth(g.ea_ev) == pytest.approx(12.0)
+
+
+@pytest.mark.parametrize(("dwell", "shown"), [(0.5, True), (79.0, True), (81.0, False)])
+def test_traps_that_hardly_change_in_the_series_are_hot_pixels(dwell, shown):
+    effect = Rts(0.05, 30.0, 0.5, dwell, 0.0, "fixed", "none")
+    assert effect.shows_in(8) == shown
+    first, last = frames(effect, (256, 256), 8)[[0, -1]] > 0
+    changed = np.mean(first != last) / 0.05
+    share = 0.5 * -np.expm1(-7 / dwell)  # of the stationary states
+    assert changed == pytest.approx(share, abs=5 * np.sqrt(share / (0.05 * 256**2)))
+
+
 def test_blinking_is_guessed_from_the_noisiest_pixels():
     # a noise of 3 DN, 2 % of the pixels blink by 20 DN half of the time
     total = 9 + 0.02 * 100
@@ -364,17 +384,14 @@ def test_a_relative_of_blinking_pixels_has_the_same_second_and_fourth_moment():
     assert (back.fraction, back.amplitude) == pytest.approx((0.03, 5.0))
 
 
-@pytest.mark.parametrize(
-    ("spread", "doubled", "found"), [(0.02, 40, "steps"), (0.02, 0, "alike"), (1.0, 0, "spread")]
-)
-def test_rare_atoms_are_guessed_from_two_peaks_and_pixels_alike_from_one(spread, doubled, found):
+@pytest.mark.parametrize(("spread", "alike"), [(0.02, True), (1.0, False)])
+def test_rare_atoms_and_pixels_alike_are_guessed_from_one_peak(spread, alike):
     points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
     rng = np.random.default_rng(5)
     bins, counts = [], []
     for p in points:
         core = rng.normal(0, 2.0, 100_000)
         hot = 200 * arrhenius(p.temperature_c, 25.0, 0.37) * np.exp(rng.normal(0, spread, 800))
-        hot[:doubled] *= 2
         n, edges = np.histogram(np.concatenate([core, hot]), 4000)
         bins.append((edges[1:] + edges[:-1]) / 2)
         counts.append(n)
@@ -385,12 +402,12 @@ def test_rare_atoms_are_guessed_from_two_peaks_and_pixels_alike_from_one(spread,
         curves={"pattern_hist_x": bins, "pattern_hist_n": counts},
     )
     guesses = DarkCurrentSteps.guess(clues)
-    assert bool(guesses) == (found == "steps")
+    assert bool(guesses) == alike
     for g in guesses:
-        assert g.step == pytest.approx(200, rel=0.02)
+        assert (g.step, g.ea_ev) == pytest.approx((200, 0.37), rel=0.02)
         assert g.mean_number == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))
     narrow = [g for g in HotPixels.guess(clues) if g.law == "narrow"]
-    assert bool(narrow) == (found == "alike")
+    assert bool(narrow) == alike
     for g in narrow:
         assert (g.scale, g.ea_ev) == pytest.approx((200, 0.37), rel=0.02)
         assert g.fraction == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))

@@ -1,0 +1,75 @@
+"""The best form of an effect in a model, everything at its optimum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
+from dnanalyze.diagnosis.predictive_check import error_of
+from dnanalyze.diagnosis.score_test import much_left
+from dnanalyze.diagnosis.selection import Trial
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.from_part import STEPS, converge
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import State, deviance, minimise, start
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.noise_model import NoiseModel
+
+LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
+REFITS = 4  # candidates, and forms of one effect, that are refitted at most
+UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
+
+
+def completed(held: Bench, found: Trial) -> State:
+    """The model with the best form and strength of an effect, and everything at its optimum.
+
+    Where the model error is above 1, so that a better model can be told from the present one, the
+    alternatives are simulated once, and those with the lowest loss refitted: other choices of the
+    effect, other strengths, and its other first guesses. Repeated until none of them is better.
+
+    Where much is left, the optimum will move with the next effect: the refit is taken as it is.
+    """
+    if found.complete:
+        return found.state
+    state = found.state if much_left(found.state) else converge(held, found.state)
+    if error_of(held, state) <= 1.0:
+        return state
+    known = {found.effect, *state.model.names}
+    models = [g.model for g in found.others if set(g.model.names) == known]
+    for way in (_forms, other_strengths):
+        models += way(state.model, found.effect, least_noise(held))
+    begun = [start(held, m, knobs_of(m), like=state) for m in dict.fromkeys(models)]
+    begun = [s for s in begun if not np.array_equal(s.train, state.train)]
+    better = state
+    for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
+        ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
+        better = preferred(better, ended)
+    if better is state:
+        return state
+    return completed(held, replace(found, state=better, others=()))
+
+
+def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
+    """The model with each other choice of an effect, and with its relatives."""
+    effect = model.get(name)
+    assert effect is not None
+    others = list(effect.relatives())
+    for choice, info in effect.parameters().items():
+        if info.scale == "choice" and choice not in (*UNTRIED, *effect.idle()):
+            for other in info.choices:
+                if other != getattr(effect, choice):
+                    with suppress(InputError):  # a choice that the others rule out
+                        others.append(replace(effect, **{choice: other}))
+    for other in others:
+        with suppress(InputError):
+            yield (unbiased(model, other, noise, effect) or model).with_effect(other)
+
+
+def preferred(state: State, other: State) -> State:
+    """The other where it gains more than is worth a refit, in the mean of both halves."""
+    was, now = (np.sum(deviance(s.test)) + np.sum(deviance(s.train)) for s in (state, other))
+    return other if (was - now) / 2.0 > LEAST else state

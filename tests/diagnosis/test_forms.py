@@ -1,0 +1,54 @@
+"""The best form of an effect."""
+
+import numpy as np
+import pytest
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.forms import completed, preferred
+from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import start
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.row_fpn import RowFpn
+from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(seed):
+    point, sigma, share = OperatingPoint(25.0, 1.0, 1.0), 1.2, 0.45
+
+    def model(noise, memory, seed):
+        effects = ReadNoise(noise), PixelFpn(1.0), Quantization(12), TemporalDenoise(memory)
+        return NoiseModel(effects, 64.0, point, seed)
+
+    held = bench(design(simulate(model(sigma, share, 1), (128, 128), [(point, 8)])))
+    begun = model(0.8 * sigma, 0.25, seed)
+    null = Null(held, start(held, begun.without("temporal_denoise"), []))
+    found = judged(null, "temporal_denoise", start(held, begun, knobs_of(begun)))
+    ended = completed(held, found)
+    # 16,384 pixels of 8 frames tell a memory to about .01
+    assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
+    assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
+
+
+def test_the_better_by_both_halves_is_preferred():
+    drawn = draw_sensor(np.random.default_rng(11))
+    hidden = {"row_fpn": {"level": "strong"}}
+    held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    without, right = (
+        converge(held, start(held, m, knobs_of(m)))
+        for m in (ordinary_start(held), ordinary_start(held).with_effect(RowFpn(1.0)))
+    )
+    assert preferred(without, right) is right
+    assert preferred(right, without) is right
+    assert preferred(right, right) is right
