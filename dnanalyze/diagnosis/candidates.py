@@ -91,7 +91,8 @@ def trials(
 def _shown(bench: Bench, found: Trial) -> bool:
     """Whether a refit ended where the captures tell the effect from a constant one."""
     effect = found.state.model.get(found.effect)
-    return effect is None or effect.shows_in(max(n for _, n in bench.plan.settings))
+    assert effect is not None
+    return effect.shows_in(max(n for _, n in bench.plan.settings))
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:

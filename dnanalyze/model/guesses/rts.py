@@ -13,12 +13,24 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.hot_counts import hot_signals
 
 ALIKE = 3.0  # times: two fractions nearer than this are one guess
 SLOW = 2.0  # frames: a pixel that hardly changes in the series shows in the pattern too
 
 
 def guess(effect: type[Rts], clues: Clues) -> list[Effect]:
+    """From the noisiest pixels; and from the hot ones, where these are noisier than the model's."""
+    guesses: list[Effect] = _of_noise(effect, clues)
+    if shows(clues, ("noise_at_99", "noise_at_999")):
+        for hot in hot_signals(clues)[:2]:
+            p, step = hot.fraction, 2.0 * hot.scale  # up for half of the time
+            values = clip(effect, fraction=p, amplitude=step, ea_ev=hot.ea_ev)
+            guesses.append(effect.from_plain(dict(values)))
+    return guesses
+
+
+def _of_noise(effect: type[Rts], clues: Clues) -> list[Effect]:
     """Step from the noisiest pixels' variance beyond Gaussian noise, fraction from the frame's.
 
     And from how far down the pixels are noisier than Gaussian noise has them: the frame's

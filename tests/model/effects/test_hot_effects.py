@@ -306,6 +306,21 @@ def test_steps_seen_at_one_temperature_have_either_usual_activation_energy():
         assert g.step * growth(g.ea_ev) == pytest.approx(12.0)
 
 
+def test_hot_pixels_noisier_than_their_charge_may_be_telegraph_noise():
+    nu, pixels = 40.0, 512 * 512 * 0.01
+    counts = {f"hot_count_{k}": pixels * np.exp(-k * 4.0 / nu) for k in (5, 8, 16, 32, 64, 128)}
+    seen = {"pattern_noise_core": 4.0} | counts
+    clues = MadeUpClues(seen=seen, model=dict.fromkeys(counts, 0.0))
+    assert Rts.guess(clues) == []
+    clues.stands_out = ("noise_at_99",)
+    guess = Rts.guess(clues)[0]
+    assert guess.fraction * guess.occupancy * guess.amplitude == pytest.approx(
+        0.01 * nu,
+        rel=0.15,  # the signal is tried in steps of an eighth
+    )
+    assert guess.occupancy == 0.5
+
+
 @pytest.mark.parametrize(("dwell", "shown"), [(0.5, True), (79.0, True), (81.0, False)])
 def test_traps_that_hardly_change_in_the_series_are_hot_pixels(dwell, shown):
     effect = Rts(0.05, 30.0, 0.5, dwell, 0.0, "fixed", "none")
