@@ -46,6 +46,9 @@ ANSWERS: dict[str, Answer] = {
     "alternating_flicker": Answer(
         ("flicker_noise",), "1/f noise of two chains, one for even and one for odd columns"
     ),
+    "output_flicker": Answer(
+        ("flicker_noise",), "1/f noise of outputs that read strips side by side"
+    ),
     "student_t_noise": Answer(("heavy_tailed_read_noise",), "Student's t in every pixel"),
     "read_noise_spread": Answer(
         (BASELINE, "heavy_tailed_read_noise"),

@@ -14,6 +14,7 @@ GENERATORS = {
     "pyxel": "strangers.generators.pyxel_detector",
     "virtual": "strangers.generators.virtual_sensor",
     "filters": "strangers.generators.filters",
+    "literature": "strangers.generators.literature",
 }
 
 
