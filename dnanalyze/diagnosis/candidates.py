@@ -112,21 +112,30 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     leader = max(found, key=lambda t: t.evidence)
     if leader.fitted_gain < LEAST:
         return found
-    near = competitors(leader, found)
     likely = {t.effect: max(t.fitted_gain, promises[t.effect]) for t in found}
-    near += [name for name, gain in likely.items() if gain > ALIKE * leader.fitted_gain]
-    if leader.evidence > PLAIN * leader.spread and set(near) <= {leader.effect}:
+    near = {name for name, gain in likely.items() if gain > ALIKE * leader.fitted_gain}
+    near |= {leader.effect, *competitors(leader, found)}
+    if leader.evidence > PLAIN * leader.spread and len(near) == 1:
         return found
     like = derived_anew(null.held, leader.state)
-    made = []
-    for t in found:
-        if t is leader or t.effect in near:
-            begun = like if t is leader else with_derivatives_of(t.state, like)
-            ended = replace(t, state=minimise(null.held, begun, STEPS))
-            best = completed(null.held, ended)
-            t = replace(judged(null, t.effect, best), complete=True)
-        made.append(t)
-    return made
+    ended = []
+    for t in (t for t in found if t.effect in near):
+        begun = like if t is leader else with_derivatives_of(t.state, like)
+        best = completed(null.held, replace(t, state=minimise(null.held, begun, STEPS)))
+        ended.append(replace(judged(null, t.effect, best), complete=True))
+    if len(ended) > 1:
+        ended = [_by_mean_prediction(null, t) for t in ended]
+    return ended + [t for t in found if t.effect not in near]
+
+
+def _by_mean_prediction(null: Null, found: Trial) -> Trial:
+    """A refit, judged over several simulated sensors.
+
+    Of two effects neither is to win by where the defects of one simulated sensor happen to lie.
+    """
+    held = null.held
+    mean = judged(Null(held, null.mean), found.effect, Null(held, found.state).mean, scale=null)
+    return replace(mean, state=found.state, error=found.error, complete=True)
 
 
 def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) -> State:
