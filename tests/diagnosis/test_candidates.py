@@ -1,6 +1,6 @@
 """Refits of candidates."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,11 +10,13 @@ from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import with_baseline
 from dnanalyze.diagnosis.candidates import SoFar, _witnessed, candidates_of, judged, trials
 from dnanalyze.diagnosis.forms import completed
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
 from dnanalyze.diagnosis.selection import significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import deviance, start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.column_fpn import ColumnFpn
@@ -89,6 +91,18 @@ def test_competitors_are_compared_in_their_best_forms(alike):
     for t in found:
         if t.complete:
             assert completed(alike.held, t) is t.state
+
+
+def test_competitors_are_judged_by_nine_sensors_of_their_make(alike):
+    found = trials(alike, of("dark_current_steps", "hot_pixels"))
+    assert all(t.complete for t in found)
+    for t in found:
+        fall = 0.0
+        for model, sign in ((alike.state.model, 1.0), (t.state.model, -1.0)):
+            seeds = (replace(model, seed=model.seed + n) for n in range(REPLICATES + 1))
+            z = [start(alike.held, m, knobs_of(m)).train for m in seeds]
+            fall += sign * np.nansum(deviance(np.nanmean(z, axis=0) / alike.scatter[0]))
+        assert t.fitted_gain == pytest.approx(fall, rel=1e-3, abs=0.5)
 
 
 def test_an_effect_that_the_captures_do_not_show_as_such_is_no_candidate(null):

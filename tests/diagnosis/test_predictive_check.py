@@ -85,6 +85,18 @@ def test_replicates_are_sensors_of_the_make_less_the_models_own(right):
         assert len(right.replicates[side]) == REPLICATES
 
 
+def test_the_mean_prediction_is_that_of_nine_sensors_of_the_make(right):
+    model = right.state.model
+    made = [
+        _null(right.held, replace(model, seed=model.seed + n)).state for n in range(REPLICATES + 1)
+    ]
+    for half in ("train", "test"):
+        each = np.array([getattr(state, half) for state in made])
+        known = np.isfinite(each).all(axis=0)
+        mean = getattr(right.mean, half)
+        np.testing.assert_allclose(mean[known], each.mean(axis=0)[known], atol=1e-6)
+
+
 def test_the_scatter_of_a_statistic_is_that_over_replicates_and_operating_points(right):
     train, test = right.scatter
     for half, scale in ((right.held.train, train), (right.held.test, test)):
