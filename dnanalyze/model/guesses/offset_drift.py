@@ -26,21 +26,37 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     means = [curve(clues, "frame_means", i) for i in range(len(clues.points))]
     frames = max([len(m) for m in means if m is not None], default=4)
     frames = max(frames, 2)
-    step = math.sqrt(typical_positive(spread2) * 6.0 * frames / (frames**2 - 1.0))
-    guesses: list[Effect] = [effect(bounded(effect, "step", step))]
-    if _are_white(means):
-        white = bounded(effect, "white", math.sqrt(typical_positive(spread2)))
-        guesses.insert(0, effect(effect.parameters()["step"].lower, white=white))
+    walk, white = math.sqrt(6.0 * frames / (frames**2 - 1.0)), _are_white(means)
+    level = np.asarray(clues.measured("mean"), float)
+    added, scaled = math.sqrt(typical_positive(spread2)), _relative(level, spread2)
+    step, least = walk * added, effect.parameters()["step"].lower
+    guesses: list[Effect] = []
+    for form, size in (("added", added), *([("scaled", scaled)] if scaled else [])):
+        guesses.append(effect(bounded(effect, "step", walk * size), form=form))
+        if white:
+            guesses.insert(0, effect(least, white=bounded(effect, "white", size), form=form))
     jumps = np.array([_jump(m) for m in means if m is not None and len(m) >= 4])
     if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
         small = bounded(effect, "step", 0.1 * step)
         guesses.insert(0, effect(small, bounded(effect, "transient", float(np.median(jumps)))))
-    share = _share(np.asarray(clues.measured("mean"), float), means)
+    share = _share(level, means)
     if share is not None:
         step = bounded(effect, "step", 0.1 * abs(share))
         start = share / (1.0 - math.exp(-1.0 / effect.settling))
         guesses.append(effect(step, bounded(effect, "transient", start), form="scaled"))
     return guesses
+
+
+def _relative(level: np.ndarray, spread2: np.ndarray) -> float | None:
+    """Spread of the frame means over the dark signal, by least squares in the signal above that of
+    the coldest setting; None where that hardly moves or the spread does not grow with it.
+    """
+    good = np.isfinite(level) & np.isfinite(spread2)
+    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+        return None
+    x2 = (level[good] - level[good].min()) ** 2
+    square = float(x2 @ spread2[good] / (x2 @ x2))
+    return math.sqrt(square) if square > 0 else None
 
 
 def _are_white(means: Sequence[np.ndarray | None]) -> bool:

@@ -75,6 +75,27 @@ def test_guess_tells_white_offsets_from_a_walk_by_successive_frames(white):
         assert found.white == pytest.approx(0.4, rel=5 * 0.12)
 
 
+@pytest.mark.parametrize("white", [True, False])
+def test_offsets_that_grow_with_the_dark_signal_are_guessed_as_a_share(white):
+    rng = np.random.default_rng(8)
+    points = tuple(OperatingPoint(t, 1.0) for t in range(0, 80, 10))
+    dark = 2.0 ** np.arange(8)
+    steps = rng.normal(0, 0.04, (8, 8))
+    share = steps if white else np.cumsum(steps, axis=1)
+    means = 64 + dark[:, None] * (1 + share)
+    clues = Given(
+        points=points, seen={"drift": means.std(axis=1, ddof=1), "mean": 64 + dark},
+        model={"drift": 0.0}, off={"drift": 9.0}, curves={"frame_means": list(means)},
+    )  # fmt: skip
+    found = next(g for g in OffsetDrift.guess(clues) if g.form == "scaled")
+    assert bool(found.white) == white
+    # the two hottest settings tell most: 14 degrees of freedom, fewer of a walk
+    assert (found.white or found.step) == pytest.approx(0.04, rel=0.7)
+    level = np.full(8, 100.0)
+    clues.seen["mean"] = level
+    assert all(g.form == "added" for g in OffsetDrift.guess(clues))
+
+
 def test_a_cooling_chip_moves_the_dark_signal_by_a_share():
     cooling = OffsetDrift(1e-5, transient=0.1, settling=1.0, form="scaled")
     plain = frames(Ramp(), count=4, pedestal=64.0)
