@@ -7,7 +7,6 @@ output is gone, 143 terminated.
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import traceback
 from collections.abc import Sequence
@@ -36,7 +35,7 @@ from dnanalyze_cli.commands import (
     simulate,
     workbench,
 )
-from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped
+from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped, end_on_sigterm
 
 app = typer.Typer(
     name="dnanalyze",
@@ -119,9 +118,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run() -> None:
     """The ``dnanalyze`` command."""
-    signal.signal(
-        signal.SIGTERM, lambda *_: sys.exit(TERMINATED)
-    )  # so that temporaries are removed
+    end_on_sigterm()
     code = main()
     try:
         sys.stdout.flush()

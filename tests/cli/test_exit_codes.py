@@ -151,6 +151,24 @@ def test_a_terminated_run_leaves_no_temporary(model, tmp_path):
     assert os.listdir(tmp_path) == ["m.yaml"]
 
 
+def test_a_termination_that_python_ignores_is_sent_again():
+    code = """
+import os, signal, time, weakref
+from dnanalyze_cli.stopped import end_on_sigterm
+
+class Thing: pass
+
+end_on_sigterm()
+thing = Thing()
+seen = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM))
+del thing
+print("went on", flush=True)
+time.sleep(60)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=50)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "went on\n", "")
+
+
 def failing_with(error):
     def fail(*_, **__):
         raise error
