@@ -123,14 +123,15 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
         begun = like if t is leader else with_derivatives_of(t.state, like)
         best = completed(null.held, replace(t, state=minimise(null.held, begun, STEPS)))
         ended.append(replace(judged(null, t.effect, best), complete=True))
-    rest = [t for t in found if t.effect not in near]
-    return [_by_mean_prediction(null, t) for t in ended] + rest
+    if len(ended) > 1:
+        ended = [_by_mean_prediction(null, t) for t in ended]
+    return ended + [t for t in found if t.effect not in near]
 
 
 def _by_mean_prediction(null: Null, found: Trial) -> Trial:
     """A refit, judged over several simulated sensors.
 
-    No effect is to win, or to be missed, by where the defects of one of them happen to lie.
+    Of two effects neither is to win by where the defects of one simulated sensor happen to lie.
     """
     held = null.held
     mean = judged(Null(held, null.mean), found.effect, Null(held, found.state).mean, scale=null)
