@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.forms import LEAST, REFITS, completed
+from dnanalyze.diagnosis.forms import LEAST, REFITS
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
@@ -102,7 +102,7 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
 
 
 def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
-    """The leader and its competitors in their best forms, where the choice is open.
+    """The leader and its competitors, fitted on with new derivatives where the choice is open.
 
     Candidates whose score test promised nearly as much as the leader gained are among them. The
     competitors take the derivatives of what they share from the leader.
@@ -121,8 +121,8 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     ended = []
     for t in (t for t in found if t.effect in near):
         begun = like if t is leader else with_derivatives_of(t.state, like)
-        best = completed(null.held, replace(t, state=minimise(null.held, begun, STEPS)))
-        ended.append(replace(judged(null, t.effect, best), complete=True))
+        made = judged(null, t.effect, minimise(null.held, begun, STEPS))
+        ended.append(replace(made, others=t.others))
     if len(ended) > 1:
         ended = [_by_mean_prediction(null, t) for t in ended]
     return ended + [t for t in found if t.effect not in near]
@@ -135,7 +135,7 @@ def _by_mean_prediction(null: Null, found: Trial) -> Trial:
     """
     held = null.held
     mean = judged(Null(held, null.mean), found.effect, Null(held, found.state).mean, scale=null)
-    return replace(mean, state=found.state, error=found.error, complete=True)
+    return replace(mean, state=found.state, error=found.error, others=found.others)
 
 
 def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) -> State:

@@ -33,8 +33,6 @@ def completed(held: Bench, found: Trial) -> State:
 
     Where much is left, the optimum will move with the next effect: the refit is taken as it is.
     """
-    if found.complete:
-        return found.state
     state = found.state if much_left(found.state) else converge(held, found.state)
     if error_of(held, state) <= 1.0:
         return state

@@ -53,8 +53,6 @@ class Trial:
         Other guesses of the effect, not refitted.
     falls : ndarray
         Fall of the deviance of each statistic, of either half.
-    complete : bool
-        Whether the effect has its best form, and everything is at its optimum.
     """
 
     effect: str
@@ -65,7 +63,6 @@ class Trial:
     spread: float = 1.0
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
-    complete: bool = False
 
     @property
     def evidence(self) -> float:
