@@ -37,7 +37,7 @@ def end_on_sigterm() -> None:
 
 
 def _sent_again(ignored: Any) -> None:
-    """What was ignored, if it is not the end: to where Python reports it."""
+    """Send an ignored SIGTERM again; report any other ignored exception as Python does."""
     if isinstance(ignored.exc_value, SystemExit) and ignored.exc_value.code == TERMINATED:
         main = threading.main_thread().ident
         threading.Timer(0.05, signal.pthread_kill, (main, signal.SIGTERM)).start()

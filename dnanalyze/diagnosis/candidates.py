@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.forms import LEAST, REFITS
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
@@ -34,6 +33,8 @@ from dnanalyze.fitting.least_squares import (
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 
+LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
+REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 REACH = 6.0  # times its promise, which is that of two operating points, that a refit may gain
 
 
@@ -118,24 +119,24 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     if leader.evidence > PLAIN * leader.spread and len(near) == 1:
         return found
     like = derived_anew(null.held, leader.state)
-    ended = []
-    for t in (t for t in found if t.effect in near):
-        begun = like if t is leader else with_derivatives_of(t.state, like)
-        made = judged(null, t.effect, minimise(null.held, begun, STEPS))
-        ended.append(replace(made, others=t.others))
-    if len(ended) > 1:
-        ended = [_by_mean_prediction(null, t) for t in ended]
-    return ended + [t for t in found if t.effect not in near]
+    made = []
+    for t in found:
+        if t.effect in near:
+            begun = like if t is leader else with_derivatives_of(t.state, like)
+            ended = judged(null, t.effect, minimise(null.held, begun, STEPS))
+            t = replace(ended if len(near) == 1 else _by_mean(null, ended), others=t.others)
+        made.append(t)
+    return made
 
 
-def _by_mean_prediction(null: Null, found: Trial) -> Trial:
-    """A refit, judged over several simulated sensors.
+def _by_mean(null: Null, found: Trial) -> Trial:
+    """A refit, with its gains by the mean prediction of several simulated sensors.
 
     Of two effects neither is to win by where the defects of one simulated sensor happen to lie.
     """
     held = null.held
     mean = judged(Null(held, null.mean), found.effect, Null(held, found.state).mean, scale=null)
-    return replace(mean, state=found.state, error=found.error, others=found.others)
+    return replace(mean, state=found.state, error=found.error)
 
 
 def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) -> State:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.diagnosis.candidates import LEAST, REFITS
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import much_left
@@ -19,8 +20,6 @@ from dnanalyze.fitting.least_squares import State, deviance, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.noise_model import NoiseModel
 
-LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
-REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 

@@ -61,5 +61,5 @@ def test_the_wave_of_four_columns_has_that_period():
 
 def test_dark_charge_grows_by_half_the_gap():
     kelvin = np.array([273.15, 303.15])
-    rate = kelvin**1.5 * np.exp(-1.2 / (2 * literature.BOLTZMANN_EV * kelvin))
+    rate = kelvin**1.5 * np.exp(-1.2 / (2 * 8.617333262e-5 * kelvin))
     assert CAMERA.charge(0.0) / CAMERA.charge(30.0) == pytest.approx(rate[0] / rate[1])

@@ -20,11 +20,11 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
+from strangers.generators.plain import dark_growth
 
 Generator = np.random.Generator
 ROWS, COLUMNS = SHAPE
 OUTPUTS, TURN = 4, 12  # of the infrared array; pixel periods between two rows
-BOLTZMANN_EV = 8.617333e-5
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,8 @@ class Camera:
     temperatures_c: tuple[float, ...]
 
     def charge(self, celsius: float) -> float:
-        """Mean dark charge at a temperature, e-: T^1.5 e^(-Eg/2kT)."""
-        kelvin, hottest = celsius + 273.15, self.temperatures_c[-1] + 273.15
-        energy = self.gap_ev / (2.0 * BOLTZMANN_EV)
-        growth = (kelvin / hottest) ** 1.5 * np.exp(energy * (1 / hottest - 1 / kelvin))
-        return float(self.dark_e * growth)
+        """Mean dark charge at a temperature, e-."""
+        return self.dark_e * dark_growth(celsius, self.temperatures_c[-1], self.gap_ev)
 
 
 # the electrons of a frame, its random numbers -> DN beyond the pedestal, before rounding

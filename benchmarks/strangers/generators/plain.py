@@ -22,6 +22,13 @@ ROWS, COLUMNS = SHAPE
 ROW, COLUMN = np.arange(ROWS)[:, None], np.arange(COLUMNS)[None, :]
 
 
+def dark_growth(celsius: float, reference_c: float, gap_ev: float) -> float:
+    """Dark current at a temperature over that at another: T^1.5 exp(-Eg/2kT)."""
+    kelvin, reference = celsius + 273.15, reference_c + 273.15
+    energy = gap_ev / (2.0 * BOLTZMANN_EV)
+    return (kelvin / reference) ** 1.5 * float(np.exp(energy * (1 / reference - 1 / kelvin)))
+
+
 @dataclass(frozen=True)
 class Sensor:
     """Gain (DN/e-), noises (e-), dark current at the hottest temperature (e-) and its spread."""
@@ -38,9 +45,7 @@ class Sensor:
 
     def growth(self, celsius: float) -> float:
         """Dark current at a temperature over that at the hottest."""
-        kelvin, hottest = celsius + 273.15, self.temperatures_c[-1] + 273.15
-        energy = self.gap_ev / (2.0 * BOLTZMANN_EV)
-        return (kelvin / hottest) ** 1.5 * float(np.exp(energy * (1 / hottest - 1 / kelvin)))
+        return dark_growth(celsius, self.temperatures_c[-1], self.gap_ev)
 
     @property
     def noise_dn(self) -> float:

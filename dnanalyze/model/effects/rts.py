@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.bounds import bounded
+from dnanalyze.model.bounds import bounded, clip
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
+from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
 
@@ -102,6 +103,12 @@ class Rts(Effect):
     def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
         return (0.0 if name == "read_noise.spread" else 1.0), 0.0
+
+    @classmethod
+    def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
+        """Traps in the upper level for half of the time, whose mean is the signal."""
+        values = clip(cls, fraction=hot.fraction, amplitude=2.0 * hot.scale, ea_ev=hot.ea_ev)
+        return [cls(**values)]  # type: ignore[arg-type]
 
     def relatives(self) -> list[Effect]:
         """The other law of the step that has the same second and fourth moment over pixels.

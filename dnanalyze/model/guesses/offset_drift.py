@@ -28,10 +28,12 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     frames = max(frames, 2)
     walk, white = math.sqrt(6.0 * frames / (frames**2 - 1.0)), _are_white(means)
     level = np.asarray(clues.measured("mean"), float)
-    added, scaled = math.sqrt(typical_positive(spread2)), _relative(level, spread2)
-    step, least = walk * added, effect.parameters()["step"].lower
+    step, least = walk * math.sqrt(typical_positive(spread2)), effect.parameters()["step"].lower
+    sizes = {"added": step / walk, "scaled": _relative(level, spread2)}
     guesses: list[Effect] = []
-    for form, size in (("added", added), *([("scaled", scaled)] if scaled else [])):
+    for form, size in sizes.items():
+        if size is None:
+            continue
         guesses.append(effect(bounded(effect, "step", walk * size), form=form))
         if white:
             guesses.insert(0, effect(least, white=bounded(effect, "white", size), form=form))

@@ -23,10 +23,7 @@ def guess(effect: type[Rts], clues: Clues) -> list[Effect]:
     """From the noisiest pixels; and from the hot ones, where these are noisier than the model's."""
     guesses: list[Effect] = _of_noise(effect, clues)
     if shows(clues, ("noise_at_99", "noise_at_999")):
-        for hot in hot_signals(clues)[:2]:
-            p, step = hot.fraction, 2.0 * hot.scale  # up for half of the time
-            values = clip(effect, fraction=p, amplitude=step, ea_ev=hot.ea_ev)
-            guesses.append(effect.from_plain(dict(values)))
+        guesses += [e for hot in hot_signals(clues)[:2] for e in effect.of_hot_signal(hot)]
     return guesses
 
 

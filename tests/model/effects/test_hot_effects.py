@@ -399,14 +399,17 @@ def test_a_relative_of_blinking_pixels_has_the_same_second_and_fourth_moment():
     assert (back.fraction, back.amplitude) == pytest.approx((0.03, 5.0))
 
 
-@pytest.mark.parametrize(("spread", "alike"), [(0.02, True), (1.0, False)])
-def test_rare_atoms_and_pixels_alike_are_guessed_from_one_peak(spread, alike):
+@pytest.mark.parametrize(
+    ("spread", "two_atoms", "alike"), [(0.02, 40, True), (0.02, 0, True), (1.0, 0, False)]
+)
+def test_rare_atoms_and_pixels_alike_are_guessed_from_one_peak(spread, two_atoms, alike):
     points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0, 65.0))
     rng = np.random.default_rng(5)
     bins, counts = [], []
     for p in points:
         core = rng.normal(0, 2.0, 100_000)
         hot = 200 * arrhenius(p.temperature_c, 25.0, 0.37) * np.exp(rng.normal(0, spread, 800))
+        hot[:two_atoms] *= 2
         n, edges = np.histogram(np.concatenate([core, hot]), 4000)
         bins.append((edges[1:] + edges[:-1]) / 2)
         counts.append(n)
