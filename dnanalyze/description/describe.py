@@ -15,8 +15,8 @@ from dnanalyze.description.look import Look, look
 from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
-from dnanalyze.diagnosis.candidates import judged
 from dnanalyze.diagnosis.explain import evidence_for
+from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
@@ -272,7 +272,7 @@ def _judged(
         return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
     best, trial = max(tried, key=lambda pair: pair[1].evidence)
     certain = supported(null, [trial]) is not None
-    sure = confidence_of(trial, [trial], null.error)
+    sure = confidence_of(trial, [trial])
     verdict = "described" if certain else "possible"
     ended = trial.state
     removed: list[str] = []

@@ -8,24 +8,24 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dnanalyze.comparator.error import pooled
+from dnanalyze.diagnosis.forms import in_best_form
+from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
     ALIKE,
+    LEAST,
     PLAIN,
+    REFITS,
     Trial,
     competitors,
-    falls,
-    overdispersion,
     standings,
 )
 from dnanalyze.fitting.from_part import STEPS, carried, derived_anew, part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
     State,
-    deviance,
     minimise,
     start,
     with_derivatives_of,
@@ -33,8 +33,6 @@ from dnanalyze.fitting.least_squares import (
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 
-LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
-REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 REACH = 6.0  # times its promise, which is that of two operating points, that a refit may gain
 
 
@@ -103,10 +101,11 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
 
 
 def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
-    """The leader and its competitors, fitted on with new derivatives where the choice is open.
+    """The leader and its competitors at their optima, where the choice is open.
 
-    Candidates whose score test promised nearly as much as the leader gained are among them. The
-    competitors take the derivatives of what they share from the leader.
+    Candidates whose score test promised nearly as much as the leader gained are among them.
+    Competitors are in their best forms, and take the derivatives of what they share from the
+    leader. All of these are judged by what sensors of their make show.
     """
     if not found:
         return found
@@ -123,20 +122,12 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     for t in found:
         if t.effect in near:
             begun = like if t is leader else with_derivatives_of(t.state, like)
+            if len(near) > 1:
+                begun = in_best_form(null.held, replace(t, state=begun))
             ended = judged(null, t.effect, minimise(null.held, begun, STEPS))
-            t = replace(ended if len(near) == 1 else _by_mean(null, ended), others=t.others)
+            t = judged_by_prediction(null, replace(ended, others=t.others))
         made.append(t)
     return made
-
-
-def _by_mean(null: Null, found: Trial) -> Trial:
-    """A refit, with its gains by the mean prediction of several simulated sensors.
-
-    Of two effects neither is to win by where the defects of one simulated sensor happen to lie.
-    """
-    held = null.held
-    mean = judged(Null(held, null.mean), found.effect, Null(held, found.state).mean, scale=null)
-    return replace(mean, state=found.state, error=found.error)
 
 
 def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) -> State:
@@ -160,43 +151,3 @@ def _from_guess(bench: Bench, guess: Guess, like: State, wanted: float) -> State
     """
     begun = start(bench, guess.model, knobs_of(guess.model), like=like)
     return minimise(bench, without_biased(bench, begun, guess.effect), STEPS, below=wanted)
-
-
-def judged(null: Null, effect: str, after: State, scale: Null | None = None) -> Trial:
-    """A refit, with what it gained on either half.
-
-    ``scale``: the model whose replicates give the scatter; ``null`` by default.
-    """
-    scatter = (scale or null).scatter
-    gains, changes = [], []
-    for half, sd, was, now in (
-        (null.held.test, scatter[1], null.state.test, after.test),
-        (null.held.train, scatter[0], null.state.train, after.train),
-    ):
-        change = half.names, was / sd, now / sd
-        gains.append(float(np.sum(deviance(change[1]) - deviance(change[2]))))
-        changes.append(change)
-    return Trial(
-        effect,
-        after,
-        *_witnessed(null.held, after.model.get(effect), *gains),
-        pooled(after.test, null.held.test.families),
-        overdispersion(*changes[0]),
-        falls=np.concatenate([falls(*change) for change in changes]),
-    )
-
-
-def _witnessed(
-    bench: Bench, effect: Effect | None, gain: float, fitted_gain: float
-) -> tuple[float, float]:
-    """Gains on the held-out and on the fitted half, of an effect that lies in one of them alone.
-
-    The half without it is evidence against it only.
-    """
-    if effect is None:
-        return gain, fitted_gain
-    upper, lower = map(effect.lies_in, bench.plan.windows)
-    if upper == lower:
-        return gain, fitted_gain
-    there, elsewhere = (gain, fitted_gain) if lower else (fitted_gain, gain)
-    return (there + min(0.0, elsewhere),) * 2

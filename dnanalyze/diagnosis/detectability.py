@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.candidates import LEAST
-from dnanalyze.diagnosis.selection import CERTAIN
+from dnanalyze.diagnosis.selection import CERTAIN, LEAST
 from dnanalyze.digits import number, unit_text
 from dnanalyze.fitting.from_part import Changes
 from dnanalyze.fitting.least_squares import State, loss

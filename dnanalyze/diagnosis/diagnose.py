@@ -14,10 +14,11 @@ from dnanalyze.diagnosis.baseline import (
     lacks_baseline,
     with_baseline,
 )
-from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, judged, trials
+from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, trials
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
 from dnanalyze.diagnosis.forms import completed
+from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.results import Candidate, Diagnosis
 from dnanalyze.diagnosis.score_test import score_tests
@@ -195,7 +196,7 @@ def judge(
     open_yet = null.unexplained
     if best is not None:
         first, open_yet = _leader(null, best, tried, known, follow_up)
-        rest = [t for t in tried if t is not best and t.gain > 0.0 and t.error < error]
+        rest = [t for t in tried if t is not best and t.gain > 0.0 and t.error_fall > 0.0]
         candidates = [first, *_by_confidence(_candidate(null, t, tried, known) for t in rest)]
     elif open_yet:
         candidates = _by_confidence(
@@ -205,7 +206,7 @@ def judge(
                 leaves=[n for n in open_yet if not null.corrects([n], t.state)],
             )
             for t in tried
-            if t.gain > 0.0 and t.error < error
+            if t.gain > 0.0 and t.error_fall > 0.0
         )
     else:
         candidates = []
@@ -230,7 +231,7 @@ def _candidate(
         found.effect,
         found.error,
         _explained(null.error, found.error),
-        confidence_of(found, tried, null.error),
+        confidence_of(found, tried),
         competitors(found, tried),
         evidence_for(null.held, null.state, found.state, known[found.effect]),
     )
@@ -253,7 +254,7 @@ def _leader(
         against = evidence_against(held, rival.state, best.state, rival.effect, best.effect)
         told.evidence.extend([against] if against else [])
     left = Null(held, best.state).unexplained
-    others = [t for t in tried if t is not best and significant(t, null.error)]
+    others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
         after = Null(held, completed(held, best))
@@ -284,11 +285,11 @@ def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effec
     """
     error = null.error
     tried = by_standing(so_far.trials)
-    told = [_candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error < error]
+    told = [_candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error_fall > 0]
     return Diagnosis(
         name,
         error,
-        "missing" if tried and significant(tried[0], error) else "unexplained",
+        "missing" if tried and significant(tried[0]) else "unexplained",
         [replace(c, confidence=c.confidence * STANDS_IN) for c in told],
         [],
         model=null.state.model,
@@ -310,7 +311,7 @@ def _with_baseline_listed(
     # only all of them are refitted; beside what is missing, if that was found
     ended = found.trials[0].state if found.verdict == "missing" else stages[-1][1]
     together = judged(start, stages[-1][0], ended, scale=Null(held, stages[-1][1]))
-    chance = float(confidences([together], start.error)[0])
+    chance = float(confidences([together])[0])
     baseline = []
     for name, state in stages:
         stage = Null(held, state)

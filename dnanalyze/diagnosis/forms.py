@@ -8,11 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.candidates import LEAST, REFITS
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import much_left
-from dnanalyze.diagnosis.selection import Trial
+from dnanalyze.diagnosis.selection import LEAST, REFITS, Trial
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.from_part import STEPS, converge
 from dnanalyze.fitting.knobs import knobs_of
@@ -26,15 +25,25 @@ UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mos
 def completed(held: Bench, found: Trial) -> State:
     """The model with the best form and strength of an effect, and everything at its optimum.
 
-    Where the model error is above 1, so that a better model can be told from the present one, the
-    alternatives are simulated once, and those with the lowest loss refitted: other choices of the
-    effect, other strengths, and its other first guesses. Repeated until none of them is better.
+    Where the model error is above 1, so that a better model can be told from the present one, other
+    forms are tried until none of them is better.
 
     Where much is left, the optimum will move with the next effect: the refit is taken as it is.
     """
     state = found.state if much_left(found.state) else converge(held, found.state)
     if error_of(held, state) <= 1.0:
         return state
+    better = in_best_form(held, replace(found, state=state), REFITS)
+    return state if better is state else completed(held, replace(found, state=better, others=()))
+
+
+def in_best_form(held: Bench, found: Trial, refits: int = 1) -> State:
+    """The state, or a better one with another form of the effect.
+
+    Other choices of the effect, other strengths, and its other first guesses are simulated once;
+    those with the lowest loss are refitted.
+    """
+    state = found.state
     known = {found.effect, *state.model.names}
     models = [g.model for g in found.others if set(g.model.names) == known]
     for way in (_forms, other_strengths):
@@ -42,12 +51,10 @@ def completed(held: Bench, found: Trial) -> State:
     begun = [start(held, m, knobs_of(m), like=state) for m in dict.fromkeys(models)]
     begun = [s for s in begun if not np.array_equal(s.train, state.train)]
     better = state
-    for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
+    for other in sorted(begun, key=lambda s: s.loss)[:refits]:
         ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
         better = preferred(better, ended)
-    if better is state:
-        return state
-    return completed(held, replace(found, state=better, others=()))
+    return better
 
 
 def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:

@@ -12,6 +12,7 @@ from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import MEAN
+from dnanalyze.fitting.linear_step import linear_step
 from dnanalyze.fitting.predictor import Bench
 
 REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
@@ -65,25 +66,41 @@ class Null:
         At least 1, and the same at all operating points of one statistic: few defects, tracks or
         phases are drawn once per sensor, and shift it at all of them alike.
         """
-        names = self.held.train.names, self.held.test.names
-        made = []
-        for own in names:
-            scale = np.ones(len(own))
-            for name in np.unique(own):
-                drawn = [r[:, n == name] for r, n in zip(self.replicates, names, strict=True)]
-                both = np.concatenate(drawn, axis=1)
-                scale[own == name] = max(1.0, float(np.sqrt(np.mean(both**2))))
-            made.append(scale)
-        return made[0], made[1]
+        train, test = (np.mean(r**2, axis=0) for r in self.replicates)
+        return _pooled(self.held.train.names, self.held.test.names, train, test)
+
+    @cached_property
+    def sensors(self) -> tuple[np.ndarray, np.ndarray]:
+        """Misfits of the model's own sensor and of its replicates, each fitted by a linear step.
+
+        What the parameters can absorb of one sensor's chance, they have absorbed in the fit of the
+        own one.
+        """
+        train, test = (
+            own - np.vstack([np.zeros_like(own), drawn])
+            for own, drawn in zip((self.state.train, self.state.test), self.replicates, strict=True)
+        )
+        return linear_step(self.state, self.held.train, self.held.test, train, test)
+
+    @cached_property
+    def predictive_sd(self) -> tuple[np.ndarray, np.ndarray]:
+        """Standard deviation of another sensor of this make about `mean`, at least 1.
+
+        Of n sensors the one after them differs from their mean by (1 + 1/n) of the variance. At
+        every operating point its own, since much of what varies grows with the dark signal.
+        """
+        n = REPLICATES + 1
+        train, test = (np.var(z, axis=0, ddof=1) * (1.0 + 1.0 / n) for z in self.sensors)
+        one, other = (np.array([str(k) for k in h.keys]) for h in (self.held.train, self.held.test))
+        return _pooled(one, other, train, test)
 
     @cached_property
     def mean(self) -> State:
-        """The state by the mean prediction of the model's own sensor and of its replicates.
+        """The state by the mean of `sensors`.
 
         Where the few hot pixels of one simulated sensor lie, and how many they are, is chance.
         """
-        sides = zip((self.state.train, self.state.test), self.replicates, strict=True)
-        train, test = (z - drawn.sum(axis=0) / (len(drawn) + 1) for z, drawn in sides)
+        train, test = (z.mean(axis=0) for z in self.sensors)
         return replace(self.state, train=train, unseen=lambda: test)
 
     @cached_property
@@ -155,3 +172,13 @@ class Null:
             if worst > BEYOND:
                 found.append((worst, name))
         return [name for _, name in sorted(found, reverse=True)]
+
+
+def _pooled(
+    by: np.ndarray, by_test: np.ndarray, train: np.ndarray, test: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Root of the mean of the squares of either half that have the same label, at least 1."""
+    _, which = np.unique(np.concatenate([by, by_test]), return_inverse=True)
+    mean = np.bincount(which, np.concatenate([train, test])) / np.bincount(which)
+    sd = np.sqrt(np.maximum(mean, 1.0))[which]
+    return sd[: by.size], sd[by.size :]

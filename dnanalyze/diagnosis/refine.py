@@ -7,9 +7,9 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from dnanalyze.diagnosis.candidates import judged
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
+from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
@@ -223,7 +223,7 @@ def add(
     begun = start(held, larger, knobs_of(larger), like=null.state)
     after = judged(null, name, converge(held, begun))
     yes = supported(null, [after]) is not None
-    sure = confidence_of(after, [after], null.error) * (1.0 if yes else STANDS_IN)
+    sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)
     why = evidence_for(held, null.state, after.state, kind)
     steps = [Step(None, null.error), Step(name, after.error, sure, why, supported=yes)]
     found = judge(captures.name, Null(held, after.state), [], None, known)

@@ -28,6 +28,8 @@ PLAIN = 300.0  # exceeds the variation between sensors of one make
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete
 ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
+LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
+REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 # Of the effects named where a residual remained, 13 of 19 were present in virtual sensors with an
 # effect of the catalogue, and 0 of 24 where the effect is in none.
 STANDS_IN = 0.5
@@ -47,6 +49,8 @@ class Trial:
         its scatter over replicates of the model without the effect.
     error : float
         Model error on the held-out half.
+    error_fall : float
+        By how much that is lower, by the same predictions as the gains, in units of the scatter.
     spread : float
         Overdispersion.
     others : tuple of Guess
@@ -60,6 +64,7 @@ class Trial:
     gain: float
     fitted_gain: float
     error: float
+    error_fall: float
     spread: float = 1.0
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
@@ -120,32 +125,32 @@ def standings(trials: Sequence[Trial]) -> np.ndarray:
     return np.array([t.evidence / common + 2.0 * DEFLATION * t.log_odds for t in trials])
 
 
-def confidences(trials: Sequence[Trial], error: float) -> np.ndarray:
+def confidences(trials: Sequence[Trial]) -> np.ndarray:
     """Probability of each candidate, and of "nothing is missing" in the last place.
 
-    ``error``: of the model without any of them; a candidate that does not lower it gains nothing.
+    A candidate that does not lower the model error gains nothing.
     """
-    worse = [t.error >= error for t in trials]
+    worse = [t.error_fall <= 0.0 for t in trials]
     known = np.append(np.where(worse, np.minimum(s := standings(trials), 0.0), s), NOTHING)
     weight = np.exp((known - known.max()) / (2.0 * DEFLATION))
     return weight / weight.sum()
 
 
-def confidence_of(found: Trial, trials: Sequence[Trial], error: float) -> float:
+def confidence_of(found: Trial, trials: Sequence[Trial]) -> float:
     """Probability that a candidate is missing, among its competitors and "nothing is missing"."""
     others = [t for t in trials if t is not found and not apart(found, t)]
-    return float(confidences([found, *others], error)[0])
+    return float(confidences([found, *others])[0])
 
 
-def significant(found: Trial, error: float, least: float = CERTAIN) -> bool:
+def significant(found: Trial, least: float = CERTAIN) -> bool:
     """Whether the evidence exceeds what a superfluous candidate reaches by chance.
 
-    Each half must give its part, and the model error of the held-out half must fall below
-    ``error``. ``least``: evidence asked for, in units of the overdispersion.
+    Each half must give its part, and the model error of the held-out half must fall. ``least``:
+    evidence asked for, in units of the overdispersion.
     """
     lesser = min(found.gain, found.fitted_gain)
     enough = found.evidence > least * found.spread and lesser > NOTHING / 4 * found.spread
-    return enough and found.error < error
+    return enough and found.error_fall > 0.0
 
 
 def apart(one: Trial, other: Trial) -> bool:

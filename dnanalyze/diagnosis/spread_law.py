@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.from_part import converge
@@ -43,7 +43,7 @@ def spread_law(null: Null) -> Trial | None:
     if score(begun) < chi2.isf(1e-3, 1):
         return None
     found = judged(null, BASE, converge(held, begun, rounds=1))
-    return found if significant(found, null.error) else None
+    return found if significant(found) else None
 
 
 def with_law(model: NoiseModel) -> NoiseModel | None:

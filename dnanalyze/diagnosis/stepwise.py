@@ -13,9 +13,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from dnanalyze.diagnosis.baseline import EVERY_SENSOR, far_off, lacks_baseline, with_baseline
-from dnanalyze.diagnosis.candidates import SoFar, candidates_of, judged, trials
+from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
+from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.score_test import much_left
@@ -66,12 +67,12 @@ def supported(null: Null, tried: Sequence[Trial]) -> Trial | None:
     if not tried:
         return None
     found = tried[0]
-    if not significant(found, null.error, NOTHING):
+    if not significant(found, NOTHING):
         return None
     if null.corrects(null.left[:3], found.state):
         return found
     corrects = not null.left or null.corrects(null.left, found.state)
-    return found if significant(found, null.error, CERTAIN if corrects else PLAIN) else None
+    return found if significant(found, CERTAIN if corrects else PLAIN) else None
 
 
 def removal(held: Bench, state: State, name: str) -> State:
@@ -86,7 +87,7 @@ def reduced(held: Bench, state: State) -> tuple[State, list[str]]:
     for name in [n for n in state.model.names if n not in (*EVERYDAY, BASE)]:
         without = Null(held, removal(held, state, name))
         found = judged(without, name, state, scale=Null(held, state))
-        if found.evidence < NOTHING and without.error <= found.error:
+        if found.evidence < NOTHING and found.error_fall <= 0.0:
             state = without.state
             gone.append(name)
     return state, gone
@@ -117,9 +118,9 @@ def swapped(
         others[name] = type(mine)
         without = Null(held, removal(held, state, name))
         for trial in trials(without, others, tell):
-            made = judged(null, trial.effect, trial.state)
-            if significant(made, null.error):
-                found.append((name, without, replace(made, others=trial.others)))
+            made = judged_by_prediction(null, trial)
+            if significant(made):
+                found.append((name, without, made))
     return max(found, key=lambda f: f[2].evidence, default=None)
 
 
@@ -257,12 +258,12 @@ class Search:
         if best.effect == BASE:
             return self._with_law(path, best)
         tried = path.tried
-        sure, near = confidence_of(best, tried, null.error), competitors(best, tried)
+        sure, near = confidence_of(best, tried), competitors(best, tried)
         state = completed(self.held, best)
         effect = type(state.model.get(best.effect))
         why = evidence_for(self.held, path.state, state, effect)  # type: ignore[arg-type]
         path = self._noted(path, state, best.effect, sure, near, why)
-        beside = [t.effect for t in tried if significant(t, null.error) and apart(best, t)]
+        beside = [t.effect for t in tried if significant(t) and apart(best, t)]
         path = replace(path, converged=not much_left(state), open=tuple(beside))
         self._kept(path)
         return self._reduced(path) if path.converged else path

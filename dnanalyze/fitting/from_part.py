@@ -134,7 +134,7 @@ class Changes:
 
     def by(self, models: Sequence[NoiseModel]) -> Iterator[np.ndarray]:
         """Change of each number by each of several models, in floors; 0 where one lacks it."""
-        rows = _rows(self.bench.train, self.wanted)
+        rows = self.bench.train.rows_of(self.wanted)
         known = rows >= 0
         for moved in self.bench.several(models):
             change = np.zeros(len(self.wanted.keys))
@@ -142,17 +142,6 @@ class Changes:
             yield change / self.wanted.floor
 
 
-def _rows(there: Target, here: Target) -> np.ndarray:
-    """Place of each number of one target in another; -1 where it is not in it."""
-    row = {key: i for i, key in enumerate(there.keys)}
-    return np.array([row.get(key, -1) for key in here.keys])
-
-
 def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:
     """Those of a state on one of the two, as they are on the other."""
-    rows = _rows(there.train, here.train)
-    known = rows >= 0
-    scale = there.train.floor[rows[known]] / here.train.floor[known]
-    jacobian = np.zeros((len(here.train.keys), len(state.knobs)))
-    jacobian[known] = state.jacobian[rows[known]] * scale[:, None]
-    return jacobian
+    return there.train.derivatives_of(here.train, state.jacobian)

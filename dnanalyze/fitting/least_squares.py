@@ -35,6 +35,7 @@ GRAIN = 2.0**-10
 # statistics gained 2,200 by four bounds of the level: they put it some percent beyond. Where bounds
 # cannot all be kept, half a bound beyond costs 2,500: no more than much else that is wrong there.
 STIFF = 1e4
+DAMPING = 1e-2  # of the first step
 FIRM = 50.0  # damping beyond which steps are too short to be worth a simulation
 
 
@@ -266,7 +267,7 @@ def minimise(
     if not state.knobs:
         return replace(state, at_rest=True)
     state = replace(derive(bench, state), at_rest=False)
-    damping, stale, true = 1e-2, False, False
+    damping, stale, true = DAMPING, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)
         while expected < 0 and damping < FIRM:  # cut short, it would take a level beyond its bound

@@ -93,6 +93,23 @@ class Target:
             None if self.allowed is None else self.allowed[here],
         )
 
+    def rows_of(self, other: Target) -> np.ndarray:
+        """Row of each number of another target in this one; -1 where it is not in it."""
+        row = {key: i for i, key in enumerate(self.keys)}
+        return np.array([row.get(key, -1) for key in other.keys], int)
+
+    def derivatives_of(self, other: Target, jacobian: np.ndarray) -> np.ndarray:
+        """Those of this target, in floors, as they are of another; 0 where this one lacks a number.
+
+        A statistic changes alike in every part of the field.
+        """
+        rows = self.rows_of(other)
+        known = rows >= 0
+        scale = self.floor[rows[known]] / other.floor[known]
+        there = np.zeros((len(other.keys), jacobian.shape[1]))
+        there[known] = jacobian[rows[known]] * scale[:, None]
+        return there
+
     def z(self, predicted: np.ndarray) -> np.ndarray:
         """(measured - predicted) / floor; 0 where the prediction lacks the statistic."""
         return np.nan_to_num((self.coordinates - predicted) / self.floor, nan=0.0)

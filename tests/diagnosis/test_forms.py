@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.candidates import judged
-from dnanalyze.diagnosis.forms import completed, preferred
+from dnanalyze.diagnosis.forms import completed, in_best_form, preferred
+from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
@@ -14,6 +14,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -39,6 +40,23 @@ def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(see
     # 16,384 pixels of 8 frames tell a memory to about .01
     assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
     assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
+
+
+def test_one_refit_finds_the_kind_of_a_filter():
+    point = OperatingPoint(25.0, 1.0, 1.0)
+
+    def model(kind, seed):
+        effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind)
+        return NoiseModel(effects, 64.0, point, seed)
+
+    held = bench(design(simulate(model("median", 1), (128, 128), [(point, 8)])))
+    begun = model("gaussian", 2)
+    null = Null(held, start(held, begun.without("denoise"), []))
+    found = judged(null, "denoise", start(held, begun, knobs_of(begun)))
+    ended = in_best_form(held, found)
+    assert ended.model.get("denoise").kind == "median"
+    assert ended.loss < found.state.loss
+    assert in_best_form(held, judged(null, "denoise", ended)) is ended
 
 
 def test_the_better_by_both_halves_is_preferred():

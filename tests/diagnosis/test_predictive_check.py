@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.candidates import judged
+from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import given, start
+from dnanalyze.fitting.least_squares import derive, given, start
 from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import OperatingPoint
@@ -95,6 +95,18 @@ def test_the_mean_prediction_is_that_of_nine_sensors_of_the_make(right):
         known = np.isfinite(each).all(axis=0)
         mean = getattr(right.mean, half)
         np.testing.assert_allclose(mean[known], each.mean(axis=0)[known], atol=1e-6)
+
+
+def test_chance_that_the_parameters_absorb_is_no_spread_of_a_make():
+    """The offsets of the frames shift the mean of a sensor, and its pedestal is fitted to it."""
+    made = _model(OffsetDrift(3.0), seed=1)
+    held = bench(design(simulate(made, (128, 128), [(COLD, 8)])))
+    raw = _null(held, replace(made, seed=2))
+    fitted = Null(held, derive(held, raw.state))
+    at = held.train.names == "mean"
+    assert fitted.predictive_sd[0][at] < 0.6 * raw.predictive_sd[0][at]
+    walks = held.train.names == "drift"
+    assert fitted.predictive_sd[0][walks] > 0.7 * raw.predictive_sd[0][walks]
 
 
 def test_the_scatter_of_a_statistic_is_that_over_replicates_and_operating_points(right):

@@ -72,43 +72,43 @@ def test_a_candidate_that_changes_nothing_has_that_of_all_statistics():
     assert overdispersion(np.empty(0, str), np.empty(0), np.empty(0)) == 1.0
 
 
-def made(effect: str, gain: float, error: float, spread: float = 1.0) -> Trial:
+def made(effect: str, gain: float, spread: float = 1.0, error_fall: float = 0.5) -> Trial:
     state = State(NoiseModel(()), [], np.ones(4), given(np.ones(4)), np.zeros((4, 0)))
-    return Trial(effect, state, gain, gain, error, spread)
+    return Trial(effect, state, gain, gain, 1.0, error_fall, spread)
 
 
 def test_they_sum_to_one_with_nothing_in_the_last_place():
-    chances = confidences([made("a", 300.0, 1.0), made("b", 80.0, 1.5)], 3.0)
+    chances = confidences([made("a", 300.0), made("b", 80.0)])
     assert chances.sum() == pytest.approx(1.0)
     assert chances.argmax() == 0
     assert chances[2] < chances[1] < chances[0]
 
 
 def test_a_small_gain_is_nothing_and_so_is_one_that_raises_the_error():
-    assert confidences([made("a", NOTHING / 5, 1.0)], 1.1)[1] > 0.5
-    worse = made("a", 500.0, 1.6)
-    assert confidences([worse], 1.5)[0] < 0.5
-    assert not significant(worse, 1.5)
-    assert significant(made("a", 500.0, 1.4), 1.5)
+    assert confidences([made("a", NOTHING / 5)])[1] > 0.5
+    worse = made("a", 500.0, error_fall=-0.1)
+    assert confidences([worse])[0] < 0.5
+    assert not significant(worse)
+    assert significant(made("a", 500.0))
 
 
 def test_what_is_still_wrong_makes_gains_count_for_less():
-    sure = confidences([made("a", 300.0, 1.0), made("b", 200.0, 1.2)], 3.0)[0]
-    unsure = confidences([made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2, 4.0)], 3.0)[0]
+    sure = confidences([made("a", 300.0), made("b", 200.0)])[0]
+    unsure = confidences([made("a", 300.0, 4.0), made("b", 200.0, 4.0)])[0]
     assert sure > 0.99
     assert unsure < 0.9
 
 
 def test_confidence_ranks_as_the_trials_are_ranked():
     """One overdispersion for all: that of the candidate with most evidence."""
-    most, other = made("a", 300.0, 1.0, 4.0), made("b", 200.0, 1.2)
+    most, other = made("a", 300.0, 4.0), made("b", 200.0)
     assert [t.effect for t in by_standing([other, most])] == ["a", "b"]
-    chances = confidences([most, other], 3.0)
+    chances = confidences([most, other])
     assert chances[0] / chances[1] == pytest.approx(np.exp((300.0 - 200.0) / 4.0 / 16.0))
 
 
 def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
-    found = made(effect.name, gain, 1.0, spread)
+    found = made(effect.name, gain, spread)
     return dataclasses.replace(
         found, state=dataclasses.replace(found.state, model=NoiseModel((effect,)))
     )
@@ -119,11 +119,11 @@ def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
 def test_what_few_sensors_have_needs_its_odds_in_evidence(rare, odds, spread):
     """Of a dozen hot pixels either law does: an equal share of both, ten hot pixels to one."""
     few, hot = (of(e, 200.0 * spread, spread) for e in (rare, HotPixels()))
-    chances = confidences([few, hot], 3.0)
+    chances = confidences([few, hot])
     assert chances[1] / chances[0] == pytest.approx(odds)
     assert [t.effect for t in by_standing([few, hot])] == ["hot_pixels", rare.name]
     sure = of(rare, 400.0 * spread, spread)
-    assert confidences([sure, hot], 3.0)[0] > 0.99  # spacings that are seen speak for themselves
+    assert confidences([sure, hot])[0] > 0.99  # spacings that are seen speak for themselves
 
 
 def test_beside_a_correction_hot_pixels_are_what_it_is_for():
@@ -132,14 +132,14 @@ def test_beside_a_correction_hot_pixels_are_what_it_is_for():
         model = NoiseModel((effect, Dpc()))
         return dataclasses.replace(found, state=dataclasses.replace(found.state, model=model))
 
-    alone = confidences([of(HotPixels(), 100.0), of(Rts(), 100.0)], 3.0)
+    alone = confidences([of(HotPixels(), 100.0), of(Rts(), 100.0)])
     assert alone[0] == pytest.approx(alone[1])
-    both = confidences([beside(HotPixels()), beside(Rts())], 3.0)
+    both = confidences([beside(HotPixels()), beside(Rts())])
     assert both[0] / both[1] == pytest.approx(10.0)
 
 
 def test_a_near_rival_is_named():
-    best, near, far = made("a", 300.0, 1.0), made("b", 280.0, 1.0), made("c", 90.0, 1.4)
+    best, near, far = made("a", 300.0), made("b", 280.0), made("c", 90.0)
     assert competitors(best, [best, near, far]) == ["b"]
 
 
@@ -160,7 +160,7 @@ def with_falls(found: Trial, *falls: float) -> Trial:
     ],
 )
 def test_candidates_that_explain_different_statistics_are_apart(other, expected):
-    one, another = made("a", 50.0, 1.0), made("b", 45.0, 1.0)
+    one, another = made("a", 50.0), made("b", 45.0)
     if other:
         one, another = with_falls(one, 60.0, 40.0, -9.0), with_falls(another, *other)
     assert apart(one, another) is apart(another, one) is expected
@@ -168,20 +168,20 @@ def test_candidates_that_explain_different_statistics_are_apart(other, expected)
 
 def test_what_explains_other_statistics_is_no_rival():
     """Row noise and column offsets, each missing: both are sure, and neither stands for both."""
-    rows = with_falls(made("a", 4400.0, 2.1, spread=2.3), 8e3, 100.0, 0.0)
-    columns = with_falls(made("b", 3900.0, 2.5), 90.0, 0.0, 7e3)
-    like_rows = with_falls(made("c", 4100.0, 2.4, spread=2.3), 7e3, 100.0, 50.0)
+    rows = with_falls(made("a", 4400.0, spread=2.3), 8e3, 100.0, 0.0)
+    columns = with_falls(made("b", 3900.0), 90.0, 0.0, 7e3)
+    like_rows = with_falls(made("c", 4100.0, spread=2.3), 7e3, 100.0, 50.0)
     tried = [rows, like_rows, columns]
     assert competitors(rows, tried) == ["c"]
-    assert confidence_of(columns, tried, 3.3) > 0.999
-    assert confidence_of(rows, tried, 3.3) == confidences([rows, like_rows], 3.3)[0] > 0.99
-    assert confidence_of(like_rows, tried, 3.3) == confidences([like_rows, rows], 3.3)[0] < 0.01
+    assert confidence_of(columns, tried) > 0.999
+    assert confidence_of(rows, tried) == confidences([rows, like_rows])[0] > 0.99
+    assert confidence_of(like_rows, tried) == confidences([like_rows, rows])[0] < 0.01
 
 
 @pytest.mark.parametrize("spread", [1.0, 8.0])
 def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
-    even = [made("a", NOTHING * spread, 1.0, spread)]
-    np.testing.assert_allclose(confidences(even, 2.0), [0.5, 0.5])
+    even = [made("a", NOTHING * spread, spread)]
+    np.testing.assert_allclose(confidences(even), [0.5, 0.5])
 
 
 @pytest.mark.parametrize(
@@ -189,15 +189,15 @@ def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
     [(61.0, 63.0, True), (61.0, 62.0, False), (7.0, 200.0, True), (6.0, 200.0, False)],
 )
 def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enough):
-    found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)
+    found = dataclasses.replace(made("a", gain), fitted_gain=fitted)
     assert found.evidence == (gain + fitted) / 2
-    assert significant(found, 1.1) is enough
+    assert significant(found) is enough
 
 
 @drawn(st.floats(1.0, 50.0), st.floats(-100.0, 1e4), st.floats(-100.0, 1e4))
 def test_significance_is_in_units_of_the_overdispersion(spread, gain, fitted):
-    found = dataclasses.replace(made("a", gain, 1.0), fitted_gain=fitted)
-    scaled = dataclasses.replace(made("a", spread * gain, 1.0, spread), fitted_gain=spread * fitted)
-    assert significant(found, 1.1, 59.9999) >= significant(scaled, 1.1, 60.0)
-    assert significant(scaled, 1.1, 59.9999) >= significant(found, 1.1, 60.0)
-    assert not significant(found, 1.0)  # the error must fall
+    found = dataclasses.replace(made("a", gain), fitted_gain=fitted)
+    scaled = dataclasses.replace(made("a", spread * gain, spread), fitted_gain=spread * fitted)
+    assert significant(found, 59.9999) >= significant(scaled, 60.0)
+    assert significant(scaled, 59.9999) >= significant(found, 60.0)
+    assert not significant(dataclasses.replace(found, error_fall=0.0), 60.0)

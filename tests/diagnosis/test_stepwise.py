@@ -57,7 +57,7 @@ def null(held):
 
 
 def trial(null, gain, state=None, spread=1.0):
-    return Trial("row_fpn", state or null.state, gain, gain, 0.5 * null.error, spread)
+    return Trial("row_fpn", state or null.state, gain, gain, 0.5 * null.error, 0.5, spread)
 
 
 def test_the_hidden_effect_is_chosen_first(null):

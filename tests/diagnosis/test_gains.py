@@ -1,0 +1,102 @@
+"""Gains of a refit on either half."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dnanalyze.diagnosis.gains import _witnessed, judged, judged_by_prediction
+from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import deviance, start
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.effects.defect_lines import DefectLines
+from dnanalyze.model.effects.offset_drift import OffsetDrift
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.effects.row_fpn import RowFpn
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+POINTS = [(OperatingPoint(t, 1.0, 1.0), 6) for t in (25.0, 45.0)]
+BASE = (ReadNoise(4.0), PixelFpn(2.0), Quantization(12))
+DRIFT = OffsetDrift(3.0)
+UPPER, LOWER = Window(0, 50, 0, 80), Window(50, 100, 0, 80)
+
+
+def of(*more: object, seed: int) -> NoiseModel:
+    return NoiseModel((*BASE, *more), 64.0, POINTS[0][0], seed)
+
+
+def captures_of(*more: object, seed: int) -> Bench:
+    return bench(design(simulate(of(*more, seed=seed), (128, 128), POINTS)))
+
+
+def null_of(held: Bench, model: NoiseModel) -> Null:
+    return Null(held, start(held, model, knobs_of(model)))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_by_prediction_a_drift_of_another_walk_is_no_misfit(seed):
+    """Every sensor walks in its own way: one simulated walk is as far off as none."""
+    held = captures_of(DRIFT, seed=seed)
+    null = null_of(held, of(seed=20))
+    for walk in (30, 40, 50):
+        after = null_of(held, of(DRIFT, seed=walk)).state
+        assert judged_by_prediction(null, judged(null, "offset_drift", after)).evidence > 60.0
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_by_prediction_what_varies_without_being_there_is_evidence_against_it(seed):
+    held = captures_of(seed=seed)
+    null = null_of(held, of(seed=20))
+    after = null_of(held, of(DRIFT, seed=30)).state
+    assert judged_by_prediction(null, judged(null, "offset_drift", after)).evidence < 0.0
+
+
+def test_the_gain_is_that_of_the_density_under_nine_sensors_of_either_make():
+    held = captures_of(DRIFT, seed=1)
+    null = null_of(held, of(seed=20))
+    found = judged(null, "offset_drift", null_of(held, of(DRIFT, seed=30)).state)
+    made = judged_by_prediction(null, found)
+    expected = [0.0, 0.0]
+    for model, sign in ((null.state.model, 1.0), (found.state.model, -1.0)):
+        sensors = [
+            held.coordinates(replace(model, seed=model.seed + n)) for n in range(REPLICATES + 1)
+        ]
+        z = [np.array([half.z(s[i]) for s in sensors]) for i, half in enumerate(halves(held))]
+        for i, half in enumerate(halves(held)):
+            for column, key in enumerate(half.keys):
+                both = [
+                    z[j][:, h.keys.index(key)] for j, h in enumerate(halves(held)) if key in h.keys
+                ]
+                variance = np.mean([np.var(one, ddof=1) for one in both])
+                sd = np.sqrt(max(1.0, 10.0 / 9.0 * variance))
+                mean = z[i][:, column].mean()
+                expected[i] += sign * (deviance(mean / sd) + 2.0 * np.log(sd))
+    assert (made.fitted_gain, made.gain) == pytest.approx(tuple(expected), rel=1e-6)
+    assert (made.state, made.error) == (found.state, found.error)
+
+
+def halves(held: Bench):
+    return held.train, held.test
+
+
+def test_a_half_without_the_effect_is_evidence_against_it_only():
+    held = SimpleNamespace(plan=SimpleNamespace(windows=(UPPER, LOWER)))
+    above, below, both = (
+        DefectLines(axis="rows", lines=lines, offsets=(1.0,) * len(lines))
+        for lines in ((10,), (60,), (10, 60))
+    )
+    for anywhere in (both, RowFpn(1.0), None):
+        assert _witnessed(held, anywhere, 30.0, 2.0) == (30.0, 2.0)
+    assert _witnessed(held, below, 30.0, 2.0) == (30.0, 30.0)
+    assert _witnessed(held, below, 30.0, -50.0) == (-20.0, -20.0)
+    assert _witnessed(held, above, 2.0, 30.0) == (30.0, 30.0)
+    assert _witnessed(held, above, -5.0, 30.0) == (25.0, 25.0)
