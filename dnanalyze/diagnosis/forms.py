@@ -33,11 +33,11 @@ def completed(held: Bench, found: Trial) -> State:
     state = found.state if much_left(found.state) else converge(held, found.state)
     if error_of(held, state) <= 1.0:
         return state
-    better = in_best_form(held, replace(found, state=state), REFITS)
+    better = in_best_form(held, replace(found, state=state))
     return state if better is state else completed(held, replace(found, state=better, others=()))
 
 
-def in_best_form(held: Bench, found: Trial, refits: int = 1) -> State:
+def in_best_form(held: Bench, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
     Other choices of the effect, other strengths, and its other first guesses are simulated once;
@@ -51,7 +51,7 @@ def in_best_form(held: Bench, found: Trial, refits: int = 1) -> State:
     begun = [start(held, m, knobs_of(m), like=state) for m in dict.fromkeys(models)]
     begun = [s for s in begun if not np.array_equal(s.train, state.train)]
     better = state
-    for other in sorted(begun, key=lambda s: s.loss)[:refits]:
+    for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
         ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
         better = preferred(better, ended)
     return better

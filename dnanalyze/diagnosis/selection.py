@@ -30,6 +30,9 @@ APART = 0.25  # share of the smaller gain in common, below which two candidates 
 ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
 LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
 REFITS = 4  # candidates, and forms of one effect, that are refitted at most
+# Of 160 effects that were named with a weight of 0.99 or more and left nothing, on sensors of five
+# generators, 9 were wrong: nearly all reproduced an effect that is in no catalogue.
+OUTSIDE = 0.05
 # Of the effects named where a residual remained, 13 of 19 were present in virtual sensors with an
 # effect of the catalogue, and 0 of 24 where the effect is in none.
 STANDS_IN = 0.5
@@ -137,9 +140,12 @@ def confidences(trials: Sequence[Trial]) -> np.ndarray:
 
 
 def confidence_of(found: Trial, trials: Sequence[Trial]) -> float:
-    """Probability that a candidate is missing, among its competitors and "nothing is missing"."""
+    """Probability that a candidate is missing.
+
+    Among its competitors, "nothing is missing", and an effect that is in no catalogue.
+    """
     others = [t for t in trials if t is not found and not apart(found, t)]
-    return float(confidences([found, *others])[0])
+    return (1.0 - OUTSIDE) * float(confidences([found, *others])[0])
 
 
 def significant(found: Trial, least: float = CERTAIN) -> bool:

@@ -42,7 +42,7 @@ def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(see
     assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
 
 
-def test_one_refit_finds_the_kind_of_a_filter():
+def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
     point = OperatingPoint(25.0, 1.0, 1.0)
 
     def model(kind, seed):
