@@ -23,12 +23,12 @@ DEFLATION = 8.0
 # On 60 virtual sensors without a missing effect, 19 candidates were refitted: the smaller gain of
 # the halves reached 10, the mean of both 28.
 NOTHING = 25.0
+LEAST = NOTHING / 4.0  # gain not worth a refit (three parameters by Akaike), and of either half
 CERTAIN = NOTHING + 2.0 * DEFLATION * math.log(10.0)  # 62: odds of 10 against "nothing is missing"
 PLAIN = 300.0  # exceeds the variation between sensors of one make
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete
 ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
-LEAST = 6.0  # fall of the loss not worth a refit: three parameters by Akaike's criterion
 REFITS = 4  # candidates, and forms of one effect, that are refitted at most
 # Of 160 effects that were named with a weight of 0.99 or more and left nothing, on sensors of five
 # generators, 9 were wrong: nearly all reproduced an effect that is in no catalogue.
@@ -155,7 +155,7 @@ def significant(found: Trial, least: float = CERTAIN) -> bool:
     evidence asked for, in units of the overdispersion.
     """
     lesser = min(found.gain, found.fitted_gain)
-    enough = found.evidence > least * found.spread and lesser > NOTHING / 4 * found.spread
+    enough = found.evidence > least * found.spread and lesser > LEAST * found.spread
     return enough and found.error_fall > 0.0
 
 
