@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
@@ -107,11 +106,8 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     Candidates whose score test promised nearly as much as the leader gained are among them.
     Competitors are in their best forms, and take the derivatives of what they share from the
     leader. All of these are judged by what sensors of their make show.
-
-    While the model is far off, the optimum moves with every effect: the refits are taken as they
-    are, and the steps that follow decide.
     """
-    if not found or far_off(null.state):
+    if not found:
         return found
     leader = max(found, key=lambda t: t.evidence)
     if leader.fitted_gain < LEAST:
