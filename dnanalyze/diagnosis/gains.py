@@ -7,13 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import Halves, Null
 from dnanalyze.diagnosis.selection import Trial, falls, overdispersion
 from dnanalyze.fitting.least_squares import State, deviance
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
-
-Scaled = tuple[State, tuple[np.ndarray, np.ndarray]]  # with standard deviations of (train, test)
 
 
 def judged(null: Null, effect: str, after: State, scale: Null | None = None) -> Trial:
@@ -21,8 +19,9 @@ def judged(null: Null, effect: str, after: State, scale: Null | None = None) -> 
 
     ``scale``: the model whose replicates give the scatter; ``null`` by default.
     """
-    sd = (scale or null).scatter
-    return _compared(null.held, effect, (null.state, sd), (after, sd))
+    train, test = (scale or null).scatter
+    was, now = (((s.train, train), (s.test, test)) for s in (null.state, after))
+    return _compared(null.held, effect, after, was, now)
 
 
 def judged_by_prediction(null: Null, found: Trial) -> Trial:
@@ -32,31 +31,30 @@ def judged_by_prediction(null: Null, found: Trial) -> Trial:
     about it (synthetic likelihood, Wood 2010): where the defects of one simulated sensor happen to
     lie is not to decide, and what varies from sensor to sensor is not to count as a misfit.
     """
-    own = Null(null.held, found.state)
-    before, after = (null.mean, null.predictive_sd), (own.mean, own.predictive_sd)
-    made = _compared(null.held, found.effect, before, after)
-    return replace(made, state=found.state, error=found.error, others=found.others)
+    now = Null(null.held, found.state).predictive
+    made = _compared(null.held, found.effect, found.state, null.predictive, now)
+    return replace(made, others=found.others)
 
 
-def _compared(held: Bench, effect: str, before: Scaled, after: Scaled) -> Trial:
+def _compared(held: Bench, effect: str, after: State, was: Halves, now: Halves) -> Trial:
     """Gains in twice the logarithm of the density of what was measured."""
-    gains, changes = [], []
-    for half, side, n in ((held.test, "test", 1), (held.train, "train", 0)):
-        (was, sd_was), (now, sd_now) = ((getattr(s, side), sd[n]) for s, sd in (before, after))
-        change = half.names, was / sd_was, now / sd_now
-        wider = 2.0 * np.log(sd_now / sd_was)
-        gains.append(float(np.sum(deviance(change[1]) - deviance(change[2]) - wider)))
-        changes.append(change)
-    state, families = after[0], held.test.families
-    error_was, error_is = (pooled(z, families) for z in changes[0][1:])
+    halves = list(zip((held.train.names, held.test.names), was, now, strict=True))
+    fitted, unseen = [(of, z / sd, z_now / sd_now) for of, (z, sd), (z_now, sd_now) in halves]
+    wider = [2.0 * np.log(sd_now / sd) for _, (_, sd), (_, sd_now) in halves]
+    fitted_gain, gain = (
+        float(np.sum(deviance(z) - deviance(z_now) - more))
+        for (_, z, z_now), more in zip((fitted, unseen), wider, strict=True)
+    )
+    families = held.test.families
+    error_was, error_now = (pooled(z, families) for z in unseen[1:])
     return Trial(
         effect,
-        state,
-        *_witnessed(held, state.model.get(effect), *gains),
-        pooled(state.test, families),
-        error_was - error_is,
-        overdispersion(*changes[0]),
-        falls=np.concatenate([falls(*change) for change in changes]),
+        after,
+        *_witnessed(held, after.model.get(effect), gain, fitted_gain),
+        pooled(after.test, families),
+        error_was - error_now,
+        overdispersion(*unseen),
+        falls=np.concatenate([falls(*unseen), falls(*fitted)]),
     )
 
 

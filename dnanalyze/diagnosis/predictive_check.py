@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,9 @@ from dnanalyze.fitting.predictor import Bench
 REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
 BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves
 SCATTER = 0.25  # of a root mean square over 8 operating points at the least: 1 / sqrt(2 * 8)
+
+# Misfits of a model and their standard deviations, on the fitted and on the held-out half.
+Halves = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 def error_of(held: Bench, state: State) -> float:
@@ -83,25 +86,17 @@ class Null:
         return linear_step(self.state, self.held.train, self.held.test, train, test)
 
     @cached_property
-    def predictive_sd(self) -> tuple[np.ndarray, np.ndarray]:
-        """Standard deviation of another sensor of this make about `mean`, at least 1.
+    def predictive(self) -> Halves:
+        """Mean misfit of `sensors`, and standard deviation of another sensor about it, at least 1.
 
         Of n sensors the one after them differs from their mean by (1 + 1/n) of the variance. At
         every operating point its own, since much of what varies grows with the dark signal.
         """
-        n = REPLICATES + 1
-        train, test = (np.var(z, axis=0, ddof=1) * (1.0 + 1.0 / n) for z in self.sensors)
+        variances = (np.var(z, axis=0, ddof=1) * (1.0 + 1.0 / len(z)) for z in self.sensors)
         one, other = (np.array([str(k) for k in h.keys]) for h in (self.held.train, self.held.test))
-        return _pooled(one, other, train, test)
-
-    @cached_property
-    def mean(self) -> State:
-        """The state by the mean of `sensors`.
-
-        Where the few hot pixels of one simulated sensor lie, and how many they are, is chance.
-        """
         train, test = (z.mean(axis=0) for z in self.sensors)
-        return replace(self.state, train=train, unseen=lambda: test)
+        sd_train, sd_test = _pooled(one, other, *variances)
+        return (train, sd_train), (test, sd_test)
 
     @cached_property
     def left(self) -> list[str]:

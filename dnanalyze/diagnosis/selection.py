@@ -23,7 +23,7 @@ DEFLATION = 8.0
 # On 60 virtual sensors without a missing effect, 19 candidates were refitted: the smaller gain of
 # the halves reached 10, the mean of both 28.
 NOTHING = 25.0
-LEAST = NOTHING / 4.0  # gain not worth a refit (three parameters by Akaike), and of either half
+LEAST = NOTHING / 4.0  # gain of either half; less is not worth a refit (Akaike: 3 parameters)
 CERTAIN = NOTHING + 2.0 * DEFLATION * math.log(10.0)  # 62: odds of 10 against "nothing is missing"
 PLAIN = 300.0  # exceeds the variation between sensors of one make
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
@@ -48,8 +48,8 @@ class Trial:
     state : State
         After the refit.
     gain, fitted_gain : float
-        Fall of the deviance on the held-out and on the fitted half. Each statistic is in units of
-        its scatter over replicates of the model without the effect.
+        Rise of twice the log density of the measurement on the held-out and on the fitted half:
+        the fall of the deviance, each statistic in units of its scatter between sensors.
     error : float
         Model error on the held-out half.
     error_fall : float

@@ -8,9 +8,10 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import with_baseline
 from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
+from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import Null
-from dnanalyze.diagnosis.selection import significant
+from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.from_part import fitted
@@ -78,10 +79,20 @@ def alike() -> Null:
     return Null(held, with_baseline(held, paper, (), lambda *_: None))
 
 
-def test_competitors_are_judged_by_the_sensors_of_their_make(alike):
+@pytest.fixture(scope="module")
+def competing(alike) -> list[Trial]:
     found = trials(alike, of("dark_current_steps", "hot_pixels"))
     assert len(found) == 2
-    for t in found:
+    return found
+
+
+def test_of_a_competitor_no_other_form_is_better(alike, competing):
+    for t in competing:
+        assert in_best_form(alike.held, t) is t.state
+
+
+def test_competitors_are_judged_by_the_sensors_of_their_make(alike, competing):
+    for t in competing:
         again = judged_by_prediction(alike, judged(alike, t.effect, t.state))
         assert (t.gain, t.fitted_gain) == pytest.approx((again.gain, again.fitted_gain))
 

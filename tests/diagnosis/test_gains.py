@@ -42,6 +42,10 @@ def null_of(held: Bench, model: NoiseModel) -> Null:
     return Null(held, start(held, model, knobs_of(model)))
 
 
+def halves(held: Bench):
+    return held.train, held.test
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_by_prediction_a_drift_of_another_walk_is_no_misfit(seed):
     """Every sensor walks in its own way: one simulated walk is as far off as none."""
@@ -82,10 +86,6 @@ def test_the_gain_is_that_of_the_density_under_nine_sensors_of_either_make():
                 expected[i] += sign * (deviance(mean / sd) + 2.0 * np.log(sd))
     assert (made.fitted_gain, made.gain) == pytest.approx(tuple(expected), rel=1e-6)
     assert (made.state, made.error) == (found.state, found.error)
-
-
-def halves(held: Bench):
-    return held.train, held.test
 
 
 def test_a_half_without_the_effect_is_evidence_against_it_only():

@@ -90,10 +90,9 @@ def test_the_mean_prediction_is_that_of_nine_sensors_of_the_make(right):
     made = [
         _null(right.held, replace(model, seed=model.seed + n)).state for n in range(REPLICATES + 1)
     ]
-    for half in ("train", "test"):
+    for half, (mean, _) in zip(("train", "test"), right.predictive, strict=True):
         each = np.array([getattr(state, half) for state in made])
         known = np.isfinite(each).all(axis=0)
-        mean = getattr(right.mean, half)
         np.testing.assert_allclose(mean[known], each.mean(axis=0)[known], atol=1e-6)
 
 
@@ -103,10 +102,10 @@ def test_chance_that_the_parameters_absorb_is_no_spread_of_a_make():
     held = bench(design(simulate(made, (128, 128), [(COLD, 8)])))
     raw = _null(held, replace(made, seed=2))
     fitted = Null(held, derive(held, raw.state))
-    at = held.train.names == "mean"
-    assert fitted.predictive_sd[0][at] < 0.6 * raw.predictive_sd[0][at]
-    walks = held.train.names == "drift"
-    assert fitted.predictive_sd[0][walks] > 0.7 * raw.predictive_sd[0][walks]
+    (_, raw_sd), (_, fitted_sd) = raw.predictive[0], fitted.predictive[0]
+    at, walks = (held.train.names == name for name in ("mean", "drift"))
+    assert fitted_sd[at] < 0.6 * raw_sd[at]
+    assert fitted_sd[walks] > 0.7 * raw_sd[walks]
 
 
 def test_the_scatter_of_a_statistic_is_that_over_replicates_and_operating_points(right):

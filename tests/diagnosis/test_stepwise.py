@@ -5,6 +5,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import far_off
+from dnanalyze.diagnosis.gains import judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.selection import CERTAIN, NOTHING, PLAIN, Trial
@@ -105,6 +106,8 @@ def test_a_confounded_effect_gives_way_to_the_hidden_one(held):
     assert (gone, comes.effect) == ("row_noise", "row_fpn")
     assert without.state.model.get("row_noise") is None
     assert comes.error < error_of(held, state)
+    by_make = judged_by_prediction(Null(held, state), comes)
+    assert (comes.gain, comes.fitted_gain) == pytest.approx((by_make.gain, by_make.fitted_gain))
     assert swapped(held, state, [], {"row_fpn": RowFpn}, lambda _: None) is None
 
 

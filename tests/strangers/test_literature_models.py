@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.constants import physical_constants
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
@@ -16,6 +17,7 @@ from strangers.generators import literature
 from strangers.verify import measure
 
 CAMERA = literature.Camera(1.5, 2.0, 100.0, 1.2, 300.0, 1.0, (0.0, 30.0))
+BOLTZMANN = physical_constants["Boltzmann constant in eV/K"][0]
 DARK = np.zeros(literature.SHAPE)
 
 
@@ -61,5 +63,5 @@ def test_the_wave_of_four_columns_has_that_period():
 
 def test_dark_charge_grows_by_half_the_gap():
     kelvin = np.array([273.15, 303.15])
-    rate = kelvin**1.5 * np.exp(-1.2 / (2 * 8.617333262e-5 * kelvin))
+    rate = kelvin**1.5 * np.exp(-1.2 / (2 * BOLTZMANN * kelvin))
     assert CAMERA.charge(0.0) / CAMERA.charge(30.0) == pytest.approx(rate[0] / rate[1])

@@ -20,7 +20,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
-from strangers.generators.plain import dark_growth
+from strangers.dark_current import dark_growth
 
 Generator = np.random.Generator
 ROWS, COLUMNS = SHAPE

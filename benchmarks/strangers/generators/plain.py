@@ -14,19 +14,12 @@ from typing import Any
 import numpy as np
 
 from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
+from strangers.dark_current import dark_growth
 
 Generator = np.random.Generator
-BOLTZMANN_EV = 8.617333e-5
 WHITE = 16383
 ROWS, COLUMNS = SHAPE
 ROW, COLUMN = np.arange(ROWS)[:, None], np.arange(COLUMNS)[None, :]
-
-
-def dark_growth(celsius: float, reference_c: float, gap_ev: float) -> float:
-    """Dark current at a temperature over that at another: T^1.5 exp(-Eg/2kT)."""
-    kelvin, reference = celsius + 273.15, reference_c + 273.15
-    energy = gap_ev / (2.0 * BOLTZMANN_EV)
-    return (kelvin / reference) ** 1.5 * float(np.exp(energy * (1 / reference - 1 / kelvin)))
 
 
 @dataclass(frozen=True)

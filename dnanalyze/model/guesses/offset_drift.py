@@ -28,18 +28,17 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     frames = max(frames, 2)
     walk, white = math.sqrt(6.0 * frames / (frames**2 - 1.0)), _are_white(means)
     level = np.asarray(clues.measured("mean"), float)
-    step, least = walk * math.sqrt(typical_positive(spread2)), effect.parameters()["step"].lower
-    sizes = {"added": step / walk, "scaled": _relative(level, spread2)}
+    added, scaled = math.sqrt(typical_positive(spread2)), _relative(level, spread2)
+    sizes = {"added": added} if scaled is None else {"added": added, "scaled": scaled}
+    least = effect.parameters()["step"].lower
     guesses: list[Effect] = []
     for form, size in sizes.items():
-        if size is None:
-            continue
         guesses.append(effect(bounded(effect, "step", walk * size), form=form))
         if white:
             guesses.insert(0, effect(least, white=bounded(effect, "white", size), form=form))
     jumps = np.array([_jump(m) for m in means if m is not None and len(m) >= 4])
     if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
-        small = bounded(effect, "step", 0.1 * step)
+        small = bounded(effect, "step", 0.1 * (walk * added))
         guesses.insert(0, effect(small, bounded(effect, "transient", float(np.median(jumps)))))
     share = _share(level, means)
     if share is not None:
