@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.constants import physical_constants
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
@@ -16,6 +17,8 @@ from strangers.folders import read, truth, write
 from strangers.generators import plain
 from strangers.measures import STATISTICS
 from strangers.verify import measure
+
+BOLTZMANN = physical_constants["Boltzmann constant in eV/K"][0]
 
 SENSOR = plain.Sensor(
     gain=0.8,
@@ -47,7 +50,7 @@ def test_mean_and_shot_noise_follow_the_dark_current(ordinary):
 
 def test_dark_current_grows_by_half_the_gap():
     kelvin = np.array([293.15, 323.15])
-    rate = kelvin**1.5 * np.exp(-1.2 / (2 * plain.BOLTZMANN_EV * kelvin))
+    rate = kelvin**1.5 * np.exp(-1.2 / (2 * BOLTZMANN * kelvin))
     assert SENSOR.growth(20.0) == pytest.approx(rate[0] / rate[1])
 
 
