@@ -14,11 +14,12 @@ from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
-    ALIKE,
     LEAST,
     PLAIN,
     REFITS,
     Trial,
+    alike,
+    apart,
     competitors,
     standings,
 )
@@ -103,7 +104,8 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
 def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
     """The leader and its competitors at their optima, where the choice is open.
 
-    Candidates whose score test promised nearly as much as the leader gained are among them.
+    Candidates whose score test promised nearly as much as the leader gained are among them, unless
+    they explain other statistics.
     Competitors are in their best forms, and take the derivatives of what they share from the
     leader. All of these are judged by what sensors of their make show.
     """
@@ -112,9 +114,11 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     leader = max(found, key=lambda t: t.evidence)
     if leader.fitted_gain < LEAST:
         return found
-    likely = {t.effect: max(t.fitted_gain, promises[t.effect]) for t in found}
-    near = {name for name, gain in likely.items() if gain > ALIKE * leader.fitted_gain}
-    near |= {leader.effect, *competitors(leader, found)}
+    near = {leader.effect, *competitors(leader, found)}
+    for t in found:
+        likely = max(t.fitted_gain, promises[t.effect])
+        if alike(likely, leader.fitted_gain, leader.spread) and not apart(leader, t):
+            near.add(t.effect)
     if leader.evidence > PLAIN * leader.spread and len(near) == 1:
         return found
     like = derived_anew(null.held, leader.state)

@@ -167,5 +167,10 @@ def apart(one: Trial, other: Trial) -> bool:
 
 def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:
     """Candidates that explain nearly as much as the best, and of the same statistics."""
-    near = [t for t in trials if t is not best and t.evidence > ALIKE * best.evidence > 0]
+    near = [t for t in trials if t is not best and alike(t.evidence, best.evidence, best.spread)]
     return [t.effect for t in near if not apart(best, t)]
+
+
+def alike(gain: float, best: float, spread: float) -> bool:
+    """Whether a gain is nearly the best one: by its share, and within what sensors vary."""
+    return gain > max(ALIKE * best, best - PLAIN * spread) and best > 0.0

@@ -144,6 +144,13 @@ def test_a_near_rival_is_named():
     assert competitors(best, [best, near, far]) == ["b"]
 
 
+@pytest.mark.parametrize(("behind", "near"), [(5.9e3, ["b"]), (6.1e3, [])])
+def test_what_is_behind_by_more_than_sensors_vary_is_no_competitor(behind, near):
+    """300 in units of the overdispersion, however large the share of the evidence."""
+    best, other = made("a", 40e3, spread=20.0), made("b", 40e3 - behind)
+    assert competitors(best, [best, other]) == near
+
+
 def with_falls(found: Trial, *falls: float) -> Trial:
     return dataclasses.replace(found, falls=np.array(falls))
 
