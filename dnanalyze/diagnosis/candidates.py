@@ -105,9 +105,8 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     """The leader and its competitors at their optima, where the choice is open.
 
     Candidates whose score test promised nearly as much as the leader gained are among them, unless
-    they explain other statistics.
-    Competitors are in their best forms, and take the derivatives of what they share from the
-    leader. All of these are judged by what sensors of their make show.
+    they explain other statistics. Competitors are in their best forms, and take the derivatives of
+    what they share from the leader. All of these are judged by what sensors of their make show.
     """
     if not found:
         return found
