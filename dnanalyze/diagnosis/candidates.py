@@ -18,9 +18,7 @@ from dnanalyze.diagnosis.selection import (
     PLAIN,
     REFITS,
     Trial,
-    alike,
-    apart,
-    competitors,
+    contenders,
     standings,
 )
 from dnanalyze.fitting.from_part import STEPS, carried, derived_anew, part_for
@@ -102,22 +100,17 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
 
 
 def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
-    """The leader and its competitors at their optima, where the choice is open.
+    """The leader and its contenders at their optima, where the choice is open.
 
-    Candidates whose score test promised nearly as much as the leader gained are among them, unless
-    they explain other statistics. Competitors are in their best forms, and take the derivatives of
-    what they share from the leader. All of these are judged by what sensors of their make show.
+    Contenders are in their best forms, and take the derivatives of what they share from the leader.
+    All of these are judged by what sensors of their make show.
     """
     if not found:
         return found
     leader = max(found, key=lambda t: t.evidence)
     if leader.fitted_gain < LEAST:
         return found
-    near = {leader.effect, *competitors(leader, found)}
-    for t in found:
-        likely = max(t.fitted_gain, promises[t.effect])
-        if alike(likely, leader.fitted_gain, leader.spread) and not apart(leader, t):
-            near.add(t.effect)
+    near = contenders(leader, found, promises)
     if leader.evidence > PLAIN * leader.spread and len(near) == 1:
         return found
     like = derived_anew(null.held, leader.state)

@@ -6,7 +6,7 @@ Pure numbers; nothing is simulated here.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -165,12 +165,26 @@ def apart(one: Trial, other: Trial) -> bool:
     return bool(np.minimum(a, b).sum() < APART * min(a.sum(), b.sum()))
 
 
+def alike(gain: float, best: float, spread: float) -> bool:
+    """Whether a gain is nearly the best one: by its share, and within what sensors vary."""
+    return gain > max(ALIKE * best, best - PLAIN * spread) and best > 0.0
+
+
 def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:
     """Candidates that explain nearly as much as the best, and of the same statistics."""
     near = [t for t in trials if t is not best and alike(t.evidence, best.evidence, best.spread)]
     return [t.effect for t in near if not apart(best, t)]
 
 
-def alike(gain: float, best: float, spread: float) -> bool:
-    """Whether a gain is nearly the best one: by its share, and within what sensors vary."""
-    return gain > max(ALIKE * best, best - PLAIN * spread) and best > 0.0
+def contenders(best: Trial, trials: Sequence[Trial], promises: Mapping[str, float]) -> set[str]:
+    """The best candidate, and those that may be better than it at their optima.
+
+    These are its competitors, and candidates whose refit or score test (``promises``) gained nearly
+    as much on the fitted half, of the same statistics.
+    """
+    found = {best.effect, *competitors(best, trials)}
+    for t in trials:
+        gain = max(t.fitted_gain, promises[t.effect])
+        if alike(gain, best.fitted_gain, best.spread) and not apart(best, t):
+            found.add(t.effect)
+    return found

@@ -16,6 +16,7 @@ from dnanalyze.diagnosis.selection import (
     competitors,
     confidence_of,
     confidences,
+    contenders,
     falls,
     overdispersion,
     significant,
@@ -172,6 +173,17 @@ def test_candidates_that_explain_different_statistics_are_apart(other, expected)
     if other:
         one, another = with_falls(one, 60.0, 40.0, -9.0), with_falls(another, *other)
     assert apart(one, another) is apart(another, one) is expected
+
+
+def test_contenders_gained_or_promised_nearly_as_much_of_the_same_statistics():
+    best = with_falls(made("best", 1000.0), 900.0, 100.0)
+    slow = with_falls(made("slow", 100.0), 90.0, 0.0)
+    other = with_falls(made("other", 990.0), 0.0, 950.0)
+    far = with_falls(made("far", 500.0), 450.0, 50.0)
+    tried = [best, slow, other, far]
+    promises = {"best": 1000.0, "slow": 800.0, "other": 990.0, "far": 500.0}
+    assert contenders(best, tried, promises) == {"best", "slow"}
+    assert contenders(best, tried, promises | {"slow": 690.0}) == {"best"}
 
 
 def test_what_explains_other_statistics_is_no_rival():
