@@ -2,17 +2,21 @@
 
     python benchmarks/gpu.py                 3840x2160, uint16
     python benchmarks/gpu.py --json gpu.json
+    python benchmarks/gpu.py --profile "ten effects"     a few batches only, for a profiler
 
 Needs CuPy and a GPU. Kernel time is read between CUDA events around every launch. The bounds are
 measured in the same run: the bytes of the codes at the speed of a copy, and the random numbers of
 a frame at the speed of kernels that draw them and do nothing else. getframes on CuPy and PyTorch
-by DLPack run beside it where they are installed.
+by DLPack run beside it where they are installed. Memory is read before and after 10,000 frames.
+The statistics are those that CuPy gives in a few lines (mean and variance of each pixel, means of
+rows and columns, power spectrum, histogram), to show what a device could save `analyze`.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -21,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from speed_cases import TEN, UHD
+from speed_cases import TEN, UHD, dark_stack
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
@@ -210,6 +214,51 @@ def getframes(count: int = 50) -> Any:
     return {"frames_per_s": count / (time.perf_counter() - begun)}
 
 
+def memory(frames: int, batch: int) -> Any:
+    """MiB on the device and on the host after a tenth of so many frames, and after all."""
+    device = cuda()
+    renderer = Renderer(model(TEN), UHD, device, 16)
+    done, held = 0, []
+    for stop in (frames // 10, frames):
+        while done < stop:
+            renderer.frames(POINT, range(done, done + batch))
+            done += batch
+        device.cupy.cuda.runtime.deviceSynchronize()
+        free, total = device.cupy.cuda.runtime.memGetInfo()
+        host = int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        held.append(
+            {"frames": done, "device_mib": (total - free) / 2**20, "host_mib": host / 2**20}
+        )
+    return held
+
+
+def statistics(frames: int = 20, shape: tuple[int, int] = (2048, 2048)) -> Any:
+    """Milliseconds of the first and second moments, lines, spectrum and histogram of a stack."""
+    device = cuda()
+    cp = device.cupy
+    stack = np.stack(list(dark_stack(frames, shape)))
+
+    def evaluated(codes: Any) -> Any:
+        values = codes.astype(cp.float32)
+        mean, variance = values.mean(0), values.var(0, ddof=1)
+        lines = values.mean(1), values.mean(2)
+        spectrum = sum(cp.abs(cp.fft.rfft2(v - mean)) ** 2 for v in values)
+        return mean, variance, lines, spectrum, cp.bincount(codes.ravel(), minlength=65536)
+
+    on_device = device.upload(stack)
+    counted = seconds(device, lambda: evaluated(on_device), 5)
+    copied = seconds(device, lambda: device.upload(stack), 5)
+    return {"device_ms": 1e3 * counted, "copy_ms": 1e3 * copied}
+
+
+def profile(name: str, batch: int) -> None:
+    """Two batches, for a profiler that watches the process."""
+    renderer = Renderer(model(MODELS[name]), UHD, cuda(), 16)
+    for k in range(2):
+        renderer.frames(POINT, range(batch * k, batch * (k + 1)))
+    cuda().cupy.cuda.runtime.deviceSynchronize()
+
+
 def printed(results: dict[str, Any]) -> str:
     """Markdown."""
     lines = [
@@ -230,9 +279,11 @@ def printed(results: dict[str, Any]) -> str:
             + f" | {ratios[0]:.2f} | {ratios[1]:.2f} | {1e6 * run['recording_s']:.0f} "
             f"| {run['pixels_off']} of {run['pixels_compared']} |"
         )
-    for name in ("getframes", "dlpack"):
+    for name in ("getframes", "dlpack", "statistics"):
         run = results[name]
         lines.append(f"\n{name}: " + ", ".join(f"{k} {v}" for k, v in run.items()))
+    for held in results["memory"]:
+        lines.append("\nmemory: " + ", ".join(f"{k} {v:.0f}" for k, v in held.items()))
     rates = ", ".join(f"{k} {v:.3g}/s" for k, v in results["bounds"].items())
     return "\n".join([*lines, f"\nmeasured bounds: {rates}"])
 
@@ -241,6 +292,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--batch", type=int, default=64)
     parser.add_argument("--batches", type=int, default=8)
+    parser.add_argument("--memory-frames", type=int, default=10_000)
+    parser.add_argument("--profile", choices=list(MODELS))
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
     try:
@@ -248,6 +301,9 @@ def main() -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
+    if asked.profile:
+        profile(asked.profile, asked.batch)
+        return 0
     name = device.cupy.cuda.runtime.getDeviceProperties(0)["name"]
     limit = bounds(device)
     results = {
@@ -261,6 +317,8 @@ def main() -> int:
         },
         "getframes": getframes(),
         "dlpack": handed_over(asked.batch),
+        "statistics": statistics(),
+        "memory": memory(asked.memory_frames, asked.batch),
     }
     print(printed(results))
     if asked.json:
