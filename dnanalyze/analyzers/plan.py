@@ -10,7 +10,7 @@ import numpy as np
 
 CLIP = 6.0  # robust sigmas at which winsorised data are cut
 BANDS = 32  # row bands and column bands of the block grid, where the frame is large enough
-SMALLEST_BANDS = (4, 16)  # rows, columns
+SMALLEST_BANDS = (4, 8)  # rows, columns
 
 
 @dataclass(frozen=True)

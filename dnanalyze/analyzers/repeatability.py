@@ -1,0 +1,102 @@
+"""Repeatability of the statistics: what a second capture of the same sensor would change.
+
+From the frames alone, by the delete-one jackknife (Efron and Stein, Ann. Stat. 9, 586 (1981)): the
+statistics are taken again without each of the frames. The fixed pattern of the sensor is in all of
+them and does not count.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from dnanalyze.analyzers.analyze import analyze_windows
+from dnanalyze.analyzers.catalogue import catalogue
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
+from dnanalyze.loaders.captures import CaptureSet, Setting, Window
+
+GROUPS = 8  # of frames, at most, that are left out in turn
+FEWEST = 3  # frames, without one of which there still are two
+
+
+def repeatability(
+    captures: CaptureSet,
+    statistics: Statistics,
+    *,
+    window: Window | None = None,
+    workers: int | None = None,
+) -> Statistics:
+    """The same values, with their standard deviation over captures of the same sensor as error.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        Frames of one sensor; those of an operating point are taken for independent.
+    statistics : Statistics
+        Of all frames of ``captures``.
+    window : Window, optional
+        Part of the frame that ``statistics`` covers.
+    workers : int, optional
+        Threads; the number of processors by default.
+
+    Returns
+    -------
+    Statistics
+        On the scale of each statistic, as `Value.se` is. Absent are operating points of fewer than
+        three frames, and statistics that some of the frames do not determine.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.analyzers.repeatability import repeatability
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> statistics = dnanalyze.analyze(captures)
+    >>> again = repeatability(captures, statistics)
+    >>> again.settings[0].values["mean"].se < statistics.settings[0].values["mean"].se
+    True
+    """
+    settings = []
+    for setting in captures.settings:
+        found = [s for s in statistics.settings if s.point == setting.point]
+        if len(setting.frames) >= FEWEST:
+            settings += _jackknife(captures, setting, found, window, workers)
+    return replace(statistics, settings=tuple(settings), trends={})
+
+
+def _jackknife(
+    captures: CaptureSet,
+    setting: Setting,
+    found: list[SettingStatistics],
+    window: Window | None,
+    workers: int | None,
+) -> list[SettingStatistics]:
+    """One setting, by colour plane."""
+    frames = setting.frames
+    groups = min(GROUPS, len(frames))
+    without = []
+    for group in range(groups):
+        left = tuple(f for n, f in enumerate(frames) if n % groups != group)
+        part = replace(captures, settings=(replace(setting, frames=left),), source=None)
+        (taken,) = analyze_windows(part, [window], workers=workers, errors=False)
+        without.append(taken.settings)
+    return [
+        replace(plane, values=_spread(plane, [each[k] for each in without]), curves={}, missing={})
+        for k, plane in enumerate(found)
+    ]
+
+
+def _spread(whole: SettingStatistics, without: list[SettingStatistics]) -> dict[str, Value]:
+    infos, count = catalogue(), len(without)
+    out = {}
+    for name, value in whole.values.items():
+        if name not in infos or not all(name in each.values for each in without):
+            continue
+        scale = infos[name].scale
+        seen = np.array([scale.coordinate(each.values[name].value) for each in without])
+        if np.isfinite(seen).all():
+            variance = float(np.sum((seen - seen.mean()) ** 2)) * (count - 1) / count
+            out[name] = Value(value.value, math.sqrt(variance))
+    return out
