@@ -22,6 +22,7 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.vectors import prediction
+from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.result import Result
@@ -121,13 +122,14 @@ def compare(
     begun = None if model is not None else with_seed(held, None, seed)
     model = None if model is None else with_seed(held, model, seed)
     paper = fit(captures, begun, held=held, replicates=0, tell=tell).state
+    held = by_design(held, model or paper.model)
     m = moments(Readings(held.measured[0]), captures.sensor.black_level)
     plain = held.statistics(gaussian_model(m), errors=True)
     made = held.statistics(model or paper.model, errors=True)
     z = held.test.z(prediction(made, 1, held.test))
     baselines = {
         "gaussian": error_of(held, plain),
-        "paper": pooled(paper.test, held.test.families),
+        "paper": error_of(held, made if model is None else held.statistics(paper.model)),
     }
     rows = table(held, made)
     return Comparison(

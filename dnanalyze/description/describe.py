@@ -208,7 +208,7 @@ def describe(
     tell("fitting the model")
     state = fitted_in_time(held.within(limit), begun)
     found = described(captures, held, state, known_effects(effects, known), limit, tell)
-    if found.effect is None and Null(held, state).adequate:
+    if found.effect is None and Null.of(held, state).adequate:
         text = "Nothing to describe: no residual of the model exceeds chance in these captures."
         return replace(found, verdict="adequate", text=text, after="adequate")
     return found
@@ -254,7 +254,8 @@ def _judged(
     found: list[Estimate],
 ) -> Description:
     """The structures put in and refitted, the best of them described."""
-    null, limited, finished = Null(held, state), held.within(limit), True
+    null, finished = Null.of(held, state), True
+    held, state, limited = null.held, null.state, null.held.within(limit)
     tried: list[tuple[Estimate, Trial]] = []
     try:
         for one in _best_of_layers(found)[:MOST]:
@@ -294,7 +295,7 @@ def _judged(
     if rival is not None:
         certain, verdict, sure = False, "possible", min(sure, STANDS_IN)
         text = f"{text[:-1]}; the catalogue effect {rival} explains as much: add it first."
-    left = Null(held, ended)
+    left = Null.of(held, ended)
     return Description(
         captures.name,
         verdict,

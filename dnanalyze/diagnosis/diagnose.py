@@ -36,10 +36,11 @@ from dnanalyze.diagnosis.stepwise import choose, supported
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -126,7 +127,7 @@ def diagnose(
     try:
         found = _in_full(captures.name, limited, asked, exclude, open_to, stages, so_far, tell)
     except TimeUp:
-        null = Null(held, stages[-1][1] if stages else asked)
+        null = Null.of(held, stages[-1][1] if stages else asked)
         found = unfinished(captures.name, null, so_far, open_to)
     found = replace(found, capture_set=captures)
     return _with_baseline_listed(held, asked, stages, found) if stages else found
@@ -168,15 +169,15 @@ def _in_full(
     if lacks_baseline(asked.model, exclude):
         tell("baseline effects")
         with_baseline(held, asked, exclude, lambda *stage: stages.append(stage))
-    null, law = Null(held, stages[-1][1] if stages else asked), ""
+    null, law = Null.of(held, stages[-1][1] if stages else asked), ""
     tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell, so_far)
     if best is not None and best.effect == BASE:
-        null = Null(held, converge(held, best.state))
+        null = Null.of(null.held, converge(null.held, best.state))
         law = in_words(held, null.state.model)
         tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell)
     tell("detection limits")
     found = judge(name, null, tried, best, open_to, follow_up=True)
-    limits = detection_limits(held, null.state, open_to)
+    limits = detection_limits(null.held, null.state, open_to)
     return replace(found, law=law, detection_limits=limits)
 
 
@@ -253,11 +254,11 @@ def _leader(
     if rival is not None:
         against = evidence_against(held, rival.state, best.state, rival.effect, best.effect)
         told.evidence.extend([against] if against else [])
-    left = Null(held, best.state).unexplained
+    left = Null.of(held, best.state).unexplained
     others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
-        after = Null(held, completed(held, best))
+        after = Null.of(held, completed(held, best))
         left = after.unexplained
         told = replace(told, error_after=after.error, explained=_explained(null.error, after.error))
         open_to = candidates_of(after.state, known, [BASE])
@@ -307,28 +308,31 @@ def _with_baseline_listed(
 
     ``stages``: the effects that were put in, with the state then.
     """
-    before = start = Null(held, asked)
+    design = Null.of(held, stages[-1][1]).held  # of the whole baseline, for the steps to it
+    before = begun = Null(design, expressed(asked, held, design))
     # only all of them are refitted; beside what is missing, if that was found
-    ended = found.trials[0].state if found.verdict == "missing" else stages[-1][1]
-    together = judged(start, stages[-1][0], ended, scale=Null(held, stages[-1][1]))
+    ended = expressed(stages[-1][1], held, design)
+    if found.verdict == "missing":
+        ended = start(design, found.trials[0].state.model, [])
+    together = judged(begun, stages[-1][0], ended)
     chance = float(confidences([together])[0])
     baseline = []
     for name, state in stages:
-        stage = Null(held, state)
+        stage = Null(design, expressed(state, held, design))
         effect = state.model.get(name)
         assert effect is not None
-        words = [*evidence_for(held, before.state, state, type(effect)), EVERY_SENSOR]
-        share = _share(start.error, before.error - stage.error)
+        words = [*evidence_for(design, before.state, stage.state, type(effect)), EVERY_SENSOR]
+        share = _share(begun.error, before.error - stage.error)
         baseline.append(Candidate(name, stage.error, share, chance, [], words))
         before = stage
     others = [  # in shares of the same error
-        replace(c, explained=_share(start.error, found.error - c.error_after))
+        replace(c, explained=_share(begun.error, found.error - c.error_after))
         for c in found.candidates
     ]
     first = int(found.verdict == "missing")
     return replace(
         found,
-        error=start.error,
+        error=Null.of(held, asked).error,
         verdict="missing" if found.verdict == "adequate" else found.verdict,
         candidates=[*others[:first], *baseline, *others[first:]],
         ordinary=[c.effect for c in baseline],

@@ -104,12 +104,14 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
     here = np.flatnonzero(train.names == name)
     if not here.size:
         return info.title
-    z = state.train[here]
-    worst = int(np.argmax(np.abs(z)))
+    z, model = state.train[here], train.predicted(state.train)[here]
+    told = np.isfinite(model)
+    if not told.any():
+        return f"the model shows nothing of it: {info.title}"
+    worst = int(np.argmax(np.where(told, np.abs(z), -1.0)))
     off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the held-out half may be the one that differs
     i = here[worst]
-    model = train.coordinates[i] - state.train[i] * train.floor[i]
-    measured, simulated = float(train.values[i]), info.scale.plain(float(model))
+    measured, simulated = float(train.values[i]), info.scale.plain(float(model[worst]))
     floor = float(train.floor[i])
     words = misfit(info, measured, simulated, float(z[worst]), floor)
     unit = unit_text(info.unit)

@@ -14,13 +14,9 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 
 
-def judged(null: Null, effect: str, after: State, scale: Null | None = None) -> Trial:
-    """A refit, with what its own simulated sensor gained on either half.
-
-    ``scale``: the model whose replicates give the scatter; ``null`` by default.
-    """
-    train, test = (scale or null).scatter
-    was, now = (((s.train, train), (s.test, test)) for s in (null.state, after))
+def judged(null: Null, effect: str, after: State) -> Trial:
+    """A refit, with what its own simulated sensor gained on either half."""
+    was, now = (((s.train, np.ones(1)), (s.test, np.ones(1))) for s in (null.state, after))
     return _compared(null.held, effect, after, was, now)
 
 

@@ -11,11 +11,10 @@ import numpy as np
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.fitting.least_squares import State
-from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.linear_step import linear_step
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.yardstick import REPLICATES, measured_by
 
-REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
 BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves
 SCATTER = 0.25  # of a root mean square over 8 operating points at the least: 1 / sqrt(2 * 8)
 
@@ -24,7 +23,7 @@ Halves = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 def error_of(held: Bench, state: State) -> float:
-    """Model error on the held-out half."""
+    """Model error on the held-out half, by the yardstick of ``held``."""
     return pooled(state.test, held.test.families)
 
 
@@ -43,6 +42,11 @@ class Null:
     held: Bench
     state: State
 
+    @classmethod
+    def of(cls, held: Bench, state: State) -> Null:
+        """The hypothesis by the yardstick of its own replicates."""
+        return cls(*measured_by(held, state))
+
     @cached_property
     def error(self) -> float:
         """Model error on the held-out half."""
@@ -57,20 +61,9 @@ class Null:
         sides = (self.held.train, self.state.train), (self.held.test, self.state.test)
         drawn = [self.held.replicate(self.state.model, r) for r in range(REPLICATES)]
         train, test = (
-            np.nan_to_num([(d[i] - half.coordinates) / half.floor + z for d in drawn])
-            for i, (half, z) in enumerate(sides)
+            z - np.array([half.z(d[i]) for d in drawn]) for i, (half, z) in enumerate(sides)
         )
         return train, test
-
-    @cached_property
-    def scatter(self) -> tuple[np.ndarray, np.ndarray]:
-        """Standard deviation of each statistic over replicates, of the fitted and held-out half.
-
-        At least 1, and the same at all operating points of one statistic: few defects, tracks or
-        phases are drawn once per sensor, and shift it at all of them alike.
-        """
-        train, test = (np.mean(r**2, axis=0) for r in self.replicates)
-        return _pooled(self.held.train.names, self.held.test.names, train, test)
 
     @cached_property
     def sensors(self) -> tuple[np.ndarray, np.ndarray]:
@@ -102,13 +95,13 @@ class Null:
     def left(self) -> list[str]:
         """Statistics that differ on both halves beyond the replicates, worst first.
 
-        The mean level is the first where it is not within its limits (see `Level`).
+        The level is the first where it is not within its limits (see `Level`).
         """
         level = self.held.level(self.state.train, self.state.test)
         rest = self._beyond()
         if level is None or level.kept:
             return rest
-        return [MEAN, *(name for name in rest if name != MEAN)]
+        return [level.statistic, *(name for name in rest if name != level.statistic)]
 
     @cached_property
     def adequate(self) -> bool:

@@ -125,7 +125,7 @@ def refine(
         path = search.run(state, exclude)
     except TimeUp:
         return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
-    found = judge(captures.name, Null(unlimited, path.state), path.tried, path.best, known)
+    found = judge(captures.name, Null.of(unlimited, path.state), path.tried, path.best, known)
     if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
     steps = list(path.steps)
@@ -217,18 +217,19 @@ def add(
     if model is None:
         model = fit(captures, replicates=0, held=held, tell=tell).model
     model = located(held, model)
-    null = Null(held, minimise(held, start(held, model, knobs_of(model))))
-    seen = score_tests(held, null.state, {name: kind})
+    null = Null.of(held, minimise(held, start(held, model, knobs_of(model))))
+    seen = score_tests(null.held, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
-    begun = start(held, larger, knobs_of(larger), like=null.state)
-    after = judged(null, name, converge(held, begun))
+    begun = start(null.held, larger, knobs_of(larger), like=null.state)
+    after = judged(null, name, converge(null.held, begun))
+    ended = Null.of(null.held, after.state)
     yes = supported(null, [after]) is not None
     sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)
-    why = evidence_for(held, null.state, after.state, kind)
-    steps = [Step(None, null.error), Step(name, after.error, sure, why, supported=yes)]
-    found = judge(captures.name, Null(held, after.state), [], None, known)
+    why = evidence_for(null.held, null.state, after.state, kind)
+    steps = [Step(None, null.error), Step(name, ended.error, sure, why, supported=yes)]
+    found = judge(captures.name, ended, [], None, known)
     return Refinement(
         captures.name, steps, after.state.model.names, found.verdict, after.state.model,
-        replace(found, capture_set=captures), held, after.state, by_hand=True,
+        replace(found, capture_set=captures), ended.held, ended.state, by_hand=True,
         capture_set=captures,
     )  # fmt: skip

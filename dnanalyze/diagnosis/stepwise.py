@@ -35,6 +35,7 @@ from dnanalyze.fitting.from_part import STEPS, carried, converge
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, EVERYDAY
 
@@ -82,15 +83,19 @@ def removal(held: Bench, state: State, name: str) -> State:
 
 
 def reduced(held: Bench, state: State) -> tuple[State, list[str]]:
-    """Backward step: the model without effects that are no longer significant, and their names."""
+    """Backward step: the model without effects that are no longer significant, and their names.
+
+    By the yardstick of the model that has them.
+    """
     gone = []
+    whole = Null.of(held, state)
     for name in [n for n in state.model.names if n not in (*EVERYDAY, BASE)]:
-        without = Null(held, removal(held, state, name))
-        found = judged(without, name, state, scale=Null(held, state))
+        without = Null(whole.held, removal(whole.held, whole.state, name))
+        found = judged(without, name, whole.state)
         if found.evidence < NOTHING and found.error_fall <= 0.0:
-            state = without.state
+            whole = Null.of(whole.held, without.state)
             gone.append(name)
-    return state, gone
+    return (expressed(whole.state, whole.held, held) if gone else state), gone
 
 
 def swapped(
@@ -108,7 +113,7 @@ def swapped(
     ``added`` may go, ``known`` may come. Returned are the effect that goes, the model without it,
     and the one that comes; None where no exchange is significant.
     """
-    null, found = Null(held, state), []
+    null, found = Null.of(held, state), []
     for name in added:
         mine = state.model.get(name)
         assert mine is not None
@@ -116,7 +121,7 @@ def swapped(
             n: e for n, e in known.items() if n in mine.confused_with or name in e.confused_with
         }
         others[name] = type(mine)
-        without = Null(held, removal(held, state, name))
+        without = Null(null.held, removal(null.held, null.state, name))
         for trial in trials(without, others, tell):
             made = judged_by_prediction(null, trial)
             if significant(made):
@@ -176,9 +181,11 @@ class Search:
         self._kept(path)
         if lacks_baseline(state.model, exclude):
             stages: list[tuple[str, State]] = []
-            with_baseline(self.held, state, exclude, lambda *stage: stages.append(stage))
+            full = with_baseline(self.held, state, exclude, lambda *stage: stages.append(stage))
+            design = Null.of(self.held, full).held  # of the whole baseline, for the steps to it
             for name, stage in stages:
-                path = self._noted(path, stage, name, why=[EVERY_SENSOR])
+                error = error_of(design, expressed(stage, self.held, design))
+                path = self._noted(path, stage, name, why=[EVERY_SENSOR], error=error)
             self._kept(path)
         return self._searched(self._on_part(path))
 
@@ -201,7 +208,7 @@ class Search:
     def _while_far_off(self, path: Path) -> Path:
         """Forward steps; the last candidates, of which none was significant, are left open."""
         while far_off(path.state) and not self.near_enough(path):
-            null = Null(self.held, path.state)
+            null = Null.of(self.held, path.state)
             tested = self._tested(path, null)
             if tested.best is None or self._full(tested):
                 return replace(path, open=tuple(t.effect for t in tested.tried))
@@ -211,7 +218,7 @@ class Search:
     def _searched(self, path: Path) -> Path:
         """Forward, backward and swap steps until none is significant."""
         while not self.near_enough(path):
-            null = Null(self.held, path.state)
+            null = Null.of(self.held, path.state)
             path = self._tested(path, null)
             best, gone = path.best, None
             if best is None and not path.converged:
@@ -227,7 +234,7 @@ class Search:
             if best is None or self._full(path, gone):
                 return self._converged(path)
             if gone is not None:
-                path = self._without(path, null.state, [gone])
+                path = self._without(path, self._at_home(null.state, null), [gone])
             path = self._with(path, null, best)
         return self._converged(replace(path, tried=(), best=None))
 
@@ -256,12 +263,13 @@ class Search:
     def _with(self, path: Path, null: Null, best: Trial) -> Path:
         """One more effect, completed, and what is superfluous with it gone."""
         if best.effect == BASE:
-            return self._with_law(path, best)
+            return self._with_law(path, null, best)
         tried = path.tried
         sure, near = confidence_of(best, tried), competitors(best, tried)
-        state = completed(self.held, best)
+        state = completed(null.held, best)
         effect = type(state.model.get(best.effect))
-        why = evidence_for(self.held, path.state, state, effect)  # type: ignore[arg-type]
+        why = evidence_for(null.held, null.state, state, effect)  # type: ignore[arg-type]
+        state = self._at_home(state, null)
         path = self._noted(path, state, best.effect, sure, near, why)
         beside = [t.effect for t in tried if significant(t) and apart(best, t)]
         path = replace(path, converged=not much_left(state), open=tuple(beside))
@@ -285,14 +293,14 @@ class Search:
             return path
         state = converge(self.held, path.state)
         *steps, last = path.steps
-        last = replace(last, error=error_of(self.held, state))
+        last = replace(last, error=self._error(state))
         path = replace(path, state=state, steps=(*steps, last), converged=True)
         self._kept(path)
         return self._reduced(path)
 
-    def _with_law(self, path: Path, law: Trial) -> Path:
+    def _with_law(self, path: Path, null: Null, law: Trial) -> Path:
         """The spread of the dark current free to change with temperature: no effect more."""
-        state = converge(self.held, law.state)
+        state = self._at_home(converge(null.held, law.state), null)
         path = self._noted(path, state, None, why=[in_words(self.held, state.model)])
         self._kept(path)
         return path
@@ -310,11 +318,24 @@ class Search:
         sure: float | None = None,
         near: Sequence[str] = (),
         why: Sequence[str] = (),
+        error: float | None = None,
     ) -> Path:
-        there = self._on_whole(state)
-        step = Step(name, error_of(self.whole or self.held, there), sure, list(why), list(near))
+        error = self._error(state) if error is None else error
+        step = Step(name, error, sure, list(why), list(near))
         self.tell(step)
         return replace(path, state=state, steps=(*path.steps, step))
+
+    def _error(self, state: State) -> float:
+        """Model error by the yardstick of the model itself."""
+        own = Null.of(self.held, state)
+        if self.whole is None:
+            return own.error
+        there = self.whole.scaled_as(own.held)
+        return error_of(there, carried(own.state, own.held, there))
+
+    def _at_home(self, state: State, null: Null) -> State:
+        """A state that was fitted by the yardstick of ``null``, in that of the frames."""
+        return expressed(state, null.held, self.held)
 
     def _kept(self, path: Path) -> None:
         self.keep(replace(path, state=self._on_whole(path.state)))

@@ -233,7 +233,9 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
     floor = np.maximum(spread, LOWEST * held.train.floor)
     fair = replace(
         held,
-        train=replace(held.train, coordinates=held.train.coordinates + luck, floor=floor),
+        train=replace(
+            held.train, coordinates=held.train.coordinates + luck, stated=floor, scale=None
+        ),
     )
     jacobian = jacobian * (held.train.floor / floor)[:, None]
     here = replace(start(fair, state.model, knobs), jacobian=jacobian)

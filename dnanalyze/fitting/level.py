@@ -1,4 +1,4 @@
-"""The mean dark level: how far a model may be off in it, and how far it is."""
+"""The dark level: how far a model may be off in its mean and median, and how far it is."""
 
 from __future__ import annotations
 
@@ -14,24 +14,26 @@ from dnanalyze.fitting.vectors import Target
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import Law, value_at
 
-MEAN = "mean"
+MEAN, MEDIAN = "mean", "median"
 ERRORS = 3.0  # standard errors of a difference that a level may be off
-SHARE = 0.01  # or of the dark signal: the mean above the measured black level
-# A fit holds its own half within less, for the other may lie farther off: 2 errors and half of the
-# share. Of 35 virtual sensors that were held to 3 errors one stood at 3.4 over the whole field.
-FIT_ERRORS, FIT_SHARE = 2.0, 0.005
+SHARE = 0.01  # or of the dark signal: the level above the measured black level
+NOISE = 0.05  # or of the temporal noise of a pixel: 400 frames then tell it from the right level
+# A fit holds its own half within less, for the other may lie farther off: 2 errors (`FIT_ERRORS`)
+# and half of the shares. Of 35 virtual sensors held to 3 errors one stood at 3.4 over the field.
+FIT_SHARE = 0.5
 
 
 @dataclass(frozen=True)
 class Level:
-    """The mean dark level of a model against the measured one, where it is farthest off.
+    """The dark level of a model against the measured one, where it is farthest off.
 
     Over both halves of the field, as it is stated for a sensor.
 
     Parameters
     ----------
     kept : bool
-        Whether it is within 3 standard errors, or 1 % of the dark signal, at every operating point.
+        Whether mean and median are within 3 standard errors, 1 % of the dark signal or 5 % of the
+        temporal noise, whichever is largest, at every operating point.
     point : OperatingPoint
         Where it is farthest off, in units of what is allowed there.
     plane : str
@@ -39,9 +41,11 @@ class Level:
     difference_dn : float
         Measured less modelled, DN.
     relative : float or None
-        The same over the dark signal, the mean above the measured black level; None without any.
+        The same over the dark signal, the level above the measured black level; None without any.
     standard_errors : float
         The same over its standard error, that of the difference of two captures of such sensors.
+    statistic : str
+        "mean" or "median": which of them is farthest off.
     """
 
     kept: bool
@@ -50,10 +54,32 @@ class Level:
     difference_dn: float
     relative: float | None
     standard_errors: float
+    statistic: str = MEAN
 
 
-def dark_signals(statistics: Statistics, held: Target) -> np.ndarray:
-    """Mean above the measured black level at each number that is a level, DN; NaN at others.
+@dataclass(frozen=True)
+class DarkSignals:
+    """What the levels of a target stand for, one a number of it; NaN for a number of another kind.
+
+    Parameters
+    ----------
+    signal : ndarray
+        Level above the measured black level, DN.
+    noise : ndarray
+        Temporal noise of a pixel there, DN; 0 where one frame does not tell it.
+    """
+
+    signal: np.ndarray
+    noise: np.ndarray
+
+    @property
+    def tolerance(self) -> np.ndarray:
+        """How far a level may be off whatever its error, DN."""
+        return np.asarray(np.maximum(SHARE * self.signal, NOISE * self.noise))
+
+
+def dark_signals(statistics: Statistics, held: Target) -> DarkSignals:
+    """The levels above the measured black level.
 
     Not above the model's pedestal: a fit that moved that down would be allowed more.
     """
@@ -63,34 +89,30 @@ def dark_signals(statistics: Statistics, held: Target) -> np.ndarray:
     black: Law | None = black_over_temperature(*series, error)
     if black is None:
         black = pedestal_guess(*series, statistics.sensor.black_level, error)
-    found = np.full(len(held.keys), np.nan)
-    for i in np.flatnonzero(held.names == MEAN):
-        point = seen.points[held.keys[i].setting]
-        found[i] = max(float(held.values[i]) - value_at(black, point), 0.0)
-    return found
+    steady = np.nan_to_num(seen.value("temporal_noise_core"))
+    signal, noise = np.full((2, len(held.keys)), np.nan)
+    for i in np.flatnonzero(np.isin(held.names, (MEAN, MEDIAN))):
+        setting = held.keys[i].setting
+        signal[i] = max(float(held.values[i]) - value_at(black, seen.points[setting]), 0.0)
+        noise[i] = steady[setting]
+    return DarkSignals(signal, noise)
 
 
-def allowed(held: Target, signals: np.ndarray) -> np.ndarray:
-    """How far each number may be off while a model is fitted, DN; inf for no level.
+def allowed(held: Target, signals: DarkSignals) -> np.ndarray:
+    """How far each number may be off while a model is fitted whatever its error, DN.
 
-    Parameters
-    ----------
-    held : Target
-        Of the fitted half.
-    signals : ndarray
-        Of `dark_signals`.
+    Infinite for all but the median: hot pixels carry a mean.
     """
-    least = np.maximum(FIT_ERRORS * held.floor, FIT_SHARE * np.nan_to_num(signals))
-    return np.where(np.isnan(signals), np.inf, least)
+    return np.where(held.names == MEDIAN, FIT_SHARE * signals.tolerance, np.inf)
 
 
 def level(
     points: Sequence[OperatingPoint],
     halves: Sequence[Target],
     differences: Sequence[np.ndarray],
-    signals: np.ndarray,
+    signals: DarkSignals,
 ) -> Level | None:
-    """Hold the mean level of a model against the measured one; None where no level is measured.
+    """Hold the level of a model against the measured one; None where no level is measured.
 
     Parameters
     ----------
@@ -99,13 +121,13 @@ def level(
         The fitted and the judged half.
     differences : sequence of ndarray
         (measured - model) / floor on either.
-    signals : ndarray
-        Of `dark_signals`, on the fitted half.
+    signals : DarkSignals
+        Of the fitted half.
     """
     first, other = halves
     at = {key: i for i, key in enumerate(other.keys)}
     worst: tuple[float, Level] | None = None
-    for i in np.flatnonzero(first.names == MEAN):
+    for i in np.flatnonzero(np.isin(first.names, (MEAN, MEDIAN))):
         key = first.keys[i]
         if key not in at:
             continue
@@ -113,10 +135,11 @@ def level(
         off = float(np.mean([z[n] * half.floor[n] for half, z, n in pairs]))
         # what moves whole frames moves both halves: together they tell no more than either
         error = float(np.mean([half.floor[n] for half, _, n in pairs]))
-        away = abs(off) / max(ERRORS * error, SHARE * float(signals[i]))
-        relative = off / float(signals[i]) if signals[i] > 0 else None
+        signal = float(signals.signal[i])
+        away = abs(off) / max(ERRORS * error, float(signals.tolerance[i]))
+        relative = off / signal if signal > 0 else None
         point = points[key.setting]
-        seen = Level(away <= 1.0, point, key.plane, off, relative, abs(off) / error)
+        seen = Level(away <= 1.0, point, key.plane, off, relative, abs(off) / error, key.name)
         if worst is None or away > worst[0]:
             worst = away, seen
     return None if worst is None else worst[1]

@@ -67,6 +67,16 @@ class Bench:
         part = None if self.part is None else self.part.within(limit)
         return replace(self, limit=limit, part=part)
 
+    def scaled(self, train: np.ndarray, test: np.ndarray) -> Bench:
+        """This bench by another yardstick: factors of the stated errors of either half."""
+        return replace(self, train=self.train.scaled(train), test=self.test.scaled(test))
+
+    def scaled_as(self, other: Bench) -> Bench:
+        """This bench by the yardstick of another one, such as a part of the field."""
+        return self.scaled(*(h.scale_of(o) for h, o in zip(
+            (self.train, self.test), (other.train, other.test), strict=True
+        )))
+
     def evened(self, model: NoiseModel) -> Bench:
         """This bench, without the half that is not wanted where the model lets it be left out.
 

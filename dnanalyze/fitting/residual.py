@@ -68,9 +68,7 @@ class Residual:
 
     def simulated(self, name: str) -> np.ndarray:
         """The model's value, one a setting."""
-        train = self.bench.train
-        coordinates = train.coordinates - self.state.train * train.floor
-        found = self._over_settings(name, coordinates)
+        found = self._over_settings(name, self.bench.train.predicted(self.state.train))
         info = infos().get(name)
         return found if info is None else np.array([info.scale.plain(c) for c in found])
 

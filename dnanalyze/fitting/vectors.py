@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,11 @@ from dnanalyze.analyzers.statistics import (
     Statistics,
 )
 from dnanalyze.fitting.shading import shading_values
+
+# Misfit, in floors, of a statistic that the simulation lacks: from here on the loss of a fit counts
+# a difference in proportion, no longer squared.
+MISSING = 6.0
+FIT_ERRORS = 2.0  # floors that a level may be off in a fit, see `dnanalyze.fitting.level`
 
 
 @dataclass(frozen=True)
@@ -38,20 +43,44 @@ class Target:
         Plain units.
     coordinates : ndarray
         On the statistic's own scale.
-    floor : ndarray
-        What two independent captures would differ by, on that scale: sqrt(2) times the standard
-        error.
+    stated : ndarray
+        What two independent captures would differ by, on that scale, as the frames tell it: sqrt(2)
+        times the standard error.
     families : ndarray of str
     allowed : ndarray, optional
-        How far a model may be off while it is fitted, on that scale; inf: left to the loss.
+        How far a level may be off while a model is fitted whatever its error, on that scale; inf:
+        left to the loss.
+    scale : ndarray, optional
+        Factor of ``stated`` by the yardstick of a model; 1 by default.
     """
 
     keys: tuple[Key, ...]
     values: np.ndarray
     coordinates: np.ndarray
-    floor: np.ndarray
+    stated: np.ndarray
     families: np.ndarray
     allowed: np.ndarray | None = None
+    scale: np.ndarray | None = None
+
+    @cached_property
+    def floor(self) -> np.ndarray:
+        """What two sensors of one design would differ by, on the statistic's own scale."""
+        return self.stated if self.scale is None else self.stated * self.scale
+
+    def scaled(self, scale: np.ndarray) -> Target:
+        """The same numbers by another yardstick."""
+        return replace(self, scale=scale)
+
+    def scale_of(self, other: Target) -> np.ndarray:
+        """The yardstick of another target for the numbers of this one; 1 where it lacks them."""
+        if other.scale is None:
+            return np.ones(len(self.keys))
+        rows = other.rows_of(self)
+        return np.where(rows >= 0, other.scale[rows], 1.0)
+
+    def expressed(self, z: np.ndarray, other: Target) -> np.ndarray:
+        """Differences in floors as they are in those of another yardstick."""
+        return np.where(z == MISSING, MISSING, z * (self.floor / other.floor))
 
     @cached_property
     def places(self) -> dict[tuple[int, str], list[tuple[int, str, Scale]]]:
@@ -64,8 +93,12 @@ class Target:
 
     @property
     def bounds(self) -> np.ndarray | None:
-        """``allowed`` in floors."""
-        return None if self.allowed is None else self.allowed / self.floor
+        """How far each number may be off in a fit, in floors; inf: left to the loss."""
+        if self.allowed is None:
+            return None
+        return np.where(
+            np.isinf(self.allowed), np.inf, np.maximum(FIT_ERRORS, self.allowed / self.floor)
+        )
 
     @cached_property
     def names(self) -> np.ndarray:
@@ -88,9 +121,10 @@ class Target:
             keys,
             self.values[here],
             self.coordinates[here],
-            self.floor[here],
+            self.stated[here],
             self.families[here],
             None if self.allowed is None else self.allowed[here],
+            None if self.scale is None else self.scale[here],
         )
 
     def rows_of(self, other: Target) -> np.ndarray:
@@ -110,9 +144,13 @@ class Target:
         there[known] = jacobian[rows[known]] * scale[:, None]
         return there
 
+    def predicted(self, z: np.ndarray) -> np.ndarray:
+        """The predictions that are these differences in floors; NaN where one is missing."""
+        return np.where(z == MISSING, np.nan, self.coordinates - z * self.floor)
+
     def z(self, predicted: np.ndarray) -> np.ndarray:
-        """(measured - predicted) / floor; 0 where the prediction lacks the statistic."""
-        return np.nan_to_num((self.coordinates - predicted) / self.floor, nan=0.0)
+        """(measured - predicted) / floor; `MISSING` where the prediction lacks the statistic."""
+        return np.nan_to_num((self.coordinates - predicted) / self.floor, nan=MISSING)
 
 
 def target(statistics: list[Statistics], part: int) -> Target:

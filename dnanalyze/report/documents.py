@@ -133,7 +133,9 @@ def _level(result: Any) -> Document:
     level = getattr(result, "level", None)
     if level is None:
         return {"level": None}
-    fields = _fields(level, "kept", "plane", "difference_dn", "relative", "standard_errors")
+    fields = _fields(
+        level, "kept", "statistic", "plane", "difference_dn", "relative", "standard_errors"
+    )
     return {"level": _point(level.point) | fields}
 
 

@@ -315,7 +315,8 @@ def level_words(level: Any) -> str:
     share = "" if level.relative is None else f"{number(100 * abs(level.relative), 2)} %, "
     where = ", ".join(filter(None, (point_label(level.point), level.plane)))
     return (
-        f"the mean dark signal at {where} is off by {number(abs(level.difference_dn), 2)} DN "
+        f"the {level.statistic} dark signal at {where} is off by "
+        f"{number(abs(level.difference_dn), 2)} DN "
         f"({share}{number(level.standard_errors, 2)} standard errors)"
     )
 

@@ -20,6 +20,7 @@ from dnanalyze.comparator.compare import table
 from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.vectors import prediction
+from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
@@ -47,6 +48,8 @@ class Evaluation:
         Error of each family.
     simulated : Statistics
         Of the held-out half, with their curves; for a preview those of the known model.
+    bench : Bench
+        By the yardstick of the model.
     rows : list of dict
         One row a statistic and operating point, as `compare` gives; empty for a preview.
     change : pair of Statistics, optional
@@ -58,6 +61,7 @@ class Evaluation:
     error: float
     families: Mapping[str, float]
     simulated: Statistics
+    bench: Bench
     rows: list[dict[str, Any]] = field(default_factory=list)
     change: tuple[Statistics, Statistics] | None = None
 
@@ -69,12 +73,12 @@ class Evaluation:
 
 def evaluate(bench: Bench, model: NoiseModel) -> Evaluation:
     """The full comparison of a model, with the error that `compare` states."""
+    bench = by_design(bench, model)
     made = bench.statistics(model)
     z = bench.test.z(prediction(made, 1, bench.test))
     families = bench.test.families
-    return Evaluation(
-        model, z, pooled(z, families), family_errors(z, families), made[1], table(bench, made)
-    )
+    errors = pooled(z, families), family_errors(z, families)
+    return Evaluation(model, z, *errors, made[1], bench, table(bench, made))
 
 
 class Preview:
@@ -103,7 +107,7 @@ class Preview:
     def evaluate(self, model: NoiseModel) -> Evaluation:
         """A preview of a model's error and of its curves."""
         made = self._statistics(model)
-        target = self.bench.test
+        target = self.known.bench.test
         change = (self._coordinates(made) - self._before) / target.floor
         z = self.known.differences - np.nan_to_num(change, nan=0.0, posinf=0.0, neginf=0.0)
         return Evaluation(
@@ -112,6 +116,7 @@ class Preview:
             pooled(z, target.families),
             family_errors(z, target.families),
             self.known.simulated,
+            self.known.bench,
             change=(self._window, made),
         )
 
