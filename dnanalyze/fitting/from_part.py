@@ -17,6 +17,7 @@ import numpy as np
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.effect import Placing
@@ -94,7 +95,8 @@ def converge(
     round are true still where its last step took off what they promised. A fit that still falls
     steeply after these rounds is given as many again. ``own``: the derivatives that are known were
     taken here; of another model they are not trusted at the end. ``hopeless``: loss a number from
-    which true derivatives are not worth their simulations.
+    which true derivatives are not worth their simulations. An amplitude that was lost on the way
+    begins again at the end.
     """
     own = own or bool(np.isnan(state.jacobian).all())
     for n in range(2 * rounds):
@@ -105,7 +107,7 @@ def converge(
         ended = (state.at_rest and (n or own)) or (n and before - state.merit < least)
         if ended or state.loss > hopeless * len(state.train):
             break
-    return state
+    return restarted(bench, state, iterations)
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,20 @@ class Knob:
         """Whether it is an activation energy: a slope over temperature."""
         return "ea_ev" in (self.part, self.parameter)
 
+    @property
+    def logarithmic(self) -> bool:
+        """Whether its position is the logarithm of an amplitude, a level or a share."""
+        return self.log or self.unit.startswith("ln ")
+
+    def change(self, before: float, after: float) -> float:
+        """Difference of two positions; of far ones, that by which an amplitude moves linearly.
+
+        A logarithmic step of more than a factor e is none of a derivative: what is proportional to
+        the amplitude has grown by exp(step) - 1 times what it is.
+        """
+        step = after - before
+        return math.expm1(step) if self.logarithmic and abs(step) > 1.0 else step
+
     def inside(self, position: float) -> float:
         """A position on the knob's scale, moved within its bounds."""
         low, high = (self.position(b) for b in (self.lower, self.upper))

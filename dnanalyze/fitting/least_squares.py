@@ -202,7 +202,9 @@ def _differences(
             change = bench.train.z(coordinates) - state.train
             for i in members:
                 moved = masks[i][bench.train.setting]
-                columns[i] = np.where(moved, change, 0) / (x[i] - here[i] or 1.0)
+                columns[i] = np.where(moved, change, 0) / (
+                    state.knobs[i].change(here[i], x[i]) or 1.0
+                )
                 size = float(np.linalg.norm(change[moved]))
                 longer = min(step[i] * float(_rescaled(size, least)), GROWTH**2 * first[i])
                 if longer != step[i] and members not in again:

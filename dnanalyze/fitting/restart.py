@@ -1,0 +1,133 @@
+"""Amplitudes that a fit has lost: restarted where they show.
+
+The derivative with respect to the logarithm of an amplitude goes as the amplitude itself. A fit
+that once makes it small therefore stays there. Such an amplitude is raised until the statistics
+show it, and begins again where the linear change from nothing to there lowers the loss most.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
+from dnanalyze.fitting.least_squares import SMALLEST, State, minimise, start, weights
+from dnanalyze.fitting.predictor import Bench
+
+RISE = math.log(8.0)  # of an amplitude that is raised, each time
+RISES = 6  # to 2.6e5 times
+WORTH = 6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
+
+
+def restarted(bench: Bench, state: State, iterations: int) -> State:
+    """The state, or a better one with amplitudes that had been lost.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+        At rest, its derivatives known.
+    iterations : int
+        Of the fit from there.
+    """
+    lost = _lost(bench, state)
+    if not lost:
+        return state
+    there = _where_it_helps(bench, state, lost)
+    if not there:
+        return state
+    where = positions(state.model, state.knobs)
+    jacobian = state.jacobian.copy()
+    for i, x in there.items():
+        where[i] = x
+        jacobian[:, i] = np.nan
+    begun = start(bench, turned(state.model, state.knobs, where), state.knobs)
+    ended = minimise(bench, replace(begun, jacobian=jacobian), iterations)
+    return ended if ended.merit < state.merit - WORTH else state
+
+
+def _lost(bench: Bench, state: State) -> list[int]:
+    """Knobs that move an amplitude by its logarithm, without which the statistics are the same."""
+    here = positions(state.model, state.knobs)
+    groups = _groups(state, [i for i, k in enumerate(state.knobs) if _may_be_lost(bench, k, here[i])])
+    without = []
+    for members in groups:
+        lowered = here.copy()
+        for i in members:
+            lowered[i] = state.knobs[i].inside(here[i] - RISE)
+        without.append(turned(state.model, state.knobs, lowered))
+    found = []
+    for members, coordinates in zip(groups, bench.several(without), strict=True):
+        change = bench.train.z(coordinates) - state.train
+        found += [i for i in members if np.linalg.norm(_own(bench, state, i, change)) < SMALLEST]
+    return found
+
+
+def _may_be_lost(bench: Bench, knob: Knob, position: float) -> bool:
+    """Whether a knob is the logarithm of a level, a noise or a gain that is small enough to be lost.
+
+    A level or a noise above that of the quietest pixels shows; of a gain nothing is known.
+    """
+    if not knob.logarithmic:
+        return False
+    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
+    if knob.unit in ("DN", "ln DN"):
+        return noise.size > 0 and math.exp(position) < float(noise.min())
+    return knob.unit == "DN/e-"
+
+
+def _groups(state: State, members: Sequence[int]) -> list[list[int]]:
+    """Knobs that one simulation can move together: rows of a table move other settings."""
+    groups: dict[str, list[int]] = {}
+    for i in members:
+        groups.setdefault(state.knobs[i].group, []).append(i)
+    return list(groups.values())
+
+
+def _own(bench: Bench, state: State, at: int, change: np.ndarray) -> np.ndarray:
+    """A change at the settings that a knob moves."""
+    mask = settings_of(state.knobs[at], state.model, bench.plan.settings)
+    return np.where(mask[bench.train.setting], change, 0.0)
+
+
+def _where_it_helps(bench: Bench, state: State, lost: Sequence[int]) -> dict[int, float]:
+    """Positions of the knobs at which the loss is expected to fall; the others are left out."""
+    here = positions(state.model, state.knobs)
+    found: dict[int, float] = {}
+    for members in _groups(state, lost):
+        for n in range(1, RISES + 1):
+            raised = here.copy()
+            for i in members:
+                raised[i] = state.knobs[i].inside(here[i] + n * RISE)
+            moved = bench.fitted_z(turned(state.model, state.knobs, raised)) - state.train
+            seen = []
+            for i in members:
+                change = _own(bench, state, i, moved)
+                if np.linalg.norm(change) >= SMALLEST:
+                    seen.append(i)
+                    share = _best_share(state, change, lost)
+                    if share > 0.0:
+                        plain = math.exp(here[i]), math.exp(raised[i])
+                        found[i] = math.log(plain[0] + share * (plain[1] - plain[0]))
+            members = [i for i in members if i not in seen]
+            if not members:
+                break
+    return found
+
+
+def _best_share(state: State, change: np.ndarray, lost: Sequence[int]) -> float:
+    """Share of a change, 0 to 1, that lowers the weighted squares most; 0 where that is nothing.
+
+    The knobs that are not lost follow linearly.
+    """
+    w = weights(state.train)
+    others = np.delete(np.nan_to_num(state.jacobian), list(lost), axis=1)
+    others = others[:, np.linalg.norm(others, axis=0) > 1e-6] * w[:, None]
+    free = np.linalg.qr(others)[0] if others.size else np.zeros((w.size, 0))
+    step, rest = (x - free @ (free.T @ x) for x in (change * w, state.train * w))
+    size = float(step @ step)
+    share = -float(step @ rest) / size if size > 0.0 else 0.0
+    return min(share, 1.0) if share > 0.0 and share**2 * size > WORTH else 0.0

@@ -1,0 +1,126 @@
+"""The yardstick of a model's design against sensors of it that were not used for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.least_squares import derive, start
+from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.vectors import MISSING, Key, Target
+from dnanalyze.fitting.yardstick import REPLICATES, by_design, expressed, measured_by, scales
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.amp_glow import AmpGlow
+from dnanalyze.model.effects.flicker_fpn import FlickerFpn
+from dnanalyze.model.effects.pixel_fpn import PixelFpn
+from dnanalyze.model.effects.quantization import Quantization
+from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+POINT = OperatingPoint(25.0, 1.0, 1.0)
+PLAIN = (ReadNoise(4.0), PixelFpn(2.0), Quantization(12))
+FURTHER = range(100, 124)  # sensors that the yardstick has not seen
+
+
+def of(*more: object) -> NoiseModel:
+    return NoiseModel((*PLAIN, *more), 64.0, POINT, 1)
+
+
+def held_of(model: NoiseModel) -> Bench:
+    return bench(design(simulate(model, (128, 128), [(POINT, 6)])))
+
+
+def spread(held: Bench, model: NoiseModel, name: str) -> float:
+    """Standard deviation of the difference of two further sensors, on the statistic's scale."""
+    (at,) = np.flatnonzero(held.train.names == name)
+    seen = [held.replicate(model, n)[0][at] for n in FURTHER]
+    return float(np.sqrt(2.0) * np.std(seen, ddof=1))
+
+
+@pytest.mark.parametrize(
+    ("more", "name"),
+    [
+        ((), "median"),
+        ((), "pattern_noise"),
+        ((AmpGlow(200.0, length=0.3, location="edges"),), "pattern_noise"),
+        ((FlickerFpn(3.0, 2.0),), "shading_0_1"),
+    ],
+)
+def test_the_floor_is_what_two_sensors_differ_by(more, name):
+    """Of 8 and of 24 replicates: within 3 times sqrt(1 / (2 * 14) + 1 / (2 * 23))."""
+    model = of(*more)
+    held = held_of(model)
+    floor = by_design(held, model).train.floor[held.train.names == name]
+    ratio = float(floor[0]) / spread(held, model, name)
+    assert abs(np.log(ratio)) < 3.0 * np.sqrt(1 / 28 + 1 / 46)
+
+
+def target(stated: float, *names: str) -> Target:
+    keys = tuple(Key(0, "", name) for name in names)
+    n = len(keys)
+    return Target(keys, np.zeros(n), np.zeros(n), np.full(n, stated), np.full(n, "level"))
+
+
+def drawn(rng: np.random.Generator, sd: float) -> np.ndarray:
+    return sd * rng.standard_normal((REPLICATES, 1))
+
+
+@pytest.mark.parametrize(
+    ("sd", "low", "high"),
+    [
+        (0.1, 0.06, 0.15),  # the stated error holds structure: the replicates replace it
+        (0.8, 1.0, 1.4),  # it is not denied
+        (5.0, 3.0, 7.5),
+    ],
+)
+def test_scales_are_those_of_the_replicates_where_these_deny_the_stated_error(sd, low, high):
+    rng = np.random.default_rng(3)
+    halves = target(np.sqrt(2.0), "mean"), target(np.sqrt(2.0), "mean")
+    train, test = scales(*halves, drawn(rng, sd), drawn(rng, sd))
+    assert train == test
+    assert low <= train[0] <= high
+
+
+def test_a_count_scatters_by_poissons_law_at_least():
+    rng = np.random.default_rng(3)
+    halves = target(2.0 * np.sqrt(2.0), "hot_count_5"), target(2.0 * np.sqrt(2.0), "hot_count_5")
+    train, _ = scales(*halves, drawn(rng, 0.01), drawn(rng, 0.01))
+    assert train[0] == pytest.approx(0.5)
+
+
+def test_replicates_without_scatter_tell_nothing():
+    halves = target(1.0, "mean"), target(1.0, "mean")
+    same = np.ones((REPLICATES, 1))
+    assert scales(*halves, same, same)[0] == 1.0
+    assert scales(*halves, np.where(np.eye(8, 1), np.nan, same), same)[0] == 1.0
+
+
+def test_a_state_keeps_its_model_and_its_misfit_in_units_of_the_statistics():
+    model = of(FlickerFpn(3.0, 2.0))
+    held = held_of(model)
+    knobs = knobs_of(model)
+    state = derive(held, start(held, model, knobs))
+    there, moved = measured_by(held, state)
+    for half, other, z, z_there in (
+        (held.train, there.train, state.train, moved.train),
+        (held.test, there.test, state.test, moved.test),
+    ):
+        assert not np.array_equal(half.floor, other.floor)
+        np.testing.assert_allclose(z * half.floor, z_there * other.floor, atol=1e-9)
+    plain, scaled = held.train.floor[:, None], there.train.floor[:, None]
+    np.testing.assert_allclose(state.jacobian * plain, moved.jacobian * scaled, atol=1e-9)
+    back = expressed(moved, there, held)
+    np.testing.assert_allclose(back.train, state.train)
+
+
+def test_a_statistic_that_the_model_lacks_is_a_misfit_by_any_yardstick():
+    held = target(1.0, "mean", "median")
+    z = held.z(np.array([np.nan, 0.5]))
+    assert z[0] == MISSING
+    assert held.expressed(z, held.scaled(np.array([2.0, 2.0])))[0] == MISSING
+    np.testing.assert_array_equal(held.predicted(z), [np.nan, 0.5])
