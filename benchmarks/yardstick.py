@@ -149,7 +149,10 @@ def measured(pool: ProcessPoolExecutor, name: str, count: int) -> dict[str, Any]
     """Ratios of sensors and of captures of one design."""
     sensors = list(pool.map(one, [(name, seed, 0) for seed in range(1, count + 1)]))
     captures = list(pool.map(one, [(name, 0, n) for n in range(count)]))
-    return {"sensors": ratios([r[0] for r in sensors]), "captures": ratios([r[1] for r in captures])}
+    return {
+        "sensors": ratios([r[0] for r in sensors]),
+        "captures": ratios([r[1] for r in captures]),
+    }
 
 
 def calibrated(values: np.ndarray, count: int) -> float:

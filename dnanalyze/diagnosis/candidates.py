@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from dnanalyze.diagnosis.filter_tests import FILTERS, denied
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
@@ -15,10 +16,13 @@ from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
     LEAST,
+    NOTHING,
     PLAIN,
     REFITS,
     Trial,
+    competitors,
     contenders,
+    significant,
     standings,
 )
 from dnanalyze.fitting.from_part import STEPS, carried, derived_anew, part_for
@@ -32,7 +36,9 @@ from dnanalyze.fitting.least_squares import (
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
 
-REACH = 6.0  # times its promise, which is that of two operating points, that a refit may gain
+# Times its promise, which is that of two operating points, that a refit may gain; or as many times
+# as another of these refits has gained.
+REACH = 6.0
 
 
 @dataclass
@@ -72,18 +78,28 @@ def trials(
         guesses.setdefault(guess.effect, []).append(guess)
     so_far.screened[:] = guesses
     found: list[Trial] = []
-    wanted = null.state.loss
+    wanted, reach = null.state.loss, REACH
     for name, own in list(guesses.items())[:REFITS]:
-        if own[0].promise < LEAST or REACH * own[0].promise < null.state.loss - wanted:
+        if own[0].promise < LEAST or reach * own[0].promise < null.state.loss - wanted:
             break
         tell(name)
         ended = refitted(null.held, own[0], null.state, wanted)
+        reach = max(reach, (null.state.loss - ended.loss) / own[0].promise)
         wanted = min(wanted, (null.state.loss + ended.loss) / 2.0)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
     promises = {name: own[0].promise for name, own in guesses.items()}
-    made = _at_their_optima(null, found, promises)
-    return by_standing([t for t in made if _shown(null.held, t)])
+    made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
+    return by_standing([_tested(null.held, t, made) for t in made])
+
+
+def _tested(bench: Bench, found: Trial, trials: Sequence[Trial]) -> Trial:
+    """A filter that would be named is first held against the tests for filters."""
+    if found.effect not in FILTERS or not significant(found, NOTHING):
+        return found
+    rivals = [t for t in trials if t.effect in competitors(found, trials)]
+    other = any(t.effect not in FILTERS and significant(t) for t in rivals)
+    return replace(found, denied=denied(bench, found.state.model, other))
 
 
 def _shown(bench: Bench, found: Trial) -> bool:

@@ -17,6 +17,7 @@ from dnanalyze.diagnosis.baseline import (
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, trials
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
+from dnanalyze.diagnosis.filter_tests import DENIED
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
@@ -228,13 +229,14 @@ def judge(
 def _candidate(
     null: Null, found: Trial, tried: Sequence[Trial], known: dict[str, type[Effect]]
 ) -> Candidate:
+    why = evidence_for(null.held, null.state, found.state, known[found.effect])
     return Candidate(
         found.effect,
         found.error,
         _explained(null.error, found.error),
         confidence_of(found, tried),
         competitors(found, tried),
-        evidence_for(null.held, null.state, found.state, known[found.effect]),
+        [*why, DENIED] if found.denied else why,
     )
 
 

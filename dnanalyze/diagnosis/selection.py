@@ -60,6 +60,8 @@ class Trial:
         Other guesses of the effect, not refitted.
     falls : ndarray
         Fall of the deviance of each statistic, of either half.
+    denied : bool
+        Whether other tests of the captures exclude the effect (see `filter_tests`).
     """
 
     effect: str
@@ -71,6 +73,7 @@ class Trial:
     spread: float = 1.0
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
+    denied: bool = False
 
     @property
     def evidence(self) -> float:
@@ -84,6 +87,8 @@ class Trial:
     @property
     def log_odds(self) -> float:
         """Logarithm of the prior odds of the effect."""
+        if self.denied:
+            return -math.inf
         model = self.state.model
         effect = model.get(self.effect)
         return 0.0 if effect is None else math.log(effect.odds(model.names))
@@ -156,7 +161,7 @@ def significant(found: Trial, least: float = CERTAIN) -> bool:
     """
     lesser = min(found.gain, found.fitted_gain)
     enough = found.evidence > least * found.spread and lesser > LEAST * found.spread
-    return enough and found.error_fall > 0.0
+    return enough and found.error_fall > 0.0 and not found.denied
 
 
 def apart(one: Trial, other: Trial) -> bool:
@@ -180,11 +185,13 @@ def contenders(best: Trial, trials: Sequence[Trial], promises: Mapping[str, floa
     """The best candidate, and those that may be better than it at their optima.
 
     These are its competitors, and candidates whose refit or score test (``promises``) gained nearly
-    as much on the fitted half, of the same statistics.
+    as much on the fitted half, of the same statistics. A refit that has not come to rest may gain
+    more than sensors vary by.
     """
     found = {best.effect, *competitors(best, trials)}
     for t in trials:
         gain = max(t.fitted_gain, promises[t.effect])
-        if alike(gain, best.fitted_gain, best.spread) and not apart(best, t):
+        spread = best.spread if t.state.at_rest else math.inf
+        if alike(gain, best.fitted_gain, spread) and not apart(best, t):
             found.add(t.effect)
     return found

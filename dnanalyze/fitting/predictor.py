@@ -73,9 +73,12 @@ class Bench:
 
     def scaled_as(self, other: Bench) -> Bench:
         """This bench by the yardstick of another one, such as a part of the field."""
-        return self.scaled(*(h.scale_of(o) for h, o in zip(
-            (self.train, self.test), (other.train, other.test), strict=True
-        )))
+        return self.scaled(
+            *(
+                h.scale_of(o)
+                for h, o in zip((self.train, self.test), (other.train, other.test), strict=True)
+            )
+        )
 
     def evened(self, model: NoiseModel) -> Bench:
         """This bench, without the half that is not wanted where the model lets it be left out.

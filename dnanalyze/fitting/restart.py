@@ -19,7 +19,9 @@ from dnanalyze.fitting.predictor import Bench
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
-WORTH = 6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
+WORTH = (
+    6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
+)
 
 
 def restarted(bench: Bench, state: State, iterations: int) -> State:
@@ -33,7 +35,7 @@ def restarted(bench: Bench, state: State, iterations: int) -> State:
     iterations : int
         Of the fit from there.
     """
-    lost = _lost(bench, state)
+    lost = _lost(bench, state) if state.knobs else []
     if not lost:
         return state
     there = _where_it_helps(bench, state, lost)
@@ -52,7 +54,9 @@ def restarted(bench: Bench, state: State, iterations: int) -> State:
 def _lost(bench: Bench, state: State) -> list[int]:
     """Knobs that move an amplitude by its logarithm, without which the statistics are the same."""
     here = positions(state.model, state.knobs)
-    groups = _groups(state, [i for i, k in enumerate(state.knobs) if _may_be_lost(bench, k, here[i])])
+    groups = _groups(
+        state, [i for i, k in enumerate(state.knobs) if _may_be_lost(bench, k, here[i])]
+    )
     without = []
     for members in groups:
         lowered = here.copy()

@@ -127,7 +127,9 @@ def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(held, simulated, s
     assert all(simulated[first:])
     assert len(simulated) - first < 8
     ended = converge(held, ended)
-    assert ended.loss < alone.loss + 0.05 * len(held.train.keys)
+    # nearer than the truth is chance: the valley is as flat as two simulated sensors differ
+    least = max(alone.loss, start(held, begun, knobs).loss)
+    assert ended.loss < least + 0.05 * len(held.train.keys)
 
 
 def test_what_lies_somewhere_is_fitted_to_the_whole_at_once(held, simulated):

@@ -1,0 +1,41 @@
+"""What the tests for filters say of a candidate that is one: `detect` and `refine` answer alike."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+
+from dnanalyze.detection.detect import detect
+from dnanalyze.errors import InputError
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+FILTERS = ("dpc", "denoise", "temporal_denoise")
+DENIED = "the tests of `detect` find no sign of a filter in these captures"
+
+
+def denied(held: Bench, model: NoiseModel, rivals: bool) -> bool:
+    """Whether the tests for filters speak against a filter that is a candidate.
+
+    They find no mark of filtering in the captures, and either another kind of effect explains as
+    much (``rivals``), or they find it in the frames of the model with the filter: captures that
+    could not show it do not deny it.
+    """
+    if held.predictions.get("filtered", partial(_filtered, held.plan.captures)) != _NO:
+        return False
+    if rivals:
+        return True
+    plan = held.plan
+    made = simulate(model, plan.shape, plan.settings, "simulation", plan.captures.sensor)
+    return _filtered(made) == _YES
+
+
+_YES, _NO, _UNTESTED = "yes", "no", "untested"
+
+
+def _filtered(captures: CaptureSet) -> str:
+    with suppress(InputError):
+        return _YES if detect(captures).filtered else _NO
+    return _UNTESTED
