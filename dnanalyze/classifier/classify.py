@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from statistics import NormalDist
 
 import numpy as np
+from scipy.special import stdtrit
 
 from dnanalyze.analyzers.saturated_settings import unsaturated
 from dnanalyze.classifier.cells import Judge, Judged
 from dnanalyze.classifier.places import BANDS, FOLDS, SIDE, places
 from dnanalyze.classifier.result import Cell, Classification, Told
-from dnanalyze.classifier.training import Halves, boosting, went_by
+from dnanalyze.classifier.training import Halves, Learner, boosting, one_thread, went_by
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.loaders.captures import CaptureSet, Setting
@@ -34,6 +34,7 @@ def classify(
     model: NoiseModel,
     *,
     seed: int = 0,
+    network: bool = False,
     limit: TimeLimit | None = None,
 ) -> Classification:
     """Ask whether a trained classifier can tell a model's frames from measured ones.
@@ -46,6 +47,9 @@ def classify(
         Taken as it is.
     seed : int
         Of the simulated sensors, the dither, the filters and the training.
+    network : bool
+        Train a small convolutional network in place of gradient boosting (extra ``torch``); it
+        takes several times as long.
     limit : TimeLimit, optional
         The operating points that were judged before it are given.
 
@@ -58,7 +62,7 @@ def classify(
     Raises
     ------
     InputError
-        Captures of a channel that the model does not know.
+        Captures of a channel that the model does not know; ``network`` without torch.
 
     Examples
     --------
@@ -76,21 +80,33 @@ def classify(
     if where is None:
         least = BANDS * SIDE[1]
         return replace(empty, reason=f"a colour plane has fewer than {least} rows or columns")
-    judge = Judge(_chosen(captures), model, where, boosting, seed)
-    limit = limit or TimeLimit()
-    judged: list[Judged] = []
-    finished = True
+    judge = Judge(_chosen(captures), model, where, _learner(network), seed)
+    with one_thread():
+        judged, finished = _all(judge, limit or TimeLimit())
+        judged = _confirmed(judge, judged)
+        cells = _cells(judged)
+        found = replace(empty, cells=cells, finished=finished)
+        best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
+        telling = _telling(best, seed) if found.tells else []
+    return replace(found, telling=telling, patches=_patches(best, telling))
+
+
+def _all(judge: Judge, limit: TimeLimit) -> tuple[list[Judged], bool]:
+    """The cells that were judged before the time was up, one at the least; whether all were."""
+    judged = []
     for made in judge.cells():
         judged.append(made)
         if limit.over:
-            finished = False
-            break
-    judged = _confirmed(judge, judged)
-    cells = _cells(judged)
-    found = replace(empty, cells=cells, finished=finished)
-    best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
-    telling = _telling(best, seed) if found.tells else []
-    return replace(found, telling=telling, patches=_patches(best, telling))
+            return judged, False
+    return judged, True
+
+
+def _learner(network: bool) -> Learner:
+    if not network:
+        return boosting
+    from dnanalyze.classifier.network import convolutional
+
+    return convolutional
 
 
 def _chosen(captures: CaptureSet) -> CaptureSet:
@@ -117,15 +133,14 @@ def _confirmed(judge: Judge, judged: list[Judged]) -> list[Judged]:
 
 def _cells(judged: list[Judged]) -> list[Cell]:
     """With intervals that hold for all cells together (Bonferroni)."""
-    reach = NormalDist().inv_cdf(1 - 0.025 / max(1, len(judged)))
-    return [
-        Cell(
-            j.point, j.view.key, j.view.name, j.auc,
-            max(0.0, j.auc - reach * j.se), min(1.0, j.auc + reach * j.se), j.control,
-            len(j.controls) >= CONTROLS,
-        )
-        for j in judged
-    ]  # fmt: skip
+    made = []
+    for j in judged:
+        # Rows or columns of patches are few: Student's t (Cameron, Gelbach and Miller 2011).
+        half = j.se * float(stdtrit(max(j.cuts.grid) - 1, 1 - 0.025 / len(judged)))
+        low, high = max(0.0, j.auc - half), min(1.0, j.auc + half)
+        confirmed = len(j.controls) >= CONTROLS
+        made.append(Cell(j.point, j.view.key, j.view.name, j.auc, low, high, j.control, confirmed))
+    return made
 
 
 def _telling(judged: Judged, seed: int) -> list[str]:

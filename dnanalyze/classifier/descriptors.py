@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dnanalyze.classifier.words import OF
+
 FILTERS = 4  # random 3 x 3 filters: with the products of neighbours they see any short correlation
 ORDERS = (0.02, 0.16, 0.5, 0.84, 0.98)
 LAGS = (
@@ -42,7 +44,7 @@ class Described:
 
     def of(self, picture: str) -> Described:
         """With the name of the picture in the words."""
-        return Described(self.values, tuple(f"{w} of the {picture}" for w in self.words))
+        return Described(self.values, tuple(f"{w}{OF}{picture}" for w in self.words))
 
 
 Named = list[tuple[str, np.ndarray]]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +19,19 @@ Score = Callable[[Samples], np.ndarray]
 Learner = Callable[[Samples, Samples, int], Score]
 
 
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Trees and networks this small cost more to share among threads than they take."""
+    import sklearn.ensemble  # noqa: F401  its thread pool has to exist to be limited
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, "openmp"):
+        yield
+
+
 def boosting(measured: Samples, simulated: Samples, seed: int) -> Score:
     """Histogram gradient boosting on the descriptors; higher scores look measured."""
     from sklearn.ensemble import HistGradientBoostingClassifier
-    from threadpoolctl import threadpool_limits
 
     values = np.concatenate((measured.described.values, simulated.described.values))
     labels = np.repeat((1, 0), (len(measured.regular), len(simulated.regular)))
@@ -35,15 +45,8 @@ def boosting(measured: Samples, simulated: Samples, seed: int) -> Score:
         early_stopping=False,
         random_state=seed,
     )
-    # Trees this small cost more to share among threads than they take.
-    with threadpool_limits(1, "openmp"):
-        model.fit(values, labels)
-
-    def score(samples: Samples) -> np.ndarray:
-        with threadpool_limits(1, "openmp"):
-            return np.asarray(model.decision_function(samples.described.values))
-
-    return score
+    model.fit(values, labels)
+    return lambda samples: np.asarray(model.decision_function(samples.described.values))
 
 
 @dataclass(frozen=True)

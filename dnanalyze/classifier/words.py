@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import fields, replace
 from typing import Any
 
-from dnanalyze.digits import number
+from dnanalyze.loaders.captures import OperatingPoint
 
 MOST = 2  # descriptors that are named
+OF = " of the "  # between a descriptor and its picture
 
 
 def sentence(result: Any) -> str:
@@ -19,14 +22,30 @@ def sentence(result: Any) -> str:
         spread = f"{_two(min(areas))} to {_two(max(areas))}"
         return (
             "A classifier cannot tell the simulated frames from the measured ones "
-            f"(AUC {spread}; control {_two(best.control)})."
+            f"(AUC {spread}; control {_two(max(c.control for c in result.cells))})."
         )
-    at = best.point.label()
-    at = "" if at == "one operating point" else f" at {at}"
-    by = f" by the {' and the '.join(result.telling[:MOST])}" if result.telling else ""
+    at = where([c.point for c in result.cells], best.point)
+    by = f" by the {named(result.telling[:MOST])}" if result.telling else ""
     return (
         f"A classifier tells the simulated frames from the measured ones{at}{by} "
         f"(AUC {_two(best.auc)}; control {_two(best.control)})."
+    )
+
+
+def where(points: Sequence[OperatingPoint], point: OperatingPoint) -> str:
+    """What sets an operating point apart, such as " at 50 °C"; empty where it is the only one."""
+    same = {f.name: None for f in fields(point) if len({getattr(p, f.name) for p in points}) == 1}
+    return "" if len(set(points)) == 1 else f" at {replace(point, **same).label()}"
+
+
+def named(telling: Sequence[str]) -> str:
+    """Descriptors in a row; the picture is named once for those that share it."""
+    by_picture: dict[str, list[str]] = {}
+    for words in telling:
+        what, _, picture = words.partition(OF)
+        by_picture.setdefault(picture, []).append(what)
+    return " and the ".join(
+        f"{' and the '.join(what)}{OF}{picture}" for picture, what in by_picture.items()
     )
 
 
@@ -34,8 +53,3 @@ def _two(area: float) -> str:
     """Two decimals, without the zero before the point."""
     text = f"{area:.2f}"
     return text[1:] if text.startswith("0") else text
-
-
-def short_point(point: Any) -> str:
-    """The temperature where it is known, else all of the operating point."""
-    return f"{number(point.temperature_c)} °C" if point.temperature_c is not None else point.label()
