@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from dnanalyze.benchmarking.run import BenchmarkResult, benchmark
     from dnanalyze.checking.check import CheckResult, check
     from dnanalyze.checking.targets import load_targets
+    from dnanalyze.classifier.classify import classify
+    from dnanalyze.classifier.result import Classification
     from dnanalyze.comparator.compare import Comparison, compare
     from dnanalyze.description.describe import Description, describe
     from dnanalyze.description.pattern import LearnedPattern, learn_pattern
@@ -49,6 +51,7 @@ __all__ = [
     "BenchmarkResult",
     "CaptureSet",
     "CheckResult",
+    "Classification",
     "Comparison",
     "Description",
     "Detection",
@@ -71,6 +74,7 @@ __all__ = [
     "catalogue",
     "check",
     "choice",
+    "classify",
     "compare",
     "describe",
     "detect",
@@ -95,6 +99,8 @@ _HOME = {
     "dnanalyze.checking.check": ("CheckResult", "check"),
     "dnanalyze.comparator.compare": ("Comparison", "compare"),
     "dnanalyze.checking.targets": ("load_targets",),
+    "dnanalyze.classifier.classify": ("classify",),
+    "dnanalyze.classifier.result": ("Classification",),
     "dnanalyze.description.describe": ("Description", "describe"),
     "dnanalyze.description.pattern": ("LearnedPattern", "learn_pattern"),
     "dnanalyze.detection.detect": ("detect",),

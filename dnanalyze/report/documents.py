@@ -113,8 +113,13 @@ def fit(where: str, result: Any, output: Path | None) -> Document:
     )
 
 
-def comparison(where: str | None, result: Any, command: str = "compare") -> Document:
-    """The error, the baselines and every row behind them."""
+def comparison(
+    where: str | None, result: Any, command: str = "compare", judged: Any = None
+) -> Document:
+    """The error, the baselines and every row behind them.
+
+    ``judged``: the classification of the same frames, if any.
+    """
     return document(
         command,
         where,
@@ -125,7 +130,24 @@ def comparison(where: str | None, result: Any, command: str = "compare") -> Docu
         statistics=result.statistics,
         model=result.model,
         **_level(result),
+        **({} if judged is None else {"classifier": classifier(judged)}),
     )
+
+
+def classification(where: str, result: Any) -> Document:
+    """Whether a classifier can tell the simulated frames from the measured ones."""
+    return document("classify", where, **classifier(result), model=result.model)
+
+
+def classifier(result: Any) -> Document:
+    """The area under the ROC curve where it tells most, and at every operating point."""
+    keys = "view", "auc", "low", "high", "control"
+    own = _fields(result, "auc", "low", "high", "control", "tells", "telling", "finished")
+    return own | {
+        "sentence": result.sentence(),
+        "reason": result.reason or None,
+        "points": [_point(c.point) | _fields(c, *keys) for c in result.cells],
+    }
 
 
 def _level(result: Any) -> Document:

@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from dnanalyze.analyzers.statistics import StatisticInfo
-from dnanalyze.report.words import is_number
+from dnanalyze.report.words import is_number, point_label, varied
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -143,6 +143,27 @@ def checks(result: Any) -> pd.DataFrame:
         for c in result.checks
     ]
     return _frame(rows)
+
+
+def classifier(result: Any) -> pd.DataFrame:
+    """The area under the ROC curve by operating point and kind of picture."""
+    keys = ("view", "auc", "low", "high", "control")
+    return _frame([_point(c.point) | {k: getattr(c, k) for k in keys} for c in result.cells])
+
+
+def classifier_rows(result: Any) -> list[tuple[str, ...]]:
+    """The same as text: operating point, picture, area, interval, control."""
+    parts = varied(vars(c.point) for c in result.cells)
+    return [
+        (
+            point_label(c.point, parts),
+            c.name,
+            f"{c.auc:.2f}",
+            f"{c.low:.2f} to {c.high:.2f}",
+            f"{c.control:.2f}",
+        )
+        for c in result.cells
+    ]
 
 
 def worst(rows: list[Any], family: str | None = None, most: int = 8) -> list[Any]:

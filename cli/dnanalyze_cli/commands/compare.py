@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import typer
+
 from dnanalyze_cli.options import ModelOptions, takes
 
 
 @takes(ModelOptions)
-def compare(options: ModelOptions) -> None:
+def compare(
+    options: ModelOptions,
+    classifier: Annotated[
+        bool,
+        typer.Option(
+            "--classifier",
+            help="Also train a classifier: can it tell the simulated frames from the measured "
+            "ones? Area under the ROC curve, with its control.",
+        ),
+    ] = False,
+) -> None:
     """Compare a model with the captures; without --model the Wang 2025 model is fitted first."""
     from dnanalyze.comparator.compare import compare as run
     from dnanalyze.fitting.fit import fit
     from dnanalyze.report import documents, tables
+    from dnanalyze.report.terminal.classifier import classifier_line
     from dnanalyze.report.terminal.comparison import comparison as show
 
     session = options.session("compare")
@@ -21,15 +36,23 @@ def compare(options: ModelOptions) -> None:
         if own is not None and options.model is None:  # of that seed: fitted like any
             own = fit(found, own, replicates=0, held=held, tell=tell).model
         comparison = run(found, model=own, held=held, tell=tell)
+        judged = None
+        if classifier:
+            from dnanalyze.classifier.classify import classify
+
+            progress.now("Training the classifier")
+            judged = classify(found, comparison.model, seed=options.seed or 0)
     show(session.console, found, comparison)
+    if judged is not None:
+        classifier_line(session.console, judged)
 
     def page() -> str:
         from dnanalyze.report.pages.compare import compare_page
 
-        return compare_page(found, comparison)
+        return compare_page(found, comparison, judged)
 
     session.write(
-        documents.comparison(options.captures, comparison),
+        documents.comparison(options.captures, comparison, judged=judged),
         page,
         lambda: tables.comparison(comparison),
     )

@@ -11,6 +11,7 @@ from dnanalyze.report.figures import heatmap
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.page import Page, Section, render, tone_of
 from dnanalyze.report.pages.analyze import missing_section
+from dnanalyze.report.pages.classifier import classifier_section
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.panels import family_panels
 from dnanalyze.report.words import compare_headline, number, sentence, with_remarks
@@ -49,14 +50,15 @@ def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str
     return [*made, ("1", "a second sensor of the same make")]
 
 
-def compare_page(captures: Any, result: Any) -> str:
-    """HTML of the page."""
+def compare_page(captures: Any, result: Any, judged: Any = None) -> str:
+    """HTML of the page; with a classification of the same frames, its section."""
     baselines = result.baselines
+    told = [] if judged is None else [classifier_section(judged)]
     page = Page(
         "Comparison of model and sensor",
         capture.title(captures),
         with_remarks(compare_headline(result.error, baselines), result),
-        [overview(result), model_section(result.model), *families(result)],
+        [overview(result), *told, model_section(result.model), *families(result)],
         tone=tone_of(result.error),
         points=[*law_doubts(result.measured), *(sentence(f) for f in result.failures)],
         figures=numbers(result.error, baselines),

@@ -1,0 +1,1 @@
+"""Classifier two-sample test: can a trained classifier tell simulated frames from measured ones."""

@@ -1,0 +1,148 @@
+"""Measured patches, simulated patches and control patches of each operating point and view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from dnanalyze.classifier.descriptors import random_filters
+from dnanalyze.classifier.pictures import around_zero, code_step, compact_frames
+from dnanalyze.classifier.places import Places
+from dnanalyze.classifier.training import Halves, Learner, Tested, cross_fit
+from dnanalyze.classifier.views import VIEWS, Cuts, View, cut, cuts
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+
+APART = 7919  # between the seeds of simulated sensors: replicates of a fit are numbered from 1 on
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One operating point and view, with a simulated sensor and a second one as the control.
+
+    Parameters
+    ----------
+    setting : int
+        Number of the operating point.
+    point : OperatingPoint
+    view : View
+    cuts : Cuts
+    step : float
+        By which values are dithered, DN.
+    measured, simulated : mapping
+        Samples by fold.
+    tested : Tested
+        Measured against simulated.
+    controls : tuple of float
+        Areas of further simulated sensors against the simulated one.
+    """
+
+    setting: int
+    point: OperatingPoint
+    view: View
+    cuts: Cuts
+    step: float
+    measured: Halves
+    simulated: Halves
+    tested: Tested
+    controls: tuple[float, ...]
+
+    @property
+    def auc(self) -> float:
+        """Area under the ROC curve."""
+        return self.tested.area.value
+
+    @property
+    def control(self) -> float:
+        """Mean area of the controls."""
+        return float(np.mean(self.controls))
+
+    @property
+    def se(self) -> float:
+        """Standard error: from the places, or from the controls where these scatter more.
+
+        A pattern that one sensor or one frame has once all over the field (a phase, a cloud) makes
+        two sensors of one design differ at every place alike, which no place can tell.
+        """
+        own = self.tested.area.se
+        if len(self.controls) < 2:
+            return own
+        scatter = np.var(self.controls, ddof=1) * (1.0 + 1.0 / len(self.controls))
+        return max(own, float(np.sqrt(scatter)))
+
+
+@dataclass(frozen=True)
+class Judge:
+    """What trains and tests; the same for every cell.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        With the operating points and frames that are judged.
+    model : NoiseModel
+    places : Places
+    learn : callable
+    seed : int
+    """
+
+    captures: CaptureSet
+    model: NoiseModel
+    places: Places
+    learn: Learner
+    seed: int
+    filters: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "filters", random_filters(np.random.default_rng(self.seed)))
+
+    def sensor(self, number: int) -> CaptureSet:
+        """A simulated sensor by its number; 0 is held against the measured one."""
+        settings = [(s.point, len(s.frames)) for s in self.captures.settings]
+        model = replace(self.model, seed=self.model.seed + APART * (self.seed + number + 1))
+        sensor = self.captures.sensor
+        return simulate(model, sensor.shape, settings, sensor=sensor)
+
+    def cells(self) -> Iterator[Judged]:
+        """Operating point by operating point."""
+        simulated, control = self.sensor(0), self.sensor(1)
+        for number, setting in enumerate(self.captures.settings):
+            sets = self.captures, simulated, control
+            values = [compact_frames(c, c.settings[number], self.places) for c in sets]
+            step = max(map(code_step, values))
+            stacks = [self._around_zero(v, step, number, n) for n, v in enumerate(values)]
+            for view in VIEWS:
+                if len(setting.frames) >= view.frames:
+                    yield self._judged(number, view, step, stacks)
+
+    def with_control(self, judged: Judged, number: int) -> Judged:
+        """The same with the area of one more simulated sensor."""
+        made = self.sensor(number)
+        values = compact_frames(made, made.settings[judged.setting], self.places)
+        stack = self._around_zero(values, judged.step, judged.setting, number + 1)
+        control = cut(judged.view, stack, self.places, judged.cuts, self.filters)
+        return replace(judged, controls=(*judged.controls, self._test(control, judged).area.value))
+
+    def _around_zero(
+        self, values: np.ndarray, step: float, setting: int, sensor: int
+    ) -> np.ndarray:
+        rng = np.random.default_rng((self.seed, setting, sensor))
+        return around_zero(values, self.places, step, rng)
+
+    def _judged(self, setting: int, view: View, step: float, stacks: list[np.ndarray]) -> Judged:
+        pictures = next(iter(view.pictures(stacks[0][..., :1, :1]).values()))
+        where = cuts(view, self.places, len(pictures), np.random.default_rng((self.seed, setting)))
+        measured, simulated, control = (
+            cut(view, stack, self.places, where, self.filters) for stack in stacks
+        )
+        tested = cross_fit(measured, simulated, where.grid, self.learn, self.seed)
+        other = cross_fit(control, simulated, where.grid, self.learn, self.seed)
+        return Judged(
+            setting, self.captures.settings[setting].point, view, where, step, measured, simulated,
+            tested, (other.area.value,),
+        )  # fmt: skip
+
+    def _test(self, control: Halves, judged: Judged) -> Tested:
+        return cross_fit(control, judged.simulated, judged.cuts.grid, self.learn, self.seed)

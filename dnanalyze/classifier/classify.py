@@ -1,0 +1,182 @@
+"""Train a classifier on measured and simulated patches, and see whether it can tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import stdtrit
+
+from dnanalyze.analyzers.saturated_settings import unsaturated
+from dnanalyze.classifier.cells import Judge, Judged
+from dnanalyze.classifier.places import BANDS, FOLDS, SIDE, places
+from dnanalyze.classifier.result import Cell, Classification, Told
+from dnanalyze.classifier.training import Halves, Learner, boosting, one_thread, went_by
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.time_limit import TimeLimit
+from dnanalyze.loaders.captures import CaptureSet, Setting
+from dnanalyze.loaders.mosaic import planes
+from dnanalyze.model.channel_models import require
+from dnanalyze.model.noise_model import NoiseModel
+
+MOST_POINTS, MOST_FRAMES = 5, 8
+UNLIMITED = 10**15  # pixels: the places are few already
+CONTROLS = 6  # of a cell that seems to tell: their scatter is then known to a third
+TRIED = 5  # such cells at most, for the time that they take
+SHOWN = 6  # patches of a kind that a figure shows
+NAMED = 0.2  # share of the largest fall of the area from which a descriptor is named
+WORDS = 3  # descriptors that are named
+
+
+def classify(
+    captures: CaptureSet,
+    model: NoiseModel,
+    *,
+    seed: int = 0,
+    network: bool = False,
+    limit: TimeLimit | None = None,
+) -> Classification:
+    """Ask whether a trained classifier can tell a model's frames from measured ones.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+        Dark frames.
+    model : NoiseModel
+        Taken as it is.
+    seed : int
+        Of the simulated sensors, the dither, the filters and the training.
+    network : bool
+        Train a small convolutional network in place of gradient boosting (extra ``torch``); it
+        takes several times as long.
+    limit : TimeLimit, optional
+        The operating points that were judged before it are given.
+
+    Returns
+    -------
+    Classification
+        The area under the ROC curve for each operating point and kind of picture, with its
+        interval and its control, and what tells.
+
+    Raises
+    ------
+    InputError
+        Captures of a channel that the model does not know; ``network`` without torch.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> captures = tiny()
+    >>> model = dnanalyze.compare(captures).model
+    >>> found = dnanalyze.classify(captures, model)
+    >>> found.tells
+    True
+    """
+    require(model, captures.channels)
+    empty = Classification(captures.name, model, [], capture_set=captures)
+    where = places(planes(captures)[0][1].sensor.shape)
+    if where is None:
+        least = BANDS * SIDE[1]
+        return replace(empty, reason=f"a colour plane has fewer than {least} rows or columns")
+    judge = Judge(_chosen(captures), model, where, _learner(network), seed)
+    with one_thread():
+        judged, finished = _all(judge, limit or TimeLimit())
+        judged = _confirmed(judge, judged)
+        cells = _cells(judged)
+        found = replace(empty, cells=cells, finished=finished)
+        best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
+        telling = _telling(best, seed) if found.tells else []
+    return replace(found, telling=telling, patches=_patches(best, telling))
+
+
+def _all(judge: Judge, limit: TimeLimit) -> tuple[list[Judged], bool]:
+    """The cells that were judged before the time was up, one at the least; whether all were."""
+    judged = []
+    for made in judge.cells():
+        judged.append(made)
+        if limit.over:
+            return judged, False
+    return judged, True
+
+
+def _learner(network: bool) -> Learner:
+    if not network:
+        return boosting
+    from dnanalyze.classifier.network import convolutional
+
+    return convolutional
+
+
+def _chosen(captures: CaptureSet) -> CaptureSet:
+    """Operating points far apart and their first frames, without the saturated ones."""
+    few = unsaturated(design(captures, UNLIMITED, MOST_POINTS).captures)[0]
+    return replace(
+        few, settings=tuple(Setting(s.point, s.frames[:MOST_FRAMES]) for s in few.settings)
+    )
+
+
+def _confirmed(judge: Judge, judged: list[Judged]) -> list[Judged]:
+    """With more controls for the cells that seem to tell, the clearest first, until one does."""
+    done = list(judged)
+    for _ in range(TRIED):
+        cells = _cells(done)
+        seem = [n for n, c in enumerate(cells) if c.above and len(done[n].controls) < CONTROLS]
+        if not seem or any(c.tells for c in cells):
+            break
+        first = max(seem, key=lambda n: cells[n].low)
+        for number in range(2, CONTROLS + 1):
+            done[first] = judge.with_control(done[first], number)
+    return done
+
+
+def _cells(judged: list[Judged]) -> list[Cell]:
+    """With intervals that hold for all cells together (Bonferroni)."""
+    made = []
+    for j in judged:
+        # Rows or columns of patches are few: Student's t (Cameron, Gelbach and Miller 2011).
+        half = j.se * float(stdtrit(max(j.cuts.grid) - 1, 1 - 0.025 / len(judged)))
+        low, high = max(0.0, j.auc - half), min(1.0, j.auc + half)
+        confirmed = len(j.controls) >= CONTROLS
+        made.append(Cell(j.point, j.view.key, j.view.name, j.auc, low, high, j.control, confirmed))
+    return made
+
+
+def _telling(judged: Judged, seed: int) -> list[str]:
+    """Words of the descriptors that tell most, with the picture that they are of."""
+    falls = went_by(judged.measured, judged.simulated, judged.cuts.grid, seed)
+    least = NAMED * falls[0][1]
+    return [words for words, fall in falls if fall >= least and fall > 0][:WORDS]
+
+
+def _patches(judged: Judged, telling: list[str]) -> Told:
+    """The measured patches that look most measured, the simulated that look most simulated."""
+    names = list(judged.measured[FOLDS[0]].patches)
+    picture = next((n for n in names if telling and telling[0].endswith(n)), names[0])
+    scores = judged.tested.scores
+    return Told(
+        picture,
+        _extreme(judged.measured, {f: s[0] for f, s in scores.items()}, picture),
+        _extreme(judged.simulated, {f: -s[1] for f, s in scores.items()}, picture),
+    )
+
+
+def _extreme(
+    halves: Halves, scores: Mapping[tuple[int, int], np.ndarray], picture: str
+) -> np.ndarray:
+    """Patches of the highest scores, each from a place of its own."""
+    patches, values, where = [], [], []
+    for fold in FOLDS:
+        own = halves[fold]
+        patches.append(own.patches[picture][own.regular])
+        where.append(own.places[own.regular])
+        order = np.argsort(np.argsort(scores[fold]))  # folds have scales of their own
+        values.append(order / max(1, len(order)))
+    every, spots = np.concatenate(patches), np.concatenate(where)
+    shown: dict[tuple[int, int], np.ndarray] = {}
+    for index in np.argsort(-np.concatenate(values), kind="stable"):
+        shown.setdefault((int(spots[index, 0]), int(spots[index, 1])), every[index])
+        if len(shown) == SHOWN:
+            break
+    return np.stack(list(shown.values()))
