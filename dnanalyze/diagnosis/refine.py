@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path as FilePath
 
+from dnanalyze.classifier.classify import classify
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.gains import judged
@@ -49,6 +50,7 @@ def refine(
     trying: Callable[[str], None] = lambda _: None,
     keep: Callable[[Refinement], None] = lambda _: None,
     first: Callable[[list[str]], None] | None = None,
+    classifier: bool = True,
 ) -> Refinement:
     """Add the missing effects to a model until no further one is detectable.
 
@@ -83,6 +85,9 @@ def refine(
         these models.
     first : callable, optional
         Called with a first answer before the search, as in `diagnose`.
+    classifier : bool
+        Whether a classifier is asked to tell the frames of the final model from the measured ones.
+        A model whose frames it tells is not adequate.
 
     Returns
     -------
@@ -128,6 +133,11 @@ def refine(
     found = judge(captures.name, Null.of(unlimited, path.state), path.tried, path.best, known)
     if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
+    told = None
+    if classifier and not limit.over:
+        told = classify(captures, path.state.model, seed=path.state.model.seed, limit=limit)
+        if told.tells and found.verdict == "adequate":
+            found = replace(found, verdict="unexplained")
     steps = list(path.steps)
     if found.verdict == "unexplained":  # what stays unexplained, an effect may stand in for
         steps = [
@@ -140,6 +150,7 @@ def refine(
         verdict=found.verdict,
         diagnosis=replace(found, capture_set=captures),
         timed_out=limit.over,
+        classification=told,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from dnanalyze.classifier.result import Classification
 from dnanalyze.diagnosis.selection import Trial
 from dnanalyze.digits import number
 from dnanalyze.fitting.fit import Parameter, standard_errors
@@ -164,6 +165,9 @@ class Refinement(Result):
         Of `add`: the user chose the effect.
     timed_out : bool
         Whether the time limit ended the search, or the computation of the standard errors.
+    classification : Classification, optional
+        Whether a classifier tells the frames of the final model from the measured ones; None where
+        it was not asked.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -178,6 +182,7 @@ class Refinement(Result):
     state: State
     by_hand: bool = False
     timed_out: bool = False
+    classification: Classification | None = None
     capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
