@@ -58,7 +58,7 @@ def draw(captures: CaptureSet, refined: Refinement) -> None:
         steps.set(xscale="log", xlim=(0.5, max(errors) * 2), title="Model error at each step")
         steps.set_yticks(range(len(names)), names, fontsize=8)
         steps.tick_params(axis="y", length=0)
-        steps.set_xlabel("1: as close as a second sensor of the same make")
+        steps.set_xlabel("1: as close as a second sensor of the same design")
         log_axis(steps.xaxis)
         steps.invert_yaxis()
         steps.grid(False)
@@ -91,7 +91,7 @@ def _spectra(ax: Any, captures: CaptureSet, model: NoiseModel, colours: tuple[st
 
 
 def _sensors(model: NoiseModel, like: CaptureSet, count: int = 8) -> list[CaptureSet]:
-    """Simulated sensors of one make: the mean of their spectra is what the model expects."""
+    """Simulated sensors of one design: the mean of their spectra is what the model expects."""
     settings = [(s.point, len(s.frames)) for s in like.settings]
     makes = [replace(model, seed=model.seed + 1 + n) for n in range(count)]
     return [simulate(make, like.sensor.shape, settings) for make in makes]

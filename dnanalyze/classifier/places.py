@@ -81,7 +81,7 @@ class Places:
         return self.rows.half(fold[0]), self.columns.half(fold[1])
 
     def windows(self) -> list[Window]:
-        """The rectangles of the field that make the compact picture, row by row."""
+        """The rectangles of the field that design the compact picture, row by row."""
         return [
             Window(top, top + self.rows.width, left, left + self.columns.width)
             for top in self.rows.starts

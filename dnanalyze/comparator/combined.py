@@ -24,7 +24,7 @@ class CombinedComparison:
     Parameters
     ----------
     error : float
-        1 = as close as a second sensor of the same make.
+        1 = as close as a second sensor of the same design.
     families : dict
         Error of each family of statistics.
     statistics : list of dict

@@ -39,7 +39,7 @@ class Comparison(Result):
     model : NoiseModel
         The model that was compared.
     error : float
-        1 = as close as a second sensor of the same make.
+        1 = as close as a second sensor of the same design.
     baselines : dict
         "gaussian" and "paper": the errors of the Gaussian baseline and of the Wang 2025 model.
     families : dict
@@ -99,7 +99,7 @@ def compare(
     Returns
     -------
     Comparison
-        The model error, 1 for a model as close as a second sensor of the same make, and the
+        The model error, 1 for a model as close as a second sensor of the same design, and the
         statistics behind it, measured and simulated.
 
     Raises

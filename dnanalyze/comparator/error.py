@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-# The error of one sensor's simulations scatters by .06 of it over simulated sensors of its make
+# The error of one sensor's simulations scatters by .06 of it over simulated sensors of its design
 # (.13 where tracks of particles cross it): by less it neither falls nor rises.
 LUCK = 0.06
 SATURATION = 1e4  # a difference counts up to this many floors, so that the error stays finite
@@ -25,7 +25,7 @@ def family_errors(z: np.ndarray, families: np.ndarray) -> dict[str, float]:
 
 
 def pooled(z: np.ndarray, families: np.ndarray) -> float:
-    """Mean of the family errors: 1 is as close as a second sensor of the same make would be."""
+    """Mean of the family errors: 1 is as close as a second sensor of the same design would be."""
     errors = family_errors(z, families)
     return float(np.mean(list(errors.values()))) if errors else 0.0
 

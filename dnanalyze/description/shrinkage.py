@@ -114,7 +114,7 @@ def factors(seen: np.ndarray, chance: Sequence[np.ndarray]) -> np.ndarray:
     seen : ndarray
         (rows, columns), DN.
     chance : sequence of ndarray
-        Maps of the same make without the structure, of simulated sensors.
+        Maps of the same design without the structure, of simulated sensors.
 
     Returns
     -------

@@ -119,7 +119,7 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     """The leader and its contenders at their optima, where the choice is open.
 
     Contenders are in their best forms, and take the derivatives of what they share from the leader.
-    All of these are judged by what sensors of their make show.
+    All of these are judged by what sensors of their design show.
     """
     if not found:
         return found

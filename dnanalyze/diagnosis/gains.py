@@ -1,4 +1,4 @@
-"""What a refit gains on either half: by one simulated sensor, or by what its make shows."""
+"""What a refit gains on either half: by one simulated sensor, or by what its design shows."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def judged(null: Null, effect: str, after: State) -> Trial:
 
 
 def judged_by_prediction(null: Null, found: Trial) -> Trial:
-    """A refit, with what the predictive distribution of its make gained on either half.
+    """A refit, with what the predictive distribution of its design gained on either half.
 
-    Each model by the mean of nine sensors of its make and by the standard deviation of another one
+    Each model by the mean of nine sensors of its design and by the standard deviation of another
     about it (synthetic likelihood, Wood 2010): where the defects of one simulated sensor happen to
     lie is not to decide, and what varies from sensor to sensor is not to count as a misfit.
     """

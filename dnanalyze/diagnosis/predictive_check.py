@@ -54,7 +54,7 @@ class Null:
 
     @cached_property
     def replicates(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sensors of the same make less the model's own, (replicates, statistics) a half.
+        """Sensors of the same design less the model's own, (replicates, statistics) a half.
 
         In standard deviations of the measurement.
         """

@@ -253,7 +253,7 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
 
 
 def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of other sensors of the same make, (sensors, numbers); mean derivatives."""
+    """Coordinates of other sensors of the same design, (sensors, numbers); mean derivatives."""
     groups = len({k.group for k in state.knobs})
     several = min(replicates, max(6, round(DERIVATIVES / groups)))
     drawn = [held.replicate(state.model, r)[0] for r in range(several, replicates)]

@@ -305,7 +305,7 @@ def minimise(
 
 
 def weights(z: np.ndarray) -> np.ndarray:
-    """Square roots of the weights that make least squares the pseudo-Huber loss."""
+    """Square roots of the weights that design least squares the pseudo-Huber loss."""
     return (1 + (z / SCALE) ** 2) ** -0.25
 
 

@@ -1,4 +1,4 @@
-"""Several simulated sensors of one make, each fitted to the captures by one linear step."""
+"""Several simulated sensors of one design, each fitted to the captures by one linear step."""
 
 from __future__ import annotations
 

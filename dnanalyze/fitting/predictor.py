@@ -166,7 +166,7 @@ class Bench:
         )
 
     def replicate(self, model: NoiseModel, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Predicted coordinates of another sensor of the same make."""
+        """Predicted coordinates of another sensor of the same design."""
         other = replace(model, seed=model.seed + 1 + number)
         # Its fields are drawn once, and would only push the useful ones out of the memo.
         bench = replace(self, memo=Memo(0))

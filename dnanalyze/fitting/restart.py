@@ -71,7 +71,7 @@ def _lost(bench: Bench, state: State) -> list[int]:
 
 
 def _may_be_lost(bench: Bench, knob: Knob, position: float) -> bool:
-    """Whether a knob is the logarithm of a level, a noise or a gain that is small enough to be lost.
+    """Whether a knob is the logarithm of a level, a noise or a gain small enough to be lost.
 
     A level or a noise above that of the quietest pixels shows; of a gain nothing is known.
     """

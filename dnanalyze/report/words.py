@@ -109,7 +109,7 @@ def closeness(error: Any) -> str:
     if not is_number(error):
         return "the model could not be compared with these captures"
     if error < 1.3:
-        return "the model is as close to this sensor as a second sensor of the same make"
+        return "the model is as close to this sensor as a second sensor of the same design"
     if error < 2:
         return "the model is close to this sensor; a small difference remains"
     if error < 5:

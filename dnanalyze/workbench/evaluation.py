@@ -43,7 +43,7 @@ class Evaluation:
         (measured - simulated) / reproducibility standard deviation, in the order of the bench's
         held-out target.
     error : float
-        Model error; 1.0 = as close as a second sensor of the same make.
+        Model error; 1.0 = as close as a second sensor of the same design.
     families : mapping
         Error of each family.
     simulated : Statistics

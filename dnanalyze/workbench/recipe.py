@@ -1,4 +1,4 @@
-"""A node of the history as the commands, or the Python, that make it again from the captures."""
+"""A node of the history as the commands, or the Python, that design it again from the captures."""
 
 from __future__ import annotations
 

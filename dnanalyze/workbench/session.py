@@ -495,7 +495,7 @@ class WorkbenchSession:
         return dump_targets(propose(self.captures, self.present.model))
 
     def commands(self) -> str:
-        """Shell commands that make the present node from the captures."""
+        """Shell commands that design the present node from the captures."""
         return recipe.commands(self.source, self._history().made())
 
     def python(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import special
 
 LOWEST_LINE = 0.02  # cycles/pixel; below it shading is steeper than any local floor
-_REACH = 16  # modes on either side, along v, that make the floor
+_REACH = 16  # modes on either side, along v, that design the floor
 _GUARD = 2  # modes on either side that a line itself may reach
 _GUMBEL_SD = math.pi / math.sqrt(6)
 _NYQUIST_NEIGHBOURS = 16

@@ -95,7 +95,7 @@ class Renderer:
         return self.device.host(self.frames(point, [number]))[0]
 
     def record(self, point: OperatingPoint, number: int) -> Take:
-        """One frame, as the steps that make it."""
+        """One frame, as the steps that design it."""
         fields, maps, _ = self._memos
         tape = Tape(self.shape, lambda name, make: maps.get((point, name), make))
         recorder = Recorder(self.model, self.shape, fields, maps, tape=tape, on_host=self._on_host)

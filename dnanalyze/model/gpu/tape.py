@@ -40,7 +40,7 @@ Number = int | np.ndarray | Result  # 64 bits, or what to take the address of
 
 @dataclass
 class Tape:
-    """Steps that make one frame.
+    """Steps that design one frame.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ class PatternMap(Effect):
     physics: ClassVar[str] = (
         "What is left of the mean frames of this sensor beside the model, in the frequency bands "
         "in which it exceeds what the model's own fixed pattern and the temporal noise leave. The "
-        "map is that of one sensor: another sensor of the same make has another. "
+        "map is that of one sensor: another sensor of the same design has another. "
         "`dnanalyze describe --map` learns it."
     )
     formula: ClassVar[str] = (

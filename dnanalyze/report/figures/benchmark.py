@@ -145,7 +145,7 @@ def errors(result: Any) -> Picture | None:
     """The errors as a picture."""
     return panels(
         [Cell(lambda ax: draw_errors(ax, result), 4.4, 0.8 + 0.62 * len(result.sensors))],
-        "Model error of each sensor. Dashed line: 1, a second sensor of the same make.",
+        "Model error of each sensor. Dashed line: 1, a second sensor of the same design.",
         "Errors of three models for each sensor.",
     )
 

@@ -88,6 +88,6 @@ def candidates(
         [Cell(lambda ax: draw_candidates(ax, found, error, ordinary, most), 4.4,
               0.75 + 0.27 * count)],
         f"{how}, and all parameters are fitted again. Each line runs from the model error before "
-        "to the error after (dot). Dashed line: 1, a second sensor of the same make.",
+        "to the error after (dot). Dashed line: 1, a second sensor of the same design.",
         "Candidates with the error after a refit and their confidence.",
     )  # fmt: skip

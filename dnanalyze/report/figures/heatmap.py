@@ -97,7 +97,7 @@ def discrepancies(rows: Rows, most: int = 36) -> Picture | None:
     return panels(
         [cell],
         "Difference between sensor and model in reproducibility standard deviations σ (what two "
-        f"sensors of the same make differ by). Red: the sensor has more; blue: less. Shown: the "
+        f"sensors of the same design differ by). Red: the sensor has more; blue: less. Shown: the "
         f"{len(names)} statistics with the largest differences."
         + (f" Colour plane {plane}." if plane else ""),
         "Heat map of the discrepancy by statistic and operating point.",
@@ -223,6 +223,6 @@ def families(
     return panels(
         [Cell(lambda ax: draw_families(ax, errors, baselines, error), 4.4, 0.9 + 0.22 * count)],
         "Model error of each family of statistics (dark blue: 1.3 or more), and over all families "
-        "beside other models. Dashed line: 1, what a second sensor of the same make gives.",
+        "beside other models. Dashed line: 1, what a second sensor of the same design gives.",
         "Error of each family of statistics as bars.",
     )

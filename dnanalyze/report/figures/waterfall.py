@@ -140,7 +140,7 @@ def waterfalls(parts: Mapping[str, Sequence[Any]]) -> Picture | None:
     return panels(
         [cell(name, steps) for name, steps in parts.items()],
         "Model error after each step, measured on the held-out half of the field; after each step "
-        "all parameters are fitted again. Dashed line: 1, a second sensor of the same make."
+        "all parameters are fitted again. Dashed line: 1, a second sensor of the same design."
         + (
             f" The {BASELINE} is one step: its effects are fitted together."
             if any(s.name == BASELINE for own in shown.values() for s in own)

@@ -47,7 +47,7 @@ def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str
         made.append((number(paper), "error of the Wang 2025 model"))
     if "gaussian" in baselines:
         made.append((number(baselines["gaussian"]), "error of a Gaussian model"))
-    return [*made, ("1", "a second sensor of the same make")]
+    return [*made, ("1", "a second sensor of the same design")]
 
 
 def compare_page(captures: Any, result: Any, judged: Any = None) -> str:
