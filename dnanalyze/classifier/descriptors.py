@@ -109,8 +109,6 @@ def of_lines(patches: np.ndarray) -> Described:
         deviation = means.std(axis=1)
         made += [
             (f"{name} profile", deviation),
-            (f"{name} profile", deviation / spread),
-            (f"{name} profile", np.abs(means).max(axis=1)),
             (f"{name} profile", np.abs(steps).max(axis=1)),
             (f"{name} profile", np.sqrt((steps**2).mean(axis=1))),
             (f"period of two {name}s", np.abs(means @ sign) / count),

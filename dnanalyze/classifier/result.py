@@ -137,7 +137,13 @@ class Classification(Result):
         return any(c.tells for c in self.cells)
 
     def sentence(self) -> str:
-        """The verdict in one sentence."""
+        """Return the verdict in one sentence.
+
+        Returns
+        -------
+        str
+            Where and by what the frames are told, with the areas.
+        """
         return sentence(self)
 
     def _brief(self) -> str:

@@ -36,8 +36,8 @@ def boosting(measured: Samples, simulated: Samples, seed: int) -> Score:
     values = np.concatenate((measured.described.values, simulated.described.values))
     labels = np.repeat((1, 0), (len(measured.regular), len(simulated.regular)))
     model: Any = HistGradientBoostingClassifier(
-        learning_rate=0.1,
-        max_iter=40,
+        learning_rate=0.13,
+        max_iter=30,
         max_leaf_nodes=8,
         max_bins=63,
         min_samples_leaf=max(2, min(20, len(labels) // 40)),

@@ -238,10 +238,11 @@ def _pattern(pattern: Any) -> Document:
 
 
 def refinement(
-    where: str, result: Any, output: Path | None, headline: str | None = None
+    where: str, result: Any, output: Path | None, headline: str | None = None, judged: Any = None
 ) -> Document:
     """The error step by step and what the final model holds.
 
+    ``judged``: the classification of the same frames by the final model, if any.
     A refinement that is not finished has verdict "missing", and no errors of its parameters.
     """
     return document(
@@ -258,6 +259,7 @@ def refinement(
         model=output,
         fitted=result.model.to_plain(),
         **_level(result),
+        **({} if judged is None else {"classifier": classifier(judged)}),
     )
 
 

@@ -20,6 +20,7 @@ RESULT = ("plot", "save", "summary", "to_dataframe", "to_dict")
 SLOW = {
     "add",
     "benchmark",
+    "classify",
     "compare",
     "describe",
     "diagnose",

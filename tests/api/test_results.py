@@ -90,6 +90,10 @@ def detection():
     return replace(fakes.detection(), capture_set=fakes.captures())
 
 
+def classification():
+    return replace(fakes.classification(), capture_set=fakes.captures())
+
+
 def checked():
     at = fakes.POINTS[0]
     checks = [
@@ -106,7 +110,7 @@ def checked():
 MADE = {
     "Statistics": statistics, "Fit": fitted, "Comparison": comparison, "Diagnosis": diagnosis,
     "Refinement": refinement, "ChannelRefinement": channel_refinement, "Detection": detection,
-    "CheckResult": checked,
+    "CheckResult": checked, "Classification": classification,
 }  # fmt: skip
 
 

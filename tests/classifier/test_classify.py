@@ -3,7 +3,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from dnanalyze import NoiseModel, OperatingPoint, catalogue, classify, simulate
 from dnanalyze.fitting.time_limit import TimeLimit
@@ -27,27 +26,23 @@ def _captures(model: NoiseModel, frames: int = 4, sensor: Sensor | None = None) 
     return simulate(replace(model, seed=99), sensor.shape, [(POINT, frames)], sensor=sensor)
 
 
-def _shifted(captures: CaptureSet, shifts: np.ndarray, scale: int = 1) -> CaptureSet:
+def _shifted(captures: CaptureSet, shifts: np.ndarray) -> CaptureSet:
     """Each frame with an offset of its own."""
 
     def moved(frame: Frame, shift: float) -> Frame:
-        return replace(frame, load=lambda w: scale * (frame.load(w) + shift))
+        return replace(frame, load=lambda w: frame.load(w) + shift)
 
     (setting,) = captures.settings
     frames = tuple(moved(f, s) for f, s in zip(setting.frames, shifts, strict=True))
     return replace(captures, settings=(replace(setting, frames=frames),))
 
 
-def test_another_sensor_of_the_model_is_not_told():
-    found = classify(_captures(PLAIN), PLAIN)
+def test_another_sensor_of_the_model_with_offsets_of_whole_frames_is_not_told():
+    shifts = np.array([0.0, 5.0, -3.0, 11.0])
+    found = classify(_shifted(_captures(PLAIN), shifts), PLAIN)
     assert not found.tells
     assert {c.view for c in found.cells} == {"frame", "pair", "mean", "tall", "wide"}
     assert "cannot tell" in found.sentence()
-
-
-def test_offsets_of_whole_frames_are_not_told():
-    shifts = np.array([0.0, 5.0, -3.0, 11.0])
-    assert not classify(_shifted(_captures(PLAIN), shifts), PLAIN).tells
 
 
 def test_a_wider_tail_is_told_and_named():
@@ -89,8 +84,8 @@ def test_a_time_limit_ends_it_early():
     assert not found.finished
 
 
-@pytest.mark.parametrize("scale", [16])
-def test_codes_with_a_step_and_a_mosaic(scale):
+def test_codes_with_a_step_and_a_mosaic():
+    scale = 16
     effects = (*PLAIN.effects[:3], KNOWN["quantization"](bits=16, step=scale))
     wide = [replace(e, sigma=scale * e.sigma) for e in effects[:3]]
     model = NoiseModel((*wide, effects[3]), 1024.0)

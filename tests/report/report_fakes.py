@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
+from dnanalyze.classifier.result import Cell, Classification, Told
 from dnanalyze.detection.results import Detection, FilterEstimate, Finding, TailBound
 from dnanalyze.detection.series import SuppressionSeries
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
@@ -180,6 +181,18 @@ def refinement() -> SimpleNamespace:
         diagnosis=diagnosis("adequate"),
         bench=None,
     )
+
+
+def classification() -> Classification:
+    """Told at one operating point of three."""
+    cells = [
+        Cell(p, "mean", "mean frame", auc, auc - 0.08, auc + 0.08, 0.51, auc > 0.7)
+        for p, auc in zip(POINTS, (0.5, 0.55, 0.76), strict=True)
+    ]
+    told = ["upper tail of the mean frame", "excess kurtosis of the mean frame"]
+    patches = np.random.default_rng(3).standard_normal((2, 6, 16, 16))
+    shown = Told("mean frame", *patches)
+    return Classification("folder/<sensor> & co", model(), cells, told, shown)
 
 
 def detection(filtered: bool = True) -> Detection:

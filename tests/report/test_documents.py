@@ -23,6 +23,7 @@ MADE = {
     "refine": lambda: documents.refinement("f", fakes.refinement(), Path("m.yaml")),
     "add": lambda: documents.addition("f", "column_fpn", fakes.refinement(), None),
     "detect": lambda: documents.detection("f", fakes.detection()),
+    "classify": lambda: documents.classification("f", fakes.classification()),
     "effects": lambda: documents.effects(built_in()),
 }
 
@@ -125,3 +126,21 @@ def test_the_worst_rows_name_each_statistic_once():
     assert len({r["name"] for r in shown}) == len(shown)
     assert sizes[0] == max(abs(r["discrepancy"]) for r in rows if math.isfinite(r["discrepancy"]))
     assert all(r["family"] == "spectrum" for r in tables.worst(rows, "spectrum"))
+
+
+def test_the_classifier_stands_where_a_model_is_judged_by_it():
+    judged = fakes.classification()
+    for made in (
+        documents.comparison("f", fakes.comparison(), judged=judged),
+        documents.refinement("f", fakes.refinement(), None, judged=judged),
+    ):
+        found = made["classifier"]
+        assert found["auc"] == 0.76
+        assert found["control"] == 0.51
+        assert found["tells"]
+        assert found["points"][2]["view"] == "mean"
+        assert found["points"][2]["temperature_c"] == 105.0
+        assert (
+            "at 105 °C by the upper tail and the excess kurtosis of the mean" in found["sentence"]
+        )
+    assert "classifier" not in documents.comparison("f", fakes.comparison())

@@ -26,6 +26,9 @@ VOID = {"meta", "img", "br", "hr", "link", "input"}
 PAGES = {
     "analyze": lambda: analyze_page(fakes.captures(), fakes.statistics()),
     "compare": lambda: compare_page(fakes.captures(), fakes.comparison()),
+    "classifier": lambda: compare_page(
+        fakes.captures(), fakes.comparison(), fakes.classification()
+    ),
     "diagnose": lambda: diagnose_page(fakes.captures(), fakes.diagnosis(), fakes.comparison()),
     "refine": lambda: refine_page(fakes.captures(), fakes.refinement(), fakes.comparison()),
     "fit": lambda: fit_page(fakes.captures(), fakes.fit()),

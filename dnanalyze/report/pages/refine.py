@@ -9,6 +9,7 @@ from dnanalyze.report import capture
 from dnanalyze.report.figures.waterfall import Stage, stages, waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
+from dnanalyze.report.pages.classifier import classifier_section
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.words import (
     add_headline,
@@ -56,10 +57,13 @@ def evidence(steps: Sequence[Any]) -> list[str]:
     ]
 
 
-def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: bool = False) -> str:
+def refine_page(
+    captures: Any, result: Any, comparison: Any = None, by_hand: bool = False, judged: Any = None
+) -> str:
     """HTML of the page; with a comparison of the final model its panels follow.
 
-    ``by_hand``: of `add`, where the user named the effect.
+    ``by_hand``: of `add`, where the user named the effect. ``judged``: the classification of the
+    same frames by the final model.
     """
     steps = list(result.steps)
     rest = result.diagnosis
@@ -76,6 +80,7 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
             ),
             model_section(result.model, result.parameters),
             Section("why", "Evidence for each step", points=evidence(steps)),
+            *([] if judged is None else [classifier_section(judged)]),
             *(diagnose.sections(rest) if rest is not None else []),
             *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
         ],
