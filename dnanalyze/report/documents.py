@@ -237,12 +237,17 @@ def _pattern(pattern: Any) -> Document:
     }
 
 
+def _classified(result: Any) -> Document:
+    """The classifier two-sample test of the final model, where it was made."""
+    told = getattr(result, "classification", None)
+    return {} if told is None else {"classifier": classifier(told)}
+
+
 def refinement(
-    where: str, result: Any, output: Path | None, headline: str | None = None, judged: Any = None
+    where: str, result: Any, output: Path | None, headline: str | None = None
 ) -> Document:
     """The error step by step and what the final model holds.
 
-    ``judged``: the classification of the same frames by the final model, if any.
     A refinement that is not finished has verdict "missing", and no errors of its parameters.
     """
     return document(
@@ -259,7 +264,7 @@ def refinement(
         model=output,
         fitted=result.model.to_plain(),
         **_level(result),
-        **({} if judged is None else {"classifier": classifier(judged)}),
+        **_classified(result),
     )
 
 

@@ -358,6 +358,11 @@ def _refined(result: Any) -> str:
         "missing": _stopped(result),
         "unexplained": f"no effect of the catalogue explains the residual in {left}",
     }
+    told = getattr(result, "classification", None)
+    if told is not None and told.tells and not result.unexplained:
+        ending["unexplained"] = (
+            "no statistic shows a residual, but a classifier tells simulated from measured frames"
+        )
     return sentence(f"{text}; {ending.get(verdict, verdict)}")
 
 

@@ -157,7 +157,7 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
     )
 
 
-def refinement() -> SimpleNamespace:
+def refinement(**more: object) -> SimpleNamespace:
     """Something added, something taken out again."""
     steps = [
         SimpleNamespace(
@@ -180,6 +180,7 @@ def refinement() -> SimpleNamespace:
         model=model(),
         diagnosis=diagnosis("adequate"),
         bench=None,
+        **more,
     )
 
 

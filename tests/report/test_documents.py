@@ -132,7 +132,7 @@ def test_the_classifier_stands_where_a_model_is_judged_by_it():
     judged = fakes.classification()
     for made in (
         documents.comparison("f", fakes.comparison(), judged=judged),
-        documents.refinement("f", fakes.refinement(), None, judged=judged),
+        documents.refinement("f", fakes.refinement(classification=judged), None),
     ):
         found = made["classifier"]
         assert found["auc"] == 0.76

@@ -57,15 +57,12 @@ def evidence(steps: Sequence[Any]) -> list[str]:
     ]
 
 
-def refine_page(
-    captures: Any, result: Any, comparison: Any = None, by_hand: bool = False, judged: Any = None
-) -> str:
+def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: bool = False) -> str:
     """HTML of the page; with a comparison of the final model its panels follow.
 
-    ``by_hand``: of `add`, where the user named the effect. ``judged``: the classification of the
-    same frames by the final model.
+    ``by_hand``: of `add`, where the user named the effect.
     """
-    steps = list(result.steps)
+    steps, told = list(result.steps), getattr(result, "classification", None)
     rest = result.diagnosis
     page = Page(
         "Refinement",
@@ -80,7 +77,7 @@ def refine_page(
             ),
             model_section(result.model, result.parameters),
             Section("why", "Evidence for each step", points=evidence(steps)),
-            *([] if judged is None else [classifier_section(judged)]),
+            *([] if told is None else [classifier_section(told)]),
             *(diagnose.sections(rest) if rest is not None else []),
             *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
         ],

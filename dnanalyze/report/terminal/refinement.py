@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from dnanalyze.report import words
+from dnanalyze.report.terminal.classifier import classifier_line
 from dnanalyze.report.terminal.common import bar, points, table, verdict
 from dnanalyze.report.terminal.diagnosis import unexplained
 from dnanalyze.report.terminal.fit import parameters
@@ -44,6 +45,8 @@ def refinement(console: Console, captures: Any, result: Any, by_hand: bool | Non
     points(console, title, [_reason(s) for s in why.values()])
     parameters(console, "final model", result)
     unexplained(console, result.unexplained)
+    if getattr(result, "classification", None) is not None:
+        classifier_line(console, result.classification)
     console.print(f"Effects in the model: {words.listing(result.effects)}.")
 
 
