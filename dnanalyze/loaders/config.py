@@ -63,6 +63,8 @@ class Config(BaseModel):
         Globs of bad frames, relative to the folder.
     region : str
         "active", "masked" or "all", where the caller does not say.
+    image_type : str
+        "dark": every file is a dark frame, whatever its header says.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -91,6 +93,7 @@ class Config(BaseModel):
     tolerance_c: Number | None = Field(default=None, ge=0)
     skip: tuple[str, ...] = ()
     region: Literal["active", "masked", "all"] | None = None
+    image_type: Literal["dark"] | None = None
 
     @field_validator("cfa")
     @classmethod

@@ -19,9 +19,9 @@ from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
-from dnanalyze.loaders.names import from_names, from_regex
 from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
+from dnanalyze.loaders.sources import merged
 from dnanalyze.loaders.thermometer import TOLERANCE_C
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def _recordings(
     previous = None
     for file in files:
         recording = previous = read_header(file, printable(place.relative(file)), config, previous)
-        if recording.left_out:
+        if recording.left_out and config.image_type is None:
             left_out[recording.left_out] += 1
         else:
             if place.origin is not None:
@@ -140,7 +140,10 @@ def _recordings(
             recordings.append((file, recording))
     notes += [f"{n} files are left out: {reason}." for reason, n in left_out.items()]
     if not recordings:
-        raise InputError(f"{place.name}: no dark frames; {next(iter(left_out))} in every file")
+        raise InputError(
+            f"{place.name}: no dark frames; {next(iter(left_out))} in every file: give the folder "
+            "of the darks, or, where these are darks, image_type: dark in the sidecar"
+        )
     return _one_camera(place, recordings, notes)
 
 
@@ -202,20 +205,15 @@ def _capture_set(
     first = recordings[0][1]
     window = Window.whole(first.shape)
     cfa = config.colour_filter() or first.cfa
-    named = _named(place, [f for f, _ in recordings], config)
-    odd: dict[str, list[str]] = {}
-    for (file, recording), said in zip(recordings, named, strict=True):
+    notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
+    known_of, taken = merged(place, config, manifest, recordings, notes)
+    for (file, recording), own in zip(recordings, known_of, strict=True):
         name = printable(place.relative(file))
         active, masked = _areas(recording, config, name)
         window = _region(part, active, masked, Window.whole(recording.shape), name)
         check_shape(name, window.shape, mosaic=cfa is not None)
         check_count(place.name, len(frames) + len(recording.frames))
-        for index, header in enumerate(recording.frames):
-            own, wrong = header.plausible()
-            for text in wrong:
-                odd.setdefault(text, []).append(name)
-            known = manifest.get(file, Metadata()).or_else(own).or_else(said)
-            known = known.or_else(config.metadata())
+        for index, known in enumerate(own):
             label = name if len(recording.frames) == 1 else f"{name}[{index}]"
             point = OperatingPoint(known.temperature_c, known.exposure_s, known.gain, known.channel)
             black = None
@@ -238,17 +236,11 @@ def _capture_set(
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
-    notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
-    notes += [
-        f"The header says {text}; taken as unknown in {names[0]}"
-        + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
-        for text, names in odd.items()
-    ]
     settings, suspect = examined(group(frames, tolerance_c))
     notes += suspect
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
-    source = Source(formats, str(first.dtype), span, part)
+    source = Source(formats, str(first.dtype), span, part, taken=taken)
     return CaptureSet(printable(place.name), sensor, settings, tuple(notes), source)
 
 
@@ -295,17 +287,6 @@ def _region(part: str, active: Window, masked: Window | None, whole: Window, nam
             "optical_black_rows in the sidecar"
         )
     return masked
-
-
-def _named(place: Place, files: list[Path], config: Config) -> list[Metadata]:
-    """What the name of each file and its folders say; the user's own expression first."""
-    below = [Path(place.relative(f)) for f in files]
-    root = Path(os.path.realpath(place.root)).name
-    guessed = [from_names([f.stem, *reversed(f.parent.parts), root]).plausible()[0] for f in below]
-    if config.name_regex is None:
-        return guessed
-    own = from_regex(config.name_regex, [f.as_posix() for f in below])
-    return [mine.or_else(theirs) for mine, theirs in zip(own, guessed, strict=True)]
 
 
 def _first(*values: T | None) -> T | None:

@@ -29,7 +29,13 @@ from dnanalyze.loaders.checks import (
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.formats.fits_packed import GzipPixels, TilePixels, check_tiles
 from dnanalyze.loaders.formats.fits_units import Unit, units, whole
-from dnanalyze.loaders.headers import bayer_pattern, from_header, image_type
+from dnanalyze.loaders.headers import (
+    as_bias,
+    bayer_pattern,
+    electrons_per_dn,
+    from_header,
+    image_type,
+)
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Metadata, Recording, shifted_cfa
 
@@ -99,7 +105,7 @@ def _read(path: Path, name: str) -> Recording:
         masked=masked,
         cfa=_colour_filter(header),
         pixel_pitch_um=_positive(header.get("XPIXSZ")),
-        system_gain_dn_e=_inverse(_positive(header.get("EGAIN"))),
+        system_gain_dn_e=_inverse(electrons_per_dn(*_cards(header))),
         notes=tuple(notes),
         left_out=_left_out(header),
     )
@@ -141,15 +147,14 @@ class Scaled:
 
 
 def _metadata(header: fits.Header) -> Metadata:
-    cards = {c.keyword: c for c in header.cards if c.keyword not in ("", "COMMENT", "HISTORY")}
-    metadata = from_header(
-        {k: c.value for k, c in cards.items()}, {k: c.comment for k, c in cards.items()}
-    )
-    if image_type(header) == "bias":
-        metadata = Metadata(
-            metadata.temperature_c, 0.0, metadata.gain, metadata.channel, metadata.frame
-        )
-    return metadata
+    metadata = from_header(*_cards(header))
+    return as_bias(metadata) if image_type(header) == "bias" else metadata
+
+
+def _cards(header: fits.Header) -> tuple[dict[str, Any], dict[str, str]]:
+    """Values and comments by key word."""
+    cards = [c for c in header.cards if c.keyword not in ("", "COMMENT", "HISTORY")]
+    return {c.keyword: c.value for c in cards}, {c.keyword: c.comment for c in cards}
 
 
 def _left_out(header: fits.Header) -> str:
