@@ -119,6 +119,11 @@ class Config(BaseModel):
                 raise ValueError(f"{name} must be [first, one past the last], such as [0, 16]")
         return self
 
+    @property
+    def names_active(self) -> bool:
+        """Whether it says where light falls."""
+        return bool(self.active_rows or self.active_columns)
+
     def colour_filter(self) -> Cfa | None:
         """``cfa`` as rows."""
         return None if self.cfa is None else cfa_rows(self.cfa)

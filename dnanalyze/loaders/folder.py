@@ -19,7 +19,7 @@ from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
-from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
+from dnanalyze.loaders.recording import Cfa, FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
 from dnanalyze.loaders.sources import merged
 from dnanalyze.loaders.thermometer import TOLERANCE_C
@@ -205,15 +205,19 @@ def _capture_set(
     first = recordings[0][1]
     window = Window.whole(first.shape)
     cfa = config.colour_filter() or first.cfa
+    filters: set[Cfa | None] = set()
     notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
     known_of, taken = merged(place, config, manifest, recordings, notes)
     for (file, recording), own in zip(recordings, known_of, strict=True):
         name = printable(place.relative(file))
-        active, masked = _areas(recording, config, name)
-        window = _region(part, active, masked, Window.whole(recording.shape), name)
-        check_shape(name, window.shape, mosaic=cfa is not None)
         check_count(place.name, len(frames) + len(recording.frames))
         for index, known in enumerate(own):
+            if recording.area(index).again and (part == "all" or config.names_active):
+                continue
+            active, masked = _areas(recording, index, config, name)
+            window = _region(part, active, masked, Window.whole(recording.shape), name)
+            check_shape(name, window.shape, mosaic=cfa is not None)
+            filters.add(shifted_cfa(cfa, window.top, window.left))
             label = name if len(recording.frames) == 1 else f"{name}[{index}]"
             point = OperatingPoint(known.temperature_c, known.exposure_s, known.gain, known.channel)
             black = None
@@ -227,12 +231,17 @@ def _capture_set(
             f"{place.name}: active areas of different shapes {sorted(shapes)}; set active_rows and "
             "active_columns in the sidecar"
         )
+    if len(filters) > 1:
+        raise InputError(
+            f"{place.name}: active areas that begin on different colours of the filter; set "
+            "active_rows and active_columns in the sidecar"
+        )
     sensor = Sensor(
         window.shape,
         _first(config.bits, first.bits),
         _first(config.black_level, first.black_level),
         _first(config.white_level, first.white_level),
-        shifted_cfa(cfa, window.top, window.left),
+        filters.pop(),
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
@@ -250,16 +259,18 @@ def _common(values: Iterable[float | None]) -> float | None:
     return found.pop() if len(found) == 1 else None
 
 
-def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:
-    """Active and masked area of the readout; the sidecar outranks the header."""
-    whole = Window.whole(recording.shape)
-    active = recording.active or whole
-    if config.active_rows or config.active_columns:
+def _areas(
+    recording: Recording, index: int, config: Config, name: str
+) -> tuple[Window, Window | None]:
+    """Active and masked area of a frame's readout; the sidecar outranks the header."""
+    whole, own = Window.whole(recording.shape), recording.area(index)
+    active = own.active or whole
+    if config.names_active:
         active = Window(
             *(config.active_rows or (active.top, active.bottom)),
             *(config.active_columns or (active.left, active.right)),
         )
-    masked = recording.masked
+    masked = own.masked
     if config.optical_black_rows or config.optical_black_columns:
         masked = Window(
             *(config.optical_black_rows or (0, whole.bottom)),

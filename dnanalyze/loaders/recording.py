@@ -58,15 +58,19 @@ class Metadata:
     def or_else(self, other: Metadata) -> Metadata:
         """Field by field, this source's word, or else the other's."""
         mine = {name for name in QUANTITIES if getattr(self, name) is not None}
-        values = (getattr(self if name in mine else other, name) for name in QUANTITIES)
+        values = {n: getattr(self if n in mine else other, n) for n in QUANTITIES}
         taken = {k: v for k, v in other.taken.items() if k not in mine} | dict(self.taken)
         doubts = self.doubts + tuple(d for d in other.doubts if d.about not in mine)
-        return Metadata(*values, taken, doubts)
+        return Metadata(**values, taken=taken, doubts=doubts)
 
     def of(self, source: str) -> Metadata:
         """The same, with its source where none is stated yet."""
         known = (name for name in QUANTITIES if getattr(self, name) is not None)
         return replace(self, taken=dict.fromkeys(known, (source, "")) | dict(self.taken))
+
+    def in_channel(self, channel: str, source: str) -> Metadata:
+        """The same frame in a channel, unless it names one itself."""
+        return self.or_else(Metadata(channel=channel).of(source))
 
     def plausible(self) -> tuple[Metadata, tuple[str, ...]]:
         """What of it can be, and what is wrong with the rest.
@@ -77,6 +81,25 @@ class Metadata:
         wrong = {name: fault(name, getattr(self, name)) for name in QUANTITIES if name != "channel"}
         bad: dict[str, Any] = {name: None for name, text in wrong.items() if text}
         return (replace(self, **bad) if bad else self), tuple(filter(None, wrong.values()))
+
+
+@dataclass(frozen=True)
+class Area:
+    """What part of a readout makes a frame.
+
+    Parameters
+    ----------
+    active : Window, optional
+        Where light falls; None is everywhere.
+    masked : Window, optional
+        Optical black or overscan.
+    again : bool
+        Whether another frame has the same readout: one of several amplifiers.
+    """
+
+    active: Window | None = None
+    masked: Window | None = None
+    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -100,6 +123,8 @@ class Recording:
         Where light falls; None is everywhere.
     masked : Window, optional
         Optical black or overscan.
+    areas : tuple of Area
+        One for each frame, where they differ; instead of ``active`` and ``masked``.
     cfa : tuple of tuple of str, optional
         Colour filter at the top left of the whole readout.
     bits, black_level, white_level, pixel_pitch_um, system_gain_dn_e
@@ -128,6 +153,11 @@ class Recording:
     notes: tuple[str, ...] = ()
     lit: bool = False
     left_out: str = ""
+    areas: tuple[Area, ...] = ()
+
+    def area(self, index: int) -> Area:
+        """The area of frame ``index``."""
+        return self.areas[index] if self.areas else Area(self.active, self.masked)
 
 
 @dataclass(frozen=True)
