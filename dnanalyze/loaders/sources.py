@@ -10,7 +10,7 @@ from dnanalyze.errors import printable
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.files import Place
 from dnanalyze.loaders.gains import settled
-from dnanalyze.loaders.names import from_names, from_regex
+from dnanalyze.loaders.names import from_folder, from_regex
 from dnanalyze.loaders.provenance import Taken, Tally
 from dnanalyze.loaders.recording import Metadata, Recording
 
@@ -73,8 +73,11 @@ def _named(place: Place, files: list[Path], config: Config) -> list[Metadata]:
     """What the name of each file and its folders say; the user's own expression first."""
     below = [Path(place.relative(f)) for f in files]
     root = Path(os.path.realpath(place.root)).name
-    guessed = [from_names([f.stem, *reversed(f.parent.parts), root]).plausible()[0] for f in below]
+    parts = [[f.stem, *reversed(f.parent.parts), root] for f in below]
+    guessed = [said.plausible()[0] for said in from_folder(parts)]
     if config.name_regex is None:
         return guessed
     own = from_regex(config.name_regex, [f.as_posix() for f in below])
-    return [mine.or_else(theirs) for mine, theirs in zip(own, guessed, strict=True)]
+    return [
+        mine.of("name_regex").or_else(theirs) for mine, theirs in zip(own, guessed, strict=True)
+    ]
