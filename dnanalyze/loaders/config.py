@@ -59,6 +59,8 @@ class Config(BaseModel):
         For frames of which no other source says it.
     tolerance_c : float
         Span of the temperatures of one operating point, C.
+    tolerance_s : float
+        Span of the exposures of one operating point, s.
     skip : list of str
         Globs of bad frames, relative to the folder.
     region : str
@@ -91,6 +93,7 @@ class Config(BaseModel):
     gain: float | None = None
     channel: str | None = None
     tolerance_c: Number | None = Field(default=None, ge=0)
+    tolerance_s: Number | None = Field(default=None, ge=0)
     skip: tuple[str, ...] = ()
     region: Literal["active", "masked", "all"] | None = None
     image_type: Literal["dark"] | None = None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from dnanalyze.errors import InputError, printable
+from dnanalyze.loaders import exposures
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
 from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
@@ -245,7 +246,9 @@ def _capture_set(
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
-    settings, suspect = examined(group(frames, tolerance_c))
+    grouped = group(frames, tolerance_c, config.tolerance_s)
+    notes += exposures.notes(grouped)
+    settings, suspect = examined(grouped)
     notes += suspect
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c

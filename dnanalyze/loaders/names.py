@@ -109,7 +109,11 @@ def from_folder(files: Sequence[Sequence[str]]) -> list[Metadata]:
     list of Metadata
         One for each file; ``frame`` is the index where one counts.
     """
-    named = [[_Name.of(part) for part in parts] for parts in files]
+    known: dict[str, _Name] = {}
+    for text in (text for parts in files for text in parts):
+        if text not in known:
+            known[text] = _Name.of(text)
+    named = [[known[text] for text in parts] for parts in files]
     counting = _counting(named)
     return [_metadata(parts, counting) for parts in named]
 
