@@ -66,6 +66,8 @@ def samples() -> dict[str, Sample]:
 
 
 def _frames() -> Iterator[tuple[str, Sample]]:
+    from dnanalyze.loaders.packing import pack
+
     for kind, (name, data) in _binary_files().items():
         yield kind, Sample(name, data, _read_folder)
     raw = {"a.raw": CODES.tobytes()}
@@ -75,7 +77,8 @@ def _frames() -> Iterator[tuple[str, Sample]]:
         "raw",
         Sample("a.raw", raw["a.raw"], _read_folder, False, {"dnanalyze.yaml": layout.encode()}),
     )
-    rows = {"a.raw": bytes(12) + raw["a.raw"][: 2 * 64 * SHAPE[0]]}
+    padded = np.pad(pack(CODES[0], 12, "mipi"), ((0, 0), (0, 4)))
+    rows = {"a.raw": bytes(12) + padded.tobytes()}
     yield "raw sidecar", Sample("dnanalyze.yaml", packed.encode(), _read_folder, True, rows)
     header = (
         f"ENVI\nsamples = {SHAPE[1]}\nlines = {SHAPE[0]}\nbands = 2\nheader offset = 0\n"

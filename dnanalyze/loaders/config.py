@@ -38,12 +38,14 @@ class Config(BaseModel):
     bits : int
         Bits of a pixel (8, 10, 12, 14 or 16 in headerless raw).
     packing : str
-        Headerless raw: "plain" (one pixel in one or two bytes), "mipi" (CSI-2 RAW10/12/14) or
-        "lsb" (a little-endian bit stream, lowest bit first).
+        Headerless raw: "plain" (one pixel in one or two bytes), "mipi" (CSI-2 RAW10/12/14),
+        "lsb" (a little-endian bit stream, lowest bit first; Mono12p), "msb" (a big-endian one) or
+        "genicam" (Mono10Packed, Mono12Packed).
     byte_order : str
         Headerless plain raw: "little" or "big".
-    header_offset, row_bytes : int
-        Headerless raw: bytes before the first pixel; bytes from row to row where rows are padded.
+    header_offset, footer_bytes, row_bytes : int
+        Headerless raw: bytes before the first pixel and behind the last; bytes from row to row
+        where rows are padded.
     cfa : str
         Colours of the top-left block of the readout, rows joined ("RGGB"; 4 or 16 letters).
     black_level, white_level, pixel_pitch_um, system_gain_dn_e : float
@@ -74,9 +76,10 @@ class Config(BaseModel):
     width: int | None = Field(default=None, gt=0, le=MAX_PIXELS)
     height: int | None = Field(default=None, gt=0, le=MAX_PIXELS)
     bits: int | None = Field(default=None, ge=1, le=32)
-    packing: Literal["plain", "mipi", "lsb"] = "plain"
+    packing: Literal["plain", "mipi", "lsb", "msb", "genicam"] = "plain"
     byte_order: Literal["little", "big"] = "little"
     header_offset: int = Field(default=0, ge=0, le=1 << 60)
+    footer_bytes: int = Field(default=0, ge=0, le=1 << 60)
     row_bytes: int | None = Field(default=None, gt=0, le=8 * MAX_PIXELS)
     cfa: str | None = None
     black_level: Number | None = None

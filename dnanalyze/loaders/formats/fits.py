@@ -38,6 +38,7 @@ from dnanalyze.loaders.headers import (
     from_header,
     image_type,
 )
+from dnanalyze.loaders.layout import sign_doubt
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Area, Cfa, Metadata, Recording, shifted_cfa
 
@@ -48,10 +49,10 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     """The headers of the images of a FITS file: one, or several chips or frames."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # astropy warns of what is checked and worded here
-        return _read(path, name)
+        return _read(path, name, previous)
 
 
-def _read(path: Path, name: str) -> Recording:
+def _read(path: Path, name: str, previous: Recording | None) -> Recording:
     packed = path.suffix.lower() == ".gz"
     with gzip.open(path) if packed else path.open("rb") as file:
         found = list(units(cast(IO[bytes], file), name, packed))
@@ -78,6 +79,11 @@ def _read(path: Path, name: str) -> Recording:
             metadata += [said] * part.count
             own += [area] * part.count
     values = first.image.values
+    plain = first.pixels
+    if previous is None and isinstance(plain, PlainPixels) and np.dtype(plain.dtype).str == ">i2":
+        rows, columns = first.shape
+        middle = Window(rows // 2 - min(8, rows // 2), rows // 2, 0, columns)
+        notes += filter(None, [sign_doubt(plain(0, middle), plain.sign_flip)])
     return Recording(
         "FITS",
         first.shape,
