@@ -144,7 +144,8 @@ class RawRows:
             return used.view(self.dtype)[:, window.left : window.right]
         pixels, size = group_of(self.bits, self.packing)
         first, last = window.left // pixels, -(-window.right // pixels)
-        part = unpack(
-            data[:, first * size : last * size], (last - first) * pixels, self.bits, self.packing
-        )
+        held = data[:, first * size : last * size]
+        if short := (last - first) * size - held.shape[1]:  # rows that end within a group
+            held = np.pad(held, ((0, 0), (0, short)))
+        part = unpack(held, (last - first) * pixels, self.bits, self.packing)
         return part[:, window.left - first * pixels : window.right - first * pixels]
