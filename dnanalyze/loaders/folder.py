@@ -17,6 +17,7 @@ from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
 from dnanalyze.loaders.files import Place, find
 from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
+from dnanalyze.loaders.formats.unread import instead
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
@@ -118,6 +119,8 @@ def _frame_files(
     if skipped:
         notes.append(f"{len(skipped)} frames are skipped as the sidecar says.")
     files = [f for f in files if f not in skipped]
+    if not files and (found := instead(place.files)):
+        raise InputError(f"{place.name}: no frames; it holds {found}")
     if not files:
         raise InputError(
             f"{place.name}: no frames; give a folder with files of: {', '.join(sorted(MODULES))}"

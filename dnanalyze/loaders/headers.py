@@ -36,6 +36,8 @@ EXPOSURE = (
 DARK_TIME = ("DARKTIME",)  # while charge collects, where EXPTIME is that of the shutter
 GAIN = ("GAIN", "CCDGAIN", "ANALOGGAIN", "ISO", "ISOSPEEDRATINGS", "ISOSPEED")
 CHANNEL = ("CHANNEL", "READOUTCHANNEL", "HDRCHANNEL")
+# The black level that was set; PEDESTAL is what a program added to the codes.
+OFFSET = ("OFFSET", "BLKLEVEL", "BLACKLEVEL", "CAMOFFSET", "PEDESTAL")
 FRAME = ("FRAME", "FRAMENO", "FRAMENUMBER")
 TYPE = (
     "IMAGETYP", "IMAGETYPE", "IMGTYPE", "FRAMETYP", "FRAMETYPE", "FRAME", "OBSTYPE", "EXPTYPE",
@@ -82,8 +84,9 @@ def from_header(values: Mapping[str, Any], comments: Mapping[str, str] | None = 
         if isinstance(text, str) and text.strip():
             header.take("channel", text.strip(), _plain(name))
             break
-    if (found := header.first(FRAME)) is not None:
-        header.take("frame", found[1].value, found[0])
+    for quantity, names in (("offset", OFFSET), ("frame", FRAME)):
+        if (found := header.first(names)) is not None:
+            header.take(quantity, found[1].value, found[0])
     return Metadata(**header.found, taken=header.taken, doubts=tuple(header.doubts))
 
 
@@ -321,12 +324,15 @@ class _Header:
             step = 1.0 / float(part[2:]) if "/" in part else float(part.replace(",", "."))
             if abs(value * step) < 180.0:  # 1e9
                 value = 10.0 ** (value * step / 20.0)
-        elif _TENTHS.search(str(self.values.get("INSTRUME", "")).lower()) and value < 1000.0:
+        elif _TENTHS.search(self._camera()) and 0 <= value < 1000.0:
             self.doubt("gain", key, "is in 0.1 dB, as ZWO cameras count")
             value = 10.0 ** (value / 200.0)
         elif key.endswith("GAIN"):
             self.doubts.append(without_unit(key))
         self.take("gain", value, key)
+
+    def _camera(self) -> str:
+        return " ".join(str(self.values.get(k, "")) for k in ("INSTRUME", "CAMERA")).lower()
 
 
 def electrons_per_dn(values: Mapping[str, Any], comments: Mapping[str, str]) -> float | None:

@@ -16,7 +16,7 @@ from dnanalyze.loaders.physical import fault
 Cfa = tuple[tuple[str, ...], ...]
 
 
-QUANTITIES = ("temperature_c", "exposure_s", "gain", "channel", "frame")
+QUANTITIES = ("temperature_c", "exposure_s", "gain", "channel", "frame", "offset")
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,8 @@ class Doubt:
 class Metadata:
     """What one source says of one frame; ``None`` is not said.
 
-    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting. A source may say what
+    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting; ``offset`` is the
+    black level as the camera was set, in its own units. A source may say what
     cannot be (a gain of 0); `plausible` drops it. ``taken`` gives for each quantity the place that
     states it and how, as ("header CCD-TEMP", "'-9,8'").
     """
@@ -52,6 +53,7 @@ class Metadata:
     gain: float | None = None
     channel: str | None = None
     frame: float | None = None
+    offset: float | None = field(default=None, compare=False, repr=False)
     taken: Mapping[str, tuple[str, str]] = field(default_factory=dict, compare=False, repr=False)
     doubts: tuple[Doubt, ...] = field(default=(), compare=False, repr=False)
 
@@ -67,6 +69,12 @@ class Metadata:
         """The same, with its source where none is stated yet."""
         known = (name for name in QUANTITIES if getattr(self, name) is not None)
         return replace(self, taken=dict.fromkeys(known, (source, "")) | dict(self.taken))
+
+    def said_by(self, source: str) -> Metadata:
+        """The same, "header" in the names of its sources replaced."""
+        taken = {k: (where.replace("header", source, 1), how) for k, (where, how)
+                 in self.taken.items()}  # fmt: skip
+        return replace(self, taken=taken)
 
     def in_channel(self, channel: str, source: str) -> Metadata:
         """The same frame in a channel, unless it names one itself."""

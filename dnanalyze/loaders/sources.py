@@ -1,4 +1,4 @@
-"""The metadata of every frame from all sources: manifest, header, name, sidecar, in this order."""
+"""The metadata of every frame: manifest, header, a capture program's text, name, sidecar."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from dnanalyze.errors import printable
+from dnanalyze.loaders import offsets
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.files import Place
 from dnanalyze.loaders.gains import settled
 from dnanalyze.loaders.names import from_folder, from_regex
+from dnanalyze.loaders.program_text import ProgramTexts
 from dnanalyze.loaders.provenance import Taken, Tally
 from dnanalyze.loaders.recording import Metadata, Recording
 
@@ -44,16 +46,18 @@ def merged(
     frames: list[Metadata] = []
     elsewhere = config.metadata().of("sidecar")
     named = _named(place, [f for f, _ in recordings], config)
+    texts = ProgramTexts(place.files)
     for (file, recording), name, said in zip(recordings, names, named, strict=True):
         for header in recording.frames:
             own, wrong = header.plausible()
             for text in wrong:
                 odd.setdefault(text, []).append(name)
-            known = manifest.get(file, Metadata()).or_else(own.of("header")).or_else(said)
-            frames.append(known.or_else(elsewhere))
+            known = manifest.get(file, Metadata()).or_else(own.of("header"))
+            frames.append(known.or_else(texts.of(file)).or_else(said).or_else(elsewhere))
     frames, note = settled(
         frames, [r.system_gain_dn_e for _, r in recordings for _ in range(len(r.frames))]
     )
+    frames, apart = offsets.settled(frames)
     tally = Tally()
     waiting = iter(frames)
     known_of = [tuple(next(waiting) for _ in r.frames) for _, r in recordings]
@@ -65,7 +69,7 @@ def merged(
         + (f" and {len(files) - 1} more." if len(files) > 1 else ".")
         for text, files in odd.items()
     ]
-    notes += [*filter(None, [note]), *tally.notes()]
+    notes += [*filter(None, [note, apart]), *tally.notes()]
     return known_of, tally.sources()
 
 

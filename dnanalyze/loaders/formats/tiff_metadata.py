@@ -32,7 +32,7 @@ def micro_manager(page: Any) -> Metadata:
     flat = {k: v.get("PropVal") if isinstance(v, dict) else v for k, v in plain.items()}
     if str(flat.get("Channel", "")).strip() in ("", "Default"):
         flat.pop("Channel", None)
-    return _of(from_header(flat), "Micro-Manager")
+    return from_header(flat).said_by("Micro-Manager")
 
 
 def ome(text: str, pages: int) -> list[Metadata]:
@@ -113,15 +113,3 @@ def _channels(pixels: ElementTree.Element, pages: int) -> list[str]:
 def _all(element: ElementTree.Element, name: str) -> Iterator[ElementTree.Element]:
     """All elements of this name below, whatever their name space."""
     return (e for e in element.iter() if str(e.tag).rpartition("}")[2] == name)
-
-
-def _of(metadata: Metadata, source: str) -> Metadata:
-    """The same with the name of the program instead of "header"."""
-    taken = {
-        quantity: (where.replace("header", source, 1), shown)
-        for quantity, (where, shown) in metadata.taken.items()
-    }
-    return Metadata(
-        metadata.temperature_c, metadata.exposure_s, metadata.gain, metadata.channel,
-        metadata.frame, taken, metadata.doubts,
-    )  # fmt: skip
