@@ -47,7 +47,7 @@ class Config(BaseModel):
         Headerless raw: bytes before the first pixel and behind the last; bytes from row to row
         where rows are padded.
     cfa : str
-        Colours of the top-left block of the readout, rows joined ("RGGB"; 4 or 16 letters).
+        Colours of the top-left block of the readout, rows joined ("RGGB"; 4, 16 or 36 letters).
     black_level, white_level, pixel_pitch_um, system_gain_dn_e : float
         DN, DN, micrometres, DN/e-.
     active_rows, active_columns : [int, int]
@@ -104,8 +104,8 @@ class Config(BaseModel):
     @field_validator("cfa")
     @classmethod
     def _square(cls, value: str | None) -> str | None:
-        if value is not None and not re.fullmatch(r"[A-Za-z]{4}|[A-Za-z]{16}", value):
-            raise ValueError("must be 4 letters (2 x 2) or 16 letters (4 x 4), such as RGGB")
+        if value is not None and not re.fullmatch(r"[A-Za-z]{4}|[A-Za-z]{16}|[A-Za-z]{36}", value):
+            raise ValueError("must be 4, 16 or 36 letters (2 x 2, 4 x 4, 6 x 6), such as RGGB")
         return value and value.upper()
 
     @field_validator("temperature_c", "exposure_s", "gain")
@@ -140,7 +140,7 @@ class Config(BaseModel):
 
 
 def cfa_rows(text: str) -> Cfa:
-    """Text "RGGB" as (("R","G"),("G","B")); 4 or 16 letters."""
+    """Text "RGGB" as (("R","G"),("G","B")); 4, 16 or 36 letters."""
     side = int(len(text) ** 0.5)
     return tuple(tuple(text[r * side : (r + 1) * side]) for r in range(side))
 

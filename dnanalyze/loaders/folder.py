@@ -249,6 +249,11 @@ def _capture_set(
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
+    if sensor.cfa is not None and len(sensor.cfa) > 2:
+        notes.append(
+            f"The mosaic of {len(sensor.cfa)} x {len(sensor.cfa[0])} pixels is analysed as its "
+            "four planes of every second row and column, 00 to 11."
+        )
     grouped = group(frames, tolerance_c, config.tolerance_s)
     notes += exposures.notes(grouped)
     settings, suspect = examined(grouped)

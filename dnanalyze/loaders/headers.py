@@ -20,6 +20,7 @@ TEMPERATURE = (
     "TEMPERATURE", "SENSORTEMPERATURE", "CAMERATEMPERATURE", "TEMPDET", "TEMP",
 )  # fmt: skip
 SET_POINT = ("SET-TEMP", "SETTEMPERATURE", "TARGETTEMPERATURE")
+AMBIENT = ("AMBIENTTEMPERATURE",)  # Exif 2.31, of cameras that do not cool
 # Names that a camera's driver puts before or behind its own: "Zyla-SensorTemperature",
 # "ESO DET CHIP1 TEMP".
 _OF_SENSOR = re.compile(
@@ -177,10 +178,12 @@ class _Header:
         asked = self._temperature_of(SET_POINT)
         known = self._temperature_of((*TEMPERATURE, *filter(_of_sensor, self.values)))
         if known is None:
-            if asked is not None:
-                key, value = asked
+            around = asked or self._temperature_of(AMBIENT)
+            if around is not None:
+                key, value = around
+                what = "the set point" if asked else "that of the air"
                 self.take("temperature_c", value, key)
-                self.doubt("temperature_c", key, "is the set point; no measured temperature")
+                self.doubt("temperature_c", key, f"is {what}; the sensor's is not measured")
             return
         key, value = known
         self.take("temperature_c", value, key)

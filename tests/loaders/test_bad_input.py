@@ -169,7 +169,7 @@ def test_manifest_size_and_encoding(tmp_path):
         ("width: wide\n", r"width: .*integer.*given: wide"),
         ("width: 0\n", "width: .*greater than 0"),
         ("packing: zip\n", "packing: .*'plain', 'mipi', 'lsb', 'msb' or 'genicam'"),
-        ("cfa: RGB\n", "cfa: must be 4 letters"),
+        ("cfa: RGB\n", "cfa: must be 4, 16 or 36 letters"),
         ("name_regex: '('\n", "name_regex: is no regular expression"),
         ("name_regex: (?P<heat>x)\n", "name_regex: needs named groups out of: temperature_c"),
         ("active_rows: [9, 3]\n", "active_rows must be"),

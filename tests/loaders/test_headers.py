@@ -78,6 +78,7 @@ def test_exposures(cards, seconds):
         ({"EXPTIME": "long"}, "is no number"),
         ({"CCD-TEMP": 180.2}, "is taken as kelvin, -92.95 C"),
         ({"SET-TEMP": -10}, "is the set point"),
+        ({"AmbientTemperature": (50, 10)}, "is that of the air"),
         ({"CCD-TEMP": 21.5, "SET-TEMP": -10}, "31.5 C off the set point"),
         ({"CCD-TEMP": "NaN"}, "is no number"),
     ],
