@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from datetime import datetime
 from typing import Any
 
 from dnanalyze.loaders.gains import without_unit
@@ -24,7 +25,8 @@ AMBIENT = ("AMBIENTTEMPERATURE",)  # Exif 2.31, of cameras that do not cool
 # Names that a camera's driver puts before or behind its own: "Zyla-SensorTemperature",
 # "ESO DET CHIP1 TEMP".
 _OF_SENSOR = re.compile(
-    r"(?:CCD|CMOS|CHIP|SENSOR|DETECTOR|DET|CAMERA|FPA|FOCALPLANE)\d*(?:TEMP|TEMPERATURE)[CK]?$"
+    r"(?:CCD|CMOS|CHIP|SENSOR|DETECTOR|DET|CAMERA|CAM|FPA|FOCALPLANE)\d*"
+    r"(?:TEMP|TEMPERATURE|TEM)\d?[CK]?$|^TEMP(?:CCD|CHIP|SENSOR|DETECTOR|DET|CAM)\d?$"
 )
 _NOT_OF_SENSOR = re.compile(
     r"ambient|air|outside|weather|focus|dome|mirror|tube|telescope|lens|board|electronic|housing"
@@ -32,7 +34,7 @@ _NOT_OF_SENSOR = re.compile(
 )
 EXPOSURE = (
     "EXPTIME", "EXPOSURE", "XPOSURE", "EXPOSURE_S", "EXPOSURETIME", "INTEGRATIONTIME", "INTTIME",
-    "ITIME", "IMGEXP",
+    "ITIME", "IMGEXP", "EXPOINUS", "TELAPSE", "ELAPTIME", "ONTIME",
 )  # fmt: skip
 DARK_TIME = ("DARKTIME",)  # while charge collects, where EXPTIME is that of the shutter
 GAIN = ("GAIN", "CCDGAIN", "ANALOGGAIN", "ISO", "ISOSPEEDRATINGS", "ISOSPEED")
@@ -51,6 +53,7 @@ KELVIN_FROM, KELVIN_TO = 150.0, 400.0
 WARM = 70.0  # C; cameras that write FITS are cooled, and 70 to 150 is as likely kelvin
 OFF_SET_POINT = 5.0  # C; a regulated sensor keeps within 1
 LONG = 1e4  # s; single dark frames are not longer, for cosmic rays cover them in an hour or two
+ROUNDED_S = 1e-3
 APART = 0.01  # of two exposures in one header, as the tolerance of exposures
 _PER_ELECTRON = re.compile(
     r"(?:\be-?|\belectrons?|\bel(?:ec)?\.?|\bph(?:otons?)?)\s*(?:/|per|p)\s*(?:adu|dn|count|lsb)"
@@ -144,14 +147,14 @@ class _Header:
     def take(self, quantity: str, value: Any, key: str) -> None:
         """Keep a value and where it stands."""
         self.found[quantity] = value
-        shown = str(self.values[key]).strip()[:40]
+        shown = _shown(self.values[key])
         comment = self.comments.get(key, "").strip()[:40]
         shown += f" / {comment}" if comment else ""
         self.taken[quantity] = (f"header {self.keys[key]}", shown)
 
     def doubt(self, about: str, key: str, text: str) -> None:
         """Keep a doubt; ``text`` follows ``KEY = value``."""
-        shown = f"{self.keys[key]} = {str(self.values[key]).strip()[:40]}"
+        shown = f"{self.keys[key]} = {_shown(self.values[key])}"
         self.doubts.append(Doubt(about, f"{key} {text.split(' ')[0]}", f"{shown} {text}"))
 
     def reading(self, key: str, about: str) -> Reading | None:
@@ -259,10 +262,32 @@ class _Header:
             return
         key, value = stated
         self.take("exposure_s", value, key)
+        self._compare(key, value)
         if dark is not None and abs(dark[1] - value) > max(APART * value, 1.0):
             self.doubt(
                 "exposure_s", dark[0],
                 f"differs from {self.keys[key]}, which is used: {value:g} s",
+            )  # fmt: skip
+
+    def _compare(self, key: str, seconds: float) -> None:
+        """Doubt an exposure that another key word or the clock contradicts."""
+        for other, scale in self._keys_with_unit(EXPOSURE):
+            reading = read_number(self.values[other]) if other != key else None
+            if reading is None or reading.value <= 0:
+                continue
+            stated = self._seconds(other, reading, scale)
+            if abs(stated - seconds) > max(APART * seconds, ROUNDED_S):
+                self.doubt(
+                    "exposure_s", other,
+                    f"contradicts {self.keys[key]}, which is used: {seconds:g} s",
+                )  # fmt: skip
+                return
+        begin, end = (_instant(self.values.get(k)) for k in ("DATEOBS", "DATEEND"))
+        passed = (end - begin).total_seconds() if begin and end else 0.0
+        if passed > 0 and seconds > 2.0 * passed + 1.0:  # of clocks that tell seconds
+            self.doubt(
+                "exposure_s", key,
+                f"is more than the {passed:g} s from DATE-OBS to DATE-END; its unit may be smaller",
             )  # fmt: skip
 
     def _seconds_of(self, names: tuple[str, ...]) -> tuple[str, float] | None:
@@ -286,6 +311,7 @@ class _Header:
         said = SECONDS.get(reading.unit.lower().rstrip("."))
         if said is None and (named := unit_in(self.comments.get(key, ""), SECONDS)):
             said = named[0] * named[1]
+        scale = 1e-6 if key == "EXPOINUS" else scale
         said = scale if said is None else said
         common = SECONDS.get(str(self.values.get("TIMEUNIT", "")).strip().lower())
         if said is None and common is not None:
@@ -355,6 +381,22 @@ def as_bias(metadata: Metadata) -> Metadata:
     taken = dict(metadata.taken) | {"exposure_s": ("header", "image type bias")}
     doubts = tuple(d for d in metadata.doubts if d.about != "exposure_s")
     return replace(metadata, exposure_s=0.0, taken=taken, doubts=doubts)
+
+
+def _shown(value: Any) -> str:
+    """A value for people; an EXIF rational as a fraction."""
+    if isinstance(value, tuple) and len(value) == 2:
+        return f"{value[0]}/{value[1]}"
+    return str(value).strip()[:40]
+
+
+def _instant(value: Any) -> datetime | None:
+    """An ISO date with its time, as FITS has it, without a zone."""
+    try:
+        found = datetime.fromisoformat(str(value).strip()[:40])
+    except ValueError:
+        return None
+    return found.replace(tzinfo=None)
 
 
 def _of_sensor(key: str) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 
 from dnanalyze.loaders.packing import PACKED_BITS, PACKINGS, group_of, row_bytes, unpack
 
+GROUPS = 105  # bytes; whole groups of every packing: of 3, 5 and 7
 ROWS = 64  # enough for differences to a percent; with wide rows 1 MB
 # Of the mean log2 difference. Swapped bytes weigh the noise 256-fold, 8 in log2: half of it.
 SWAPPED = 4.0
@@ -19,6 +20,7 @@ PACKED = 1.0  # a wrong packing at least doubles the differences; the right one 
 # The low byte of a word carries the noise, the high one changes where it is carried over: a quarter
 # at most. Of two pixels each changes as the other does.
 CARRY, MOVING = 0.25, 0.3
+SCATTER = 4.0  # bits below full scale; a sixteenth of it is no noise of a dark frame
 UNIFORM = 40.0  # DN; bytes that hold low bits of larger codes differ by 85 on average
 FAR, WIDE = 20.0, 4.0  # noises off the level and factor of the noise that make a row no pixels
 EDGE = 8  # rows; sensors embed one to four
@@ -40,7 +42,7 @@ def is_swapped(words: np.ndarray) -> bool:
     return step(words) - step(words.byteswap()) > SWAPPED
 
 
-def words_fault(words: np.ndarray, bits: int, order: str) -> str:
+def words_fault(words: np.ndarray, bits: int, order: str, lead: int = 0) -> str:
     """What is wrong with two bytes a pixel, and the remedy; "" if nothing.
 
     Parameters
@@ -51,6 +53,8 @@ def words_fault(words: np.ndarray, bits: int, order: str) -> str:
         As stated.
     order : str
         As stated, "little" or "big".
+    lead : int
+        Bytes to the next multiple of ``GROUPS`` from the begin of the frame.
     """
     other = "big" if order == "little" else "little"
     if is_swapped(words):
@@ -69,22 +73,22 @@ def words_fault(words: np.ndarray, bits: int, order: str) -> str:
                 f"codes reach {top}, beyond {bits} bits, in steps of {1 << unused}: they are "
                 "left-justified; set bits: 16"
             )
-        if how := _packed_after_all(words if order == "little" else words.byteswap(), bits):
-            return (
-                f"codes reach {top}, beyond {bits} bits, and are smooth in a packing; set "
-                f"packing: {how}"
-            )
+        data = (words if order == "little" else words.byteswap()).astype("<u2").view(np.uint8)
+        if found := _other_packing(data.reshape(1, -1)[:, lead:], step(words) - 16):
+            return found
         fitting = next(b for b in (*PACKED_BITS, 16) if top < 1 << b)
         return f"codes reach {top}, beyond {bits} bits; set bits: {fitting}"
     return ""
 
 
-def bytes_fault(pixels: np.ndarray) -> str:
+def bytes_fault(pixels: np.ndarray, lead: int = 0) -> str:
     """What is wrong with one byte a pixel, and the remedy; "" if nothing.
 
     Parameters
     ----------
     pixels : ndarray of uint8, (rows, columns)
+    lead : int
+        As for `words_fault`.
     """
     flat = pixels.reshape(1, -1)
     even, odd = flat[:, ::2], flat[:, 1::2]
@@ -95,10 +99,12 @@ def bytes_fault(pixels: np.ndarray) -> str:
                 "every second byte hardly changes: they are the high bytes of two-byte words; set "
                 f"bits: 16 (or those of the converter) and byte_order: {order}"
             )
-    return ""
+    return _other_packing(
+        flat[:, lead:], step(flat, 6) - 8
+    )  # three bytes of two phases of a mosaic
 
 
-def packing_fault(rows: np.ndarray, width: int, bits: int, packing: str) -> str:
+def packing_fault(rows: np.ndarray, width: int, bits: int, packing: str, lead: int = 0) -> str:
     """What is wrong with packed pixels, and the remedy; "" if nothing.
 
     Parameters
@@ -106,6 +112,8 @@ def packing_fault(rows: np.ndarray, width: int, bits: int, packing: str) -> str:
     rows : ndarray of uint8, (rows, bytes)
     width, bits, packing
         As stated.
+    lead : int
+        As for `words_fault`.
     """
     steps = {
         how: _packed_step(rows, width, bits, how)
@@ -114,17 +122,18 @@ def packing_fault(rows: np.ndarray, width: int, bits: int, packing: str) -> str:
     }
     best = min(steps, key=lambda how: steps[how])
     if steps[packing] - steps[best] <= PACKED:
-        return _genicam_bits(rows, bits) if packing == "genicam" else ""
+        if packing == "genicam" and (used := _genicam_bits(rows)) != bits:
+            return f"pixels use {used} bits of the packing; set bits: {used}"
+        return _other_packing(rows.reshape(1, -1)[:, lead:], steps[packing] - bits)
     return (
         f"pixels scatter in the packing {packing} of {bits} bits and are smooth in another; set "
         f"packing: {best}"
     )
 
 
-def _genicam_bits(rows: np.ndarray, bits: int) -> str:
+def _genicam_bits(rows: np.ndarray) -> int:
     """Two of the four low bits are unused by Mono10Packed."""
-    used = 12 if (rows[:, 1::3] & 0xCC).any() else 10
-    return "" if used == bits else f"pixels use {used} bits of the packing; set bits: {used}"
+    return 12 if (rows[:, 1::3] & 0xCC).any() else 10
 
 
 def _packed_step(rows: np.ndarray, width: int, bits: int, packing: str) -> float:
@@ -133,17 +142,29 @@ def _packed_step(rows: np.ndarray, width: int, bits: int, packing: str) -> float
     return step(pixels // scale, group_of(bits, packing)[0])
 
 
-def _packed_after_all(words: np.ndarray, bits: int) -> str:
-    """The packing in which what was read as words is smooth; "" if none."""
-    data = words.astype("<u2").view(np.uint8).reshape(1, -1)
+def _other_packing(data: np.ndarray, smooth: float) -> str:
+    """The packing and bits in which bytes are far smoother; "" if none.
+
+    Parameters
+    ----------
+    data : ndarray of uint8, (1, bytes)
+        From the begin of a group of any packing.
+    smooth : float
+        `step` as stated, less the bits of a pixel: a share of full scale.
+    """
+    if smooth < -SCATTER:
+        return ""
     steps = {}
-    for how in (h for h, known in PACKINGS.items() if bits in known):
-        pixels, size = group_of(bits, how)
-        width = (data.size - size) // size * pixels
-        places = range(size)  # the rows may begin within a group
-        steps[how] = min(_packed_step(data[:, k:], width, bits, how) for k in places)
-    best = min(steps, key=lambda how: steps[how], default="")
-    return best if best and step(words) - steps[best] > SWAPPED else ""
+    for how, known in PACKINGS.items():
+        for bits in known:
+            pixels, size = group_of(bits, how)
+            width = data.size // size * pixels
+            steps[how, bits] = _packed_step(data, width, bits, how) - bits
+    how, bits = min(steps, key=lambda key: steps[key])
+    if smooth - steps[how, bits] <= SWAPPED:
+        return ""
+    bits = _genicam_bits(data) if how == "genicam" else bits
+    return f"pixels scatter as stated and are smooth in a packing; set packing: {how}, bits: {bits}"
 
 
 def odd_edges(read: Callable[[int, int], np.ndarray], height: int) -> str:

@@ -140,7 +140,7 @@ class _Name:
 
     @classmethod
     def of(cls, text: str) -> _Name:
-        plain = plain_minus(text[:500]).replace("\u2103", "°C")
+        plain = plain_minus(text[:500]).replace("\u2103", "°C").replace("\u03bc", "µ")
         return cls(text, {"temperature_c": _temperatures(plain), "exposure_s": _exposures(plain)})
 
     @property

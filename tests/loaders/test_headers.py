@@ -62,7 +62,8 @@ def test_a_comma_before_three_digits_is_doubted():
         ({"XPOSURE": 2.5}, 2.5), ({"EXPTIME": 250.0, "TIMEUNIT": "ms"}, 0.25),
         ({"EXPOSURE_MS": 20}, 0.02), ({"Exposure-ms": 20}, 0.02), ({"EXP_TIME_US": 7}, 7e-6),
         ({"ExposureTime_us": "20000"}, 0.02), ({"EXPTIME": 0.0, "DARKTIME": 300.0}, 300.0),
-        ({"DARKTIME": 300.0}, 300.0), ({"EXPTIME": 5.0, "DARKTIME": 0.0}, 5.0),
+        ({"EXPOINUS": 250000}, 0.25), ({"DARKTIME": 300.0}, 300.0),
+        ({"EXPTIME": 5.0, "DARKTIME": 0.0}, 5.0),
     ],
 )  # fmt: skip
 def test_exposures(cards, seconds):
@@ -76,6 +77,15 @@ def test_exposures(cards, seconds):
         ({"EXPTIME": 10.0, "DARKTIME": 300.0}, "DARKTIME = 300.0 differs"),
         ({"EXPOSURE": 250000}, "has no unit"),
         ({"EXPTIME": "long"}, "is no number"),
+        ({"EXPTIME": 500, "EXPOSURE": 0.5}, "EXPOSURE = 0.5 contradicts EXPTIME"),
+        (
+            {
+                "EXPTIME": 500,
+                "DATE-OBS": "2024-01-01T00:00:00",
+                "DATE-END": "2024-01-01T00:00:01.2",
+            },
+            "more than the 1.2 s from DATE-OBS to DATE-END",
+        ),
         ({"CCD-TEMP": 180.2}, "is taken as kelvin, -92.95 C"),
         ({"SET-TEMP": -10}, "is the set point"),
         ({"AmbientTemperature": (50, 10)}, "is that of the air"),
@@ -89,7 +99,16 @@ def test_what_is_ambiguous_is_said(cards, text):
 
 def test_ordinary_values_raise_no_doubt():
     said = from_header(
-        {"CCD-TEMP": -9.8, "SET-TEMP": -10, "EXPTIME": 300.0, "DARKTIME": 300.5, "TIMEUNIT": "s"}
+        {
+            "CCD-TEMP": -9.8,
+            "SET-TEMP": -10,
+            "EXPTIME": 300.0,
+            "EXPOSURE": 300.0,
+            "DARKTIME": 300.5,
+            "TIMEUNIT": "s",
+            "DATE-OBS": "2024-01-01T00:00:00",
+            "DATE-END": "2024-01-01T00:05:00",
+        }
     )
     assert (said.temperature_c, said.exposure_s, said.doubts) == (-9.8, 300.0, ())
     assert said.taken["temperature_c"] == ("header CCD-TEMP", "-9.8")
@@ -118,6 +137,8 @@ def test_a_warm_temperature_without_unit_is_doubted_in_fits():
 def test_names_that_drivers_extend():
     assert from_header({"Andor sCMOS Camera-SensorTemperature": "0.50"}).temperature_c == 0.5
     assert from_header({"ESO DET CHIP1 TEMP": 173.15}).temperature_c == pytest.approx(-100.0)
+    assert from_header({"CCDTEMP1": 5.0}).temperature_c == 5.0
+    assert from_header({"TEMP_CCD": 5.0}).temperature_c == 5.0
     assert from_header({"SensorTemperatureSetPoint": 1.0}).temperature_c is None
 
 

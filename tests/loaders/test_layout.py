@@ -52,6 +52,12 @@ def test_packings_are_told_apart(tmp_path, level, noise, stated):
         (dark().byteswap(), {"bits": 8}, "byte_order: big"),
         (pack(dark(1000, 20, 10), 10, "genicam"), {"packing": "genicam"}, "set bits: 10"),
         (np.tile(pack(dark(), 12, "lsb"), (4, 1)), {}, "set packing: lsb"),
+        (np.tile(pack(dark(), 12, "genicam"), (2, 1)), {"bits": 8}, "packing: genicam, bits: 12"),
+        (
+            np.tile(pack(dark(500, 5, 10), 10, "genicam"), (5, 1)),
+            {"bits": 10, "packing": "mipi"},
+            "packing: genicam, bits: 10",
+        ),
         (pack(dark(), 12, "lsb"), {}, "truncated"),
         (np.tile(pack(dark(), 12, "msb"), (2, 1)), {}, "packing .*msb.* would fit"),
         (b"HEAD" * 16 + dark().tobytes(), {}, "set header_offset: 64"),

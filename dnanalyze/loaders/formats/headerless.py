@@ -14,6 +14,7 @@ from dnanalyze.loaders.captures import Window
 from dnanalyze.loaders.checks import check_count, check_length, check_shape
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.layout import (
+    GROUPS,
     ROWS,
     bytes_fault,
     odd_edges,
@@ -87,14 +88,14 @@ def _fault(
     count = max(2, min(ROWS, height, (1 << 20) // raw.stride))
     first = (height - count) // 2
     rows = raw(0, Window(first, first + count, 0, raw.stride))
-    bits = config.bits or 16
+    bits, lead = config.bits or 16, -(first * raw.stride) % GROUPS
     if packed:
-        return packing_fault(rows, width, bits, config.packing)
+        return packing_fault(rows, width, bits, config.packing, lead)
     used = np.ascontiguousarray(rows[:, : width * dtype.itemsize])
     if dtype.itemsize == 1:
-        return bytes_fault(used)
+        return bytes_fault(used, lead)
     words = used.view(dtype).astype(np.uint16)
-    return words_fault(words, bits, config.byte_order)
+    return words_fault(words, bits, config.byte_order, lead)
 
 
 def _fitting(present: int, config: Config) -> str:
