@@ -250,7 +250,7 @@ def _temperatures(text: str) -> tuple[_Said, ...]:
             counted = groups["value"].startswith("0") and not groups["sign"]
             index = bare or ((apart or counted) and not (groups.get("key") or "x")[1:])
             doubt = (
-                "has no unit; taken as a temperature, C"
+                "has no unit; taken as a temperature, C (a manifest or name_regex settles it)"
                 if bare
                 else ("may be an index; taken as a temperature, C" if apart and index else "")
             )

@@ -54,4 +54,4 @@ def _parsed(path: Path) -> Metadata:
     pairs: dict[str, str] = {"INSTRUME": camera[1]} if camera else {}
     for key, value in lines_of(text):
         pairs.setdefault("EXPOSURE" if key.strip().lower() == "shutter" else key, value)
-    return from_header(pairs).said_by(path.name)
+    return from_header(pairs).said_by("text beside it,")

@@ -65,7 +65,7 @@ def test_texts_of_capture_programs(tmp_path, name, text, gain):
     (point,) = (s.point for s in captures.settings)
     assert (point.temperature_c, point.exposure_s) == (-10.5, 0.02)
     assert point.gain == pytest.approx(gain)
-    assert any(t.source.startswith(name) for t in captures.source.taken)
+    assert all(t.source.startswith("text beside it") for t in captures.source.taken)
 
 
 def packed(folder, kind, members):

@@ -43,4 +43,4 @@ def _sources(seen: Mapping[str, Any]) -> list[Section]:
     """Where the metadata were taken from."""
     rows = capture.sources(seen)
     table = Table(("quantity", "taken from", "for example"), rows, words=3)
-    return [Section("sources", "Metadata", tables=[table])] if rows else []
+    return [Section("sources", "Where the values were taken from", tables=[table])] if rows else []
