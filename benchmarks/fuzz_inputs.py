@@ -91,6 +91,11 @@ def _frames() -> Iterator[tuple[str, Sample]]:
     program = "[ZWO ASI178MM]\nExposure=20.0ms\nGain=120 (30%)\nTemperature=-10,5 C\nOffset=10\n"
     yield "ser", Sample("a.ser", video, _read_folder, False, {"a.txt": program.encode()})
     yield "program text", Sample("a.txt", program.encode(), _read_folder, True, {"a.ser": video})
+    page = {"a.npy": _npy(CODES)}
+    camera = b'{"ExposureTime": 20000, "AnalogueGain": 4.0, "FrameDuration": 33333}'
+    table = b'{"Summary": {}, "k": {"FileName": "x/a.npy", "Exposure-ms": 10, "Channel": "a"}}'
+    yield "program json", Sample("a.json", camera, _read_folder, True, page)
+    yield "program table", Sample("metadata.txt", table, _read_folder, True, page)
     yield from _archives(video, program)
     yield "raw sidecar", Sample("dnanalyze.yaml", packed.encode(), _read_folder, True, rows)
     header = (

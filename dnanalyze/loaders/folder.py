@@ -49,7 +49,7 @@ def load(
     notes report these and other suspect frames (`dnanalyze.loaders.health`).
 
     Each of temperature, exposure, gain and channel is taken from the first source that states it:
-    manifest, file header, name, sidecar.
+    manifest, file header, text of a capture program, name, sidecar.
 
     Parameters
     ----------

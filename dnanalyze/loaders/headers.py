@@ -37,7 +37,7 @@ EXPOSURE = (
     "ITIME", "IMGEXP", "EXPOINUS", "TELAPSE", "ELAPTIME", "ONTIME",
 )  # fmt: skip
 DARK_TIME = ("DARKTIME",)  # while charge collects, where EXPTIME is that of the shutter
-GAIN = ("GAIN", "CCDGAIN", "ANALOGGAIN", "ISO", "ISOSPEEDRATINGS", "ISOSPEED")
+GAIN = ("GAIN", "CCDGAIN", "ANALOGGAIN", "ANALOGUEGAIN", "ISO", "ISOSPEEDRATINGS", "ISOSPEED")
 CHANNEL = ("CHANNEL", "READOUTCHANNEL", "HDRCHANNEL")
 # The black level that was set; PEDESTAL is what a program added to the codes.
 OFFSET = ("OFFSET", "BLKLEVEL", "BLACKLEVEL", "CAMOFFSET", "PEDESTAL")
@@ -61,6 +61,8 @@ _PER_ELECTRON = re.compile(
 )
 _PER_DN = re.compile(r"(?:adu|dn|counts?|lsb)\s*(?:/|per)\s*(?:e\b|electron)")
 _TENTHS = re.compile(r"\bzwo\b|\basi ?\d{3,4}")  # cameras whose gain is in 0.1 dB by their manual
+_FACTORS = ("gain", "AnalogueGain")  # our own attribute, and libcamera's: factors by definition
+_LINEAR = re.compile(r"\bx\b|factor|linear")
 _DECIBEL = re.compile(r"(?:(?P<part>0?[.,]\d+|1/\d+)\s*)?db\b")
 
 
@@ -356,7 +358,7 @@ class _Header:
         elif _TENTHS.search(self._camera()) and 0 <= value < 1000.0:
             self.doubt("gain", key, "is in 0.1 dB, as ZWO cameras count")
             value = 10.0 ** (value / 200.0)
-        elif key.endswith("GAIN"):
+        elif key.endswith("GAIN") and self.keys[key] not in _FACTORS and not _LINEAR.search(said):
             self.doubts.append(without_unit(key))
         self.take("gain", value, key)
 

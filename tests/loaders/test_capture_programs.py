@@ -1,6 +1,7 @@
 """Recordings of capture programs: SER, the texts beside them, archives, and what is not read."""
 
 import io
+import json
 import struct
 import tarfile
 import zipfile
@@ -66,6 +67,31 @@ def test_texts_of_capture_programs(tmp_path, name, text, gain):
     assert (point.temperature_c, point.exposure_s) == (-10.5, 0.02)
     assert point.gain == pytest.approx(gain)
     assert all(t.source.startswith("text beside it") for t in captures.source.taken)
+
+
+def test_json_of_picamera_and_micro_manager(tmp_path):
+    for k in range(2):
+        tif(tmp_path / "a" / f"d{k}.tif", k)
+        tif(tmp_path / "b" / f"img_{k}.tif", k)
+        said = {"ExposureTime": 20000, "AnalogueGain": 4.0, "SensorTemperature": 31.0,
+                "FrameDuration": 33333}  # fmt: skip
+        (tmp_path / "a" / f"d{k}.json").write_text(json.dumps(said))
+    (point,) = (s.point for s in load(tmp_path / "a").settings)
+    assert (point.temperature_c, point.exposure_s, point.gain) == (31.0, 0.02, 4.0)
+    table = {"Summary": {"Channels": 1}} | {
+        f"FrameKey-{k}-0-0": {
+            "FileName": f"Default/img_{k}.tif", "Exposure-ms": 10.0 * (k + 1),
+            "Zyla-SensorTemperature": "0.5", "Channel": "Default",
+        }
+        for k in range(2)
+    }  # fmt: skip
+    (tmp_path / "b" / "metadata.txt").write_text(json.dumps(table))
+    captures = load(tmp_path / "b")
+    points = [(s.point.exposure_s, s.point.temperature_c) for s in captures.settings]
+    assert points == [(0.01, 0.5), (0.02, 0.5)]
+    for bad in ("{", "[1]", '{"a": ' * 2000):
+        (tmp_path / "b" / "metadata.txt").write_text(bad)
+        assert load(tmp_path / "b").settings[0].point.exposure_s is None
 
 
 def packed(folder, kind, members):

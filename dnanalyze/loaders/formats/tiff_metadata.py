@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from dnanalyze.loaders.headers import from_header
+from dnanalyze.loaders.program_text import flat_properties
 from dnanalyze.loaders.recording import Doubt, Metadata
 from dnanalyze.loaders.units import SECONDS, read_number
 
@@ -29,10 +30,7 @@ def micro_manager(page: Any) -> Metadata:
             return Metadata()
     if not isinstance(plain, dict):
         return Metadata()
-    flat = {k: v.get("PropVal") if isinstance(v, dict) else v for k, v in plain.items()}
-    if str(flat.get("Channel", "")).strip() in ("", "Default"):
-        flat.pop("Channel", None)
-    return from_header(flat).said_by("Micro-Manager")
+    return from_header(flat_properties(plain)).said_by("Micro-Manager")
 
 
 def ome(text: str, pages: int) -> list[Metadata]:
