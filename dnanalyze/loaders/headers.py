@@ -40,7 +40,7 @@ DARK_TIME = ("DARKTIME",)  # while charge collects, where EXPTIME is that of the
 GAIN = ("GAIN", "CCDGAIN", "ANALOGGAIN", "ANALOGUEGAIN", "ISO", "ISOSPEEDRATINGS", "ISOSPEED")
 CHANNEL = ("CHANNEL", "READOUTCHANNEL", "HDRCHANNEL")
 # The black level that was set; PEDESTAL is what a program added to the codes.
-OFFSET = ("OFFSET", "BLKLEVEL", "BLACKLEVEL", "CAMOFFSET", "PEDESTAL")
+OFFSET = ("OFFSET", "BLKLEVEL", "CAMOFFSET", "PEDESTAL")
 FRAME = ("FRAME", "FRAMENO", "FRAMENUMBER")
 TYPE = (
     "IMAGETYP", "IMAGETYPE", "IMGTYPE", "FRAMETYP", "FRAMETYPE", "FRAME", "OBSTYPE", "EXPTYPE",
@@ -62,7 +62,7 @@ _PER_ELECTRON = re.compile(
 _PER_DN = re.compile(r"(?:adu|dn|counts?|lsb)\s*(?:/|per)\s*(?:e\b|electron)")
 _TENTHS = re.compile(r"\bzwo\b|\basi ?\d{3,4}")  # cameras whose gain is in 0.1 dB by their manual
 _FACTORS = ("gain", "AnalogueGain")  # our own attribute, and libcamera's: factors by definition
-_LINEAR = re.compile(r"\bx\b|factor|linear")
+_LINEAR = re.compile(r"\bx\b|factor|linear|(?:adu|dn|counts?|lsb)\s*(?:/|per)\s*e")
 _DECIBEL = re.compile(r"(?:(?P<part>0?[.,]\d+|1/\d+)\s*)?db\b")
 
 

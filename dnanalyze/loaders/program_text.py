@@ -16,6 +16,7 @@ from dnanalyze.loaders.recording import Metadata
 
 _MOST = 1 << 16  # bytes; such texts have a few thousand
 _MOST_JSON = 16 << 20  # Micro-Manager writes about 4 kB a frame
+_NAMES = {"shutter": "EXPOSURE", "black level": "BLKLEVEL"}  # of FireCapture and SharpCap
 _FOR_ALL = "CameraSettings.txt"  # SharpCap, of a sequence of stills
 
 
@@ -66,7 +67,7 @@ def _parsed(path: Path) -> Metadata:
     camera = re.match(r"\s*\[(.{1,60})\]", text)  # SharpCap begins with it
     pairs: dict[str, str] = {"INSTRUME": camera[1]} if camera else {}
     for key, value in lines_of(text):
-        pairs.setdefault("EXPOSURE" if key.strip().lower() == "shutter" else key, value)
+        pairs.setdefault(_NAMES.get(key.strip().lower(), key), value)
     return _said(pairs)
 
 
