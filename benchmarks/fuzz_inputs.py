@@ -590,6 +590,7 @@ def _limited() -> None:
 
 def _work(pipe: Connection, numbers: range, seed: int, folder: str) -> None:
     """A worker: outcomes one by one; "begun" before each, so that a crash is known by number."""
+    tempfile.tempdir = folder  # what is unpacked goes when the worker is ended
     known = samples()
     _imported()
     _limited()

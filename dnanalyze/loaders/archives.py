@@ -74,6 +74,7 @@ def _unpacked(path: Path, name: str, most: int, changed: int, size: int) -> Path
                     room.take(len(block))
                     out.write(block)
     except InputError:
+        shutil.rmtree(local, ignore_errors=True)
         raise
     except FileExistsError as error:
         raise InputError(f"{name}: holds a file twice; unpack it and give the folder") from error

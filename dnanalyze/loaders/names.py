@@ -249,11 +249,15 @@ def _temperatures(text: str) -> tuple[_Said, ...]:
             apart = bool(groups.get("gap")) and not groups.get("degree")
             counted = groups["value"].startswith("0") and not groups["sign"]
             index = bare or ((apart or counted) and not (groups.get("key") or "x")[1:])
-            doubt = (
-                "has no unit; taken as a temperature, C (a manifest or name_regex settles it)"
-                if bare
-                else ("may be an index; taken as a temperature, C" if apart and index else "")
-            )
+            doubt = ""
+            if bare:
+                doubt = (
+                    "has no unit; taken as a temperature, C (a manifest or name_regex settles it)"
+                )
+            elif apart and index:
+                doubt = "may be an index; taken as a temperature, C"
+            elif groups["sign"] == "m" and match[0].endswith("c"):
+                doubt = f"is read as {value:g} C; where it is a name, a manifest settles it"
             found.append(_ranged("C", text, match, _Said(value, match[0], index, doubt)))
     found += [
         _Said(None, m[0], doubt="may begin with a minus or a dash; not used")

@@ -162,6 +162,8 @@ def test_what_does_not_count_is_a_temperature_with_its_doubt():
     found = from_folder([["dark_t025"], ["dark_t045"]])
     assert [m.temperature_c for m in found] == [25.0, 45.0]
     assert "'t025' in the name has no unit" in told(found[0])
+    assert "is read as -3 C" in told(from_names(["m3c"]))
+    assert not told(from_names(["m10C"]))
     assert not told(from_folder([["T+025C"], ["T+026C"]])[0])
     assert [m.temperature_c for m in from_folder([["T+025C"], ["T+026C"]])] == [25.0, 26.0]
 
