@@ -48,6 +48,7 @@ _TEMPERATURES = (
         re.IGNORECASE,
     ),
 )
+_MAYBE_TEMPERATURE = re.compile(r"c|t(?:[+-]|m|neg)?\d|temp", re.IGNORECASE)
 _MINUS_OR_DASH = re.compile(rf"(?<=[A-Za-z0-9])-{_DEGREES}(?:deg|°)?c{_END}", re.IGNORECASE)
 _UNITS = {
     "us": 1e-6, "µs": 1e-6, "usec": 1e-6, "ms": 1e-3, "msec": 1e-3, "s": 1.0, "sec": 1.0,
@@ -236,6 +237,8 @@ def _said(values: Mapping[str, str | None], path: str) -> Metadata:
 
 def _temperatures(text: str) -> tuple[_Said, ...]:
     """What may be temperatures, C, by how plainly it is one."""
+    if not _MAYBE_TEMPERATURE.search(text):  # most names; the patterns take 50 us
+        return ()
     found = []
     for pattern in _TEMPERATURES:
         for match in pattern.finditer(text):
