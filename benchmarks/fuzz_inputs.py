@@ -66,6 +66,8 @@ def samples() -> dict[str, Sample]:
 
 
 def _frames() -> Iterator[tuple[str, Sample]]:
+    from dnanalyze.loaders.packing import pack
+
     for kind, (name, data) in _binary_files().items():
         yield kind, Sample(name, data, _read_folder)
     raw = {"a.raw": CODES.tobytes()}
@@ -75,7 +77,26 @@ def _frames() -> Iterator[tuple[str, Sample]]:
         "raw",
         Sample("a.raw", raw["a.raw"], _read_folder, False, {"dnanalyze.yaml": layout.encode()}),
     )
-    rows = {"a.raw": bytes(12) + raw["a.raw"][: 2 * 64 * SHAPE[0]]}
+    padded = np.pad(pack(CODES[0], 12, "mipi"), ((0, 0), (0, 4)))
+    rows = {"a.raw": bytes(12) + padded.tobytes()}
+    genicam = layout + "packing: genicam\nfooter_bytes: 4\n"
+    yield (
+        "raw genicam",
+        Sample(
+            "a.raw", pack(CODES[0], 12, "genicam").tobytes() + bytes(4), _read_folder, False,
+            {"dnanalyze.yaml": genicam.encode()},
+        ),
+    )  # fmt: skip
+    video = _ser()
+    program = "[ZWO ASI178MM]\nExposure=20.0ms\nGain=120 (30%)\nTemperature=-10,5 C\nOffset=10\n"
+    yield "ser", Sample("a.ser", video, _read_folder, False, {"a.txt": program.encode()})
+    yield "program text", Sample("a.txt", program.encode(), _read_folder, True, {"a.ser": video})
+    page = {"a.npy": _npy(CODES)}
+    camera = b'{"ExposureTime": 20000, "AnalogueGain": 4.0, "FrameDuration": 33333}'
+    table = b'{"Summary": {}, "k": {"FileName": "x/a.npy", "Exposure-ms": 10, "Channel": "a"}}'
+    yield "program json", Sample("a.json", camera, _read_folder, True, page)
+    yield "program table", Sample("metadata.txt", table, _read_folder, True, page)
+    yield from _archives(video, program)
     yield "raw sidecar", Sample("dnanalyze.yaml", packed.encode(), _read_folder, True, rows)
     header = (
         f"ENVI\nsamples = {SHAPE[1]}\nlines = {SHAPE[0]}\nbands = 2\nheader offset = 0\n"
@@ -145,6 +166,17 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         )
         for how in ("RICE_1", "GZIP_1", "GZIP_2")
     }
+    first, second = fits.ImageHDU(CODES[0], name="A"), fits.ImageHDU(CODES[1], name="B")
+    empty = fits.PrimaryHDU(header=primary.header.copy(strip=True))
+    chips = held(fits.HDUList([empty, first, second]).writeto)
+    half = SHAPE[1] // 2
+    amplifiers = fits.PrimaryHDU(CODES[0])
+    for letter, start in (("A", 0), ("B", half)):
+        rows = f"1:{SHAPE[0]}]"
+        amplifiers.header[f"DATASEC{letter}"] = f"[{start + 1}:{start + half - 4},{rows}"
+        amplifiers.header[f"BIASSEC{letter}"] = f"[{start + half - 3}:{start + half},{rows}"
+    micro = (51123, 2, 0, b'{"Exposure-ms": 20.0, "Zyla-SensorTemperature": "0,50"}', True)
+    planes = {"ExposureTime": [20.0, 40.0], "ExposureTimeUnit": ["ms", "ms"]}
     grey = np.stack([CODES[0].astype(np.uint8)] * 3, -1)
     mono = {"metadata": None, "photometric": "minisblack"}
     unity = (1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1)
@@ -158,6 +190,8 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
     return {
         "fits": ("a.fits", plain),
         "fits extension": ("a.fit", extension),
+        "fits chips": ("a.fits", chips),
+        "fits amplifiers": ("a.fits", held(amplifiers.writeto)),
         "fits.gz": ("a.fits.gz", gzip.compress(plain, mtime=0)),
         "fits in gz": ("a.fits.gz", plain),  # damaged, then packed
         **{f"fz {how}": ("a.fits.fz", data) for how, data in tiles.items()},
@@ -171,6 +205,9 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         "tiff deflated": ("a.tif", tif(CODES, compression="zlib", predictor=True, **mono)),
         "tiff tiled": ("a.tif", tif(CODES[0], tile=(16, 16), **mono)),
         "tiff colour": ("a.tif", tif(grey, photometric="rgb", metadata=None)),
+        "tiff packed": ("a.tif", _packed_tif()),
+        "tiff manager": ("a.tif", tif(CODES[0], extratags=[micro], **mono)),
+        "tiff ome": ("a.ome.tif", tif(CODES, ome=True, metadata={"axes": "TYX", "Plane": planes})),
         "png": ("a.png", png(CODES[0])),
         "png colour": ("a.png", png(grey)),
         "pgm": (
@@ -179,6 +216,47 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         ),
         "dng": ("a.dng", tif(mosaic, photometric="cfa", metadata=None, extratags=tags)),
     }  # fmt: skip
+
+
+def _ser() -> bytes:
+    rows, columns = SHAPE
+    head = b"LUCAM-RECORDER" + np.array([0, 8, 0, columns, rows, 12, 2], "<i4").tobytes()
+    return head.ljust(178, b"\0") + CODES.astype("<u2").tobytes() + bytes(16)
+
+
+def _archives(video: bytes, program: str) -> Iterator[tuple[str, Sample]]:
+    import tarfile
+    import zipfile
+
+    members = {"darks/a.ser": video, "darks/a.txt": program.encode(), "darks/.hidden": b"x"}
+    for kind, compression in (("zip", zipfile.ZIP_DEFLATED), ("zip stored", zipfile.ZIP_STORED)):
+        stream = io.BytesIO()
+        with zipfile.ZipFile(stream, "w", compression) as archive:
+            for name, data in members.items():
+                archive.writestr(zipfile.ZipInfo(name), data, compression)
+        yield kind, Sample("a.zip", stream.getvalue(), _read_archive)
+    for kind, mode in (("tar.gz", "w:gz"), ("tar", "w")):
+        stream = io.BytesIO()
+        with tarfile.open(fileobj=stream, mode=mode, format=tarfile.PAX_FORMAT) as tar:
+            for name, data in members.items():
+                info = tarfile.TarInfo(name)
+                info.size, info.pax_headers = len(data), {"comment": "darks"}
+                tar.addfile(info, io.BytesIO(data))
+        yield kind, Sample(f"a.{kind}", stream.getvalue(), _read_archive)
+
+
+def _packed_tif() -> bytes:
+    """One page of 12-bit samples, packed, as bytes: tags in the order of their numbers."""
+    import struct
+
+    from dnanalyze.loaders.packing import pack
+
+    data = pack(CODES[0], 12, "msb").tobytes()
+    rows, columns = SHAPE
+    tags = [(256, columns), (257, rows), (258, 12), (259, 1), (262, 1), (273, 8), (277, 1),
+            (278, rows), (279, len(data))]  # fmt: skip
+    head = b"II*\0" + struct.pack("<I", 8 + len(data)) + data + struct.pack("<H", len(tags))
+    return head + b"".join(struct.pack("<HHII", n, 4, 1, v) for n, v in tags) + bytes(4)
 
 
 def _npy(array: Any) -> bytes:
@@ -261,11 +339,18 @@ def _model() -> Any:
 
 def _read_folder(path: Path) -> None:
     """Load the folder, and read the first and the last frame, in part and whole."""
+    _read_capture(path.parent)
+
+
+def _read_archive(path: Path) -> None:
+    _read_capture(path)
+
+
+def _read_capture(path: Path) -> None:
     from dnanalyze.loaders import load
     from dnanalyze.loaders.captures import Window
 
-    folder = path.parent
-    captures = load(folder)
+    captures = load(path)
     frames = list(captures.frames())
     rows, columns = captures.sensor.shape
     for frame in {id(f): f for f in (frames[0], frames[-1])}.values():
@@ -505,6 +590,7 @@ def _limited() -> None:
 
 def _work(pipe: Connection, numbers: range, seed: int, folder: str) -> None:
     """A worker: outcomes one by one; "begun" before each, so that a crash is known by number."""
+    tempfile.tempdir = folder  # what is unpacked goes when the worker is ended
     known = samples()
     _imported()
     _limited()

@@ -274,9 +274,22 @@ class _Plane:
 def _planes(window: Window, sensor: Sensor) -> list[_Plane]:
     if sensor.cfa is None:
         return [_Plane()]
-    if len(sensor.cfa) != 2 or any(len(row) != 2 for row in sensor.cfa):
-        raise InputError(f"colour filter {sensor.cfa}: only 2 x 2 mosaics can be analysed")
-    return [_Plane(_plane_name(sensor.cfa, r, c), r, c, 2) for r in range(2) for c in range(2)]
+    periods = {len(sensor.cfa), *map(len, sensor.cfa)}
+    if any(period % 2 for period in periods):
+        raise InputError(
+            "the colour filter has an odd period, and mosaics are analysed as 2 x 2 planes; state "
+            "no cfa in the sidecar to analyse the frame as a whole"
+        )
+    names = _plane_name if periods == {2} else _phase_name
+    return [_Plane(names(sensor.cfa, r, c), r, c, 2) for r in range(2) for c in range(2)]
+
+
+def _phase_name(cfa: tuple[tuple[str, ...], ...], row: int, column: int) -> str:
+    """Of a larger mosaic: row and column in the 2 x 2 block.
+
+    Dark charge does not pass the filter; circuits are shared by 2 x 2 pixels or fewer.
+    """
+    return f"{row}{column}"
 
 
 def _plane_name(cfa: tuple[tuple[str, ...], ...], row: int, column: int) -> str:

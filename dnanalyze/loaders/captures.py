@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from types import NoneType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.physical import RANGES, fault
+
+if TYPE_CHECKING:
+    from dnanalyze.loaders.provenance import Taken
 
 
 @dataclass(frozen=True)
@@ -299,6 +303,8 @@ class Source:
         "active", "masked" or "all" of the readout.
     cache : str, optional
         Folder in which statistics of these frames are kept; not part of what they are.
+    taken : tuple of Taken
+        Where the metadata were taken from.
     """
 
     formats: tuple[str, ...]
@@ -306,6 +312,7 @@ class Source:
     tolerance_c: float
     region: str = "active"
     cache: str | None = field(default=None, compare=False)
+    taken: tuple[Taken, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

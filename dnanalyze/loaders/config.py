@@ -38,14 +38,16 @@ class Config(BaseModel):
     bits : int
         Bits of a pixel (8, 10, 12, 14 or 16 in headerless raw).
     packing : str
-        Headerless raw: "plain" (one pixel in one or two bytes), "mipi" (CSI-2 RAW10/12/14) or
-        "lsb" (a little-endian bit stream, lowest bit first).
+        Headerless raw: "plain" (one pixel in one or two bytes), "mipi" (CSI-2 RAW10/12/14),
+        "lsb" (a little-endian bit stream, lowest bit first; Mono12p), "msb" (a big-endian one) or
+        "genicam" (Mono10Packed, Mono12Packed).
     byte_order : str
         Headerless plain raw: "little" or "big".
-    header_offset, row_bytes : int
-        Headerless raw: bytes before the first pixel; bytes from row to row where rows are padded.
+    header_offset, footer_bytes, row_bytes : int
+        Headerless raw: bytes before the first pixel and behind the last; bytes from row to row
+        where rows are padded.
     cfa : str
-        Colours of the top-left block of the readout, rows joined ("RGGB"; 4 or 16 letters).
+        Colours of the top-left block of the readout, rows joined ("RGGB"; 4, 16 or 36 letters).
     black_level, white_level, pixel_pitch_um, system_gain_dn_e : float
         DN, DN, micrometres, DN/e-.
     active_rows, active_columns : [int, int]
@@ -59,10 +61,14 @@ class Config(BaseModel):
         For frames of which no other source says it.
     tolerance_c : float
         Span of the temperatures of one operating point, C.
+    tolerance_s : float
+        Span of the exposures of one operating point, s.
     skip : list of str
         Globs of bad frames, relative to the folder.
     region : str
         "active", "masked" or "all", where the caller does not say.
+    image_type : str
+        "dark": every file is a dark frame, whatever its header says.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -70,9 +76,10 @@ class Config(BaseModel):
     width: int | None = Field(default=None, gt=0, le=MAX_PIXELS)
     height: int | None = Field(default=None, gt=0, le=MAX_PIXELS)
     bits: int | None = Field(default=None, ge=1, le=32)
-    packing: Literal["plain", "mipi", "lsb"] = "plain"
+    packing: Literal["plain", "mipi", "lsb", "msb", "genicam"] = "plain"
     byte_order: Literal["little", "big"] = "little"
     header_offset: int = Field(default=0, ge=0, le=1 << 60)
+    footer_bytes: int = Field(default=0, ge=0, le=1 << 60)
     row_bytes: int | None = Field(default=None, gt=0, le=8 * MAX_PIXELS)
     cfa: str | None = None
     black_level: Number | None = None
@@ -89,14 +96,16 @@ class Config(BaseModel):
     gain: float | None = None
     channel: str | None = None
     tolerance_c: Number | None = Field(default=None, ge=0)
+    tolerance_s: Number | None = Field(default=None, ge=0)
     skip: tuple[str, ...] = ()
     region: Literal["active", "masked", "all"] | None = None
+    image_type: Literal["dark"] | None = None
 
     @field_validator("cfa")
     @classmethod
     def _square(cls, value: str | None) -> str | None:
-        if value is not None and not re.fullmatch(r"[A-Za-z]{4}|[A-Za-z]{16}", value):
-            raise ValueError("must be 4 letters (2 x 2) or 16 letters (4 x 4), such as RGGB")
+        if value is not None and not re.fullmatch(r"[A-Za-z]{4}|[A-Za-z]{16}|[A-Za-z]{36}", value):
+            raise ValueError("must be 4, 16 or 36 letters (2 x 2, 4 x 4, 6 x 6), such as RGGB")
         return value and value.upper()
 
     @field_validator("temperature_c", "exposure_s", "gain")
@@ -116,6 +125,11 @@ class Config(BaseModel):
                 raise ValueError(f"{name} must be [first, one past the last], such as [0, 16]")
         return self
 
+    @property
+    def names_active(self) -> bool:
+        """Whether it says where light falls."""
+        return bool(self.active_rows or self.active_columns)
+
     def colour_filter(self) -> Cfa | None:
         """``cfa`` as rows."""
         return None if self.cfa is None else cfa_rows(self.cfa)
@@ -126,7 +140,7 @@ class Config(BaseModel):
 
 
 def cfa_rows(text: str) -> Cfa:
-    """Text "RGGB" as (("R","G"),("G","B")); 4 or 16 letters."""
+    """Text "RGGB" as (("R","G"),("G","B")); 4, 16 or 36 letters."""
     side = int(len(text) ** 0.5)
     return tuple(tuple(text[r * side : (r + 1) * side]) for r in range(side))
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.archives import is_archive, unpacked
 from dnanalyze.loaders.remote import Origin, fetched
 
 MAX_FILES = 100_000
@@ -51,7 +52,8 @@ def find(path: str | os.PathLike[str]) -> Place:
     Parameters
     ----------
     path : str or path
-        A folder, one file, a manifest in a folder, or an fsspec URL ("s3://bucket/darks").
+        A folder, one file, a manifest in a folder, an archive of a folder (.zip, .tar.gz), or an
+        fsspec URL ("s3://bucket/darks").
 
     Raises
     ------
@@ -68,6 +70,10 @@ def find(path: str | os.PathLike[str]) -> Place:
         if given.is_file():
             if given.name.lower() in MANIFESTS:
                 return Place(text, given.parent, _below(given.parent))
+            if is_archive(given):
+                check_regular(given, text)
+                root = unpacked(given, text, MAX_FILES)
+                return Place(text, root, _below(root))
             return Place(text, given.parent, (given,), single=True)
     except OSError as error:
         raise unreadable(text, error) from error

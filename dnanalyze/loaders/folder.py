@@ -11,17 +11,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from dnanalyze.errors import InputError, printable
+from dnanalyze.loaders import exposures
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
 from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
 from dnanalyze.loaders.files import Place, find
 from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
+from dnanalyze.loaders.formats.unread import instead
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
-from dnanalyze.loaders.names import from_names, from_regex
-from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
+from dnanalyze.loaders.recording import Cfa, FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
+from dnanalyze.loaders.sources import merged
 from dnanalyze.loaders.thermometer import TOLERANCE_C
 
 if TYPE_CHECKING:
@@ -47,7 +49,7 @@ def load(
     notes report these and other suspect frames (`dnanalyze.loaders.health`).
 
     Each of temperature, exposure, gain and channel is taken from the first source that states it:
-    manifest, file header, name, sidecar.
+    manifest, file header, text of a capture program, name, sidecar.
 
     Parameters
     ----------
@@ -117,6 +119,8 @@ def _frame_files(
     if skipped:
         notes.append(f"{len(skipped)} frames are skipped as the sidecar says.")
     files = [f for f in files if f not in skipped]
+    if not files and (found := instead(place.files)):
+        raise InputError(f"{place.name}: no frames; it holds {found}")
     if not files:
         raise InputError(
             f"{place.name}: no frames; give a folder with files of: {', '.join(sorted(MODULES))}"
@@ -132,7 +136,7 @@ def _recordings(
     previous = None
     for file in files:
         recording = previous = read_header(file, printable(place.relative(file)), config, previous)
-        if recording.left_out:
+        if recording.left_out and config.image_type is None:
             left_out[recording.left_out] += 1
         else:
             if place.origin is not None:
@@ -140,7 +144,10 @@ def _recordings(
             recordings.append((file, recording))
     notes += [f"{n} files are left out: {reason}." for reason, n in left_out.items()]
     if not recordings:
-        raise InputError(f"{place.name}: no dark frames; {next(iter(left_out))} in every file")
+        raise InputError(
+            f"{place.name}: no dark frames; {next(iter(left_out))} in every file: give the folder "
+            "of the darks, or, where these are darks, image_type: dark in the sidecar"
+        )
     return _one_camera(place, recordings, notes)
 
 
@@ -202,20 +209,19 @@ def _capture_set(
     first = recordings[0][1]
     window = Window.whole(first.shape)
     cfa = config.colour_filter() or first.cfa
-    named = _named(place, [f for f, _ in recordings], config)
-    odd: dict[str, list[str]] = {}
-    for (file, recording), said in zip(recordings, named, strict=True):
+    filters: set[Cfa | None] = set()
+    notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
+    known_of, taken = merged(place, config, manifest, recordings, notes)
+    for (file, recording), own in zip(recordings, known_of, strict=True):
         name = printable(place.relative(file))
-        active, masked = _areas(recording, config, name)
-        window = _region(part, active, masked, Window.whole(recording.shape), name)
-        check_shape(name, window.shape, mosaic=cfa is not None)
         check_count(place.name, len(frames) + len(recording.frames))
-        for index, header in enumerate(recording.frames):
-            own, wrong = header.plausible()
-            for text in wrong:
-                odd.setdefault(text, []).append(name)
-            known = manifest.get(file, Metadata()).or_else(own).or_else(said)
-            known = known.or_else(config.metadata())
+        for index, known in enumerate(own):
+            if recording.area(index).again and (part == "all" or config.names_active):
+                continue
+            active, masked = _areas(recording, index, config, name)
+            window = _region(part, active, masked, Window.whole(recording.shape), name)
+            check_shape(name, window.shape, mosaic=cfa is not None)
+            filters.add(shifted_cfa(cfa, window.top, window.left))
             label = name if len(recording.frames) == 1 else f"{name}[{index}]"
             point = OperatingPoint(known.temperature_c, known.exposure_s, known.gain, known.channel)
             black = None
@@ -229,26 +235,32 @@ def _capture_set(
             f"{place.name}: active areas of different shapes {sorted(shapes)}; set active_rows and "
             "active_columns in the sidecar"
         )
+    if len(filters) > 1:
+        raise InputError(
+            f"{place.name}: active areas that begin on different colours of the filter; set "
+            "active_rows and active_columns in the sidecar"
+        )
     sensor = Sensor(
         window.shape,
         _first(config.bits, first.bits),
         _first(config.black_level, first.black_level),
         _first(config.white_level, first.white_level),
-        shifted_cfa(cfa, window.top, window.left),
+        filters.pop(),
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
-    notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
-    notes += [
-        f"The header says {text}; taken as unknown in {names[0]}"
-        + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
-        for text, names in odd.items()
-    ]
-    settings, suspect = examined(group(frames, tolerance_c))
+    if sensor.cfa is not None and len(sensor.cfa) > 2:
+        notes.append(
+            f"The mosaic of {len(sensor.cfa)} x {len(sensor.cfa[0])} pixels is analysed as its "
+            "four planes of every second row and column, 00 to 11."
+        )
+    grouped = group(frames, tolerance_c, config.tolerance_s)
+    notes += exposures.notes(grouped)
+    settings, suspect = examined(grouped)
     notes += suspect
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
-    source = Source(formats, str(first.dtype), span, part)
+    source = Source(formats, str(first.dtype), span, part, taken=taken)
     return CaptureSet(printable(place.name), sensor, settings, tuple(notes), source)
 
 
@@ -258,16 +270,18 @@ def _common(values: Iterable[float | None]) -> float | None:
     return found.pop() if len(found) == 1 else None
 
 
-def _areas(recording: Recording, config: Config, name: str) -> tuple[Window, Window | None]:
-    """Active and masked area of the readout; the sidecar outranks the header."""
-    whole = Window.whole(recording.shape)
-    active = recording.active or whole
-    if config.active_rows or config.active_columns:
+def _areas(
+    recording: Recording, index: int, config: Config, name: str
+) -> tuple[Window, Window | None]:
+    """Active and masked area of a frame's readout; the sidecar outranks the header."""
+    whole, own = Window.whole(recording.shape), recording.area(index)
+    active = own.active or whole
+    if config.names_active:
         active = Window(
             *(config.active_rows or (active.top, active.bottom)),
             *(config.active_columns or (active.left, active.right)),
         )
-    masked = recording.masked
+    masked = own.masked
     if config.optical_black_rows or config.optical_black_columns:
         masked = Window(
             *(config.optical_black_rows or (0, whole.bottom)),
@@ -295,17 +309,6 @@ def _region(part: str, active: Window, masked: Window | None, whole: Window, nam
             "optical_black_rows in the sidecar"
         )
     return masked
-
-
-def _named(place: Place, files: list[Path], config: Config) -> list[Metadata]:
-    """What the name of each file and its folders say; the user's own expression first."""
-    below = [Path(place.relative(f)) for f in files]
-    root = Path(os.path.realpath(place.root)).name
-    guessed = [from_names([f.stem, *reversed(f.parent.parts), root]).plausible()[0] for f in below]
-    if config.name_regex is None:
-        return guessed
-    own = from_regex(config.name_regex, [f.as_posix() for f in below])
-    return [mine.or_else(theirs) for mine, theirs in zip(own, guessed, strict=True)]
 
 
 def _first(*values: T | None) -> T | None:

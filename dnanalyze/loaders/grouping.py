@@ -9,11 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from dnanalyze.loaders.captures import Frame, OperatingPoint, Setting
+from dnanalyze.loaders.exposures import states
 from dnanalyze.loaders.thermometer import clusters, isolated
 
 
 def group(
-    frames: Sequence[tuple[Frame, float | None]], tolerance_c: float | None = None
+    frames: Sequence[tuple[Frame, float | None]],
+    tolerance_c: float | None = None,
+    tolerance_s: float | None = None,
 ) -> tuple[Setting, ...]:
     """Settings, sorted by operating point.
 
@@ -29,12 +32,15 @@ def group(
     tolerance_c : float, optional
         Largest span of the temperatures in one setting, C; by default 1.5, or less where the
         readings scatter by much less than they lie apart.
+    tolerance_s : float, optional
+        Largest span of the exposures in one setting, s (`exposures.states`).
     """
     state, shared = _states([f.point.temperature_c for f, _ in frames], tolerance_c)
+    exposure = states([f.point.exposure_s for f, _ in frames], tolerance_s)
     alike: dict[tuple, list[int]] = defaultdict(list)
     for index, (frame, _) in enumerate(frames):
         point = frame.point
-        key = (point.channel, _near(point.gain), _near(point.exposure_s), state[index])
+        key = (point.channel, _near(point.gain), exposure[index], state[index])
         alike[key].append(index)
     settings = []
     for (*_, here), indices in alike.items():
@@ -64,13 +70,18 @@ def _setting(frames: list[Frame], temperature_c: float | None) -> Setting:
     first = frames[0].point
     if temperature_c is None and first.temperature_c is not None:
         temperature_c = _mean([f.point.temperature_c or 0.0 for f in frames])
-    point = OperatingPoint(temperature_c, first.exposure_s, first.gain, first.channel)
+    exposure_s = first.exposure_s
+    if exposure_s is not None:
+        exposure_s = _mean([f.point.exposure_s or 0.0 for f in frames], "{:.6g}")
+    point = OperatingPoint(temperature_c, exposure_s, first.gain, first.channel)
     return Setting(point, tuple(frames))
 
 
-def _mean(known: list[float]) -> float:
-    """Equal temperatures give exactly that temperature; else to 1e-6 C, free of the sum's tail."""
-    return known[0] if min(known) == max(known) else round(math.fsum(known) / len(known), 6)
+def _mean(known: list[float], digits: str = "{:.6f}") -> float:
+    """Equal values give exactly that value; else so many digits, free of the sum's tail."""
+    if min(known) == max(known):
+        return known[0]
+    return float(digits.format(math.fsum(known) / len(known)))
 
 
 def _near(value: float | None) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,9 @@ def inspect(captures: CaptureSet) -> dict[str, Any]:
         "frames", "format", "dtype", "shape", "bits", "codes" (smallest, largest, step and
         effective bits seen), "cfa", "black_level", "white_level", "pixel_pitch_um",
         "system_gain_dn_e", "masked" (whether optical black comes along), "tolerance_c",
-        "operating_points", "notes", and "missing": a sentence for each thing that limits the
-        analysis.
+        "operating_points", "taken_from" (of each quantity every source, with the number of frames
+        and one example), "notes" (what is doubtful), and "missing": a sentence for each thing that
+        limits the analysis.
     """
     sensor, source = captures.sensor, captures.source
     seen = _codes(captures)
@@ -51,6 +53,7 @@ def inspect(captures: CaptureSet) -> dict[str, Any]:
         "masked": all(f.masked is not None for f in captures.frames()),
         "tolerance_c": source.tolerance_c if source else None,
         "operating_points": [_operating_point(s) for s in captures.settings],
+        "taken_from": [asdict(t) for t in source.taken] if source else [],
         "notes": list(captures.notes),
         "missing": missing(captures),
     }

@@ -43,7 +43,7 @@ def read_manifest(place: Place) -> dict[Path, Metadata] | None:
         if count > MAX_FILES:
             raise InputError(f"{path}: more than {MAX_FILES} rows; name files by a glob")
         where = f"{path}: row {number}"
-        metadata = _metadata(row, where)
+        metadata = _metadata(row, where).of(path.name)
         pattern = str(row.get("file") or "").strip()
         globbed += len(known) * any(c in pattern for c in "*?[")
         if globbed > MAX_GLOBBED:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,12 +16,36 @@ from dnanalyze.loaders.physical import fault
 Cfa = tuple[tuple[str, ...], ...]
 
 
+QUANTITIES = ("temperature_c", "exposure_s", "gain", "channel", "frame", "offset")
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """What is doubtful about a value that a source states.
+
+    Parameters
+    ----------
+    about : str
+        One of ``QUANTITIES``.
+    kind : str
+        Doubts of one kind are told once, with the first text and the number of frames.
+    text : str
+        A clause that begins with where the value stands, without a full stop.
+    """
+
+    about: str
+    kind: str
+    text: str
+
+
 @dataclass(frozen=True)
 class Metadata:
     """What one source says of one frame; ``None`` is not said.
 
-    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting. A source may say what
-    cannot be (a header's -999 C); `plausible` drops it.
+    Units as in ``OperatingPoint``; ``frame`` orders the frames of a setting; ``offset`` is the
+    black level as the camera was set, in its own units. A source may say what
+    cannot be (a gain of 0); `plausible` drops it. ``taken`` gives for each quantity the place that
+    states it and how, as ("header CCD-TEMP", "'-9,8'").
     """
 
     temperature_c: float | None = None
@@ -28,25 +53,61 @@ class Metadata:
     gain: float | None = None
     channel: str | None = None
     frame: float | None = None
+    offset: float | None = field(default=None, compare=False, repr=False)
+    taken: Mapping[str, tuple[str, str]] = field(default_factory=dict, compare=False, repr=False)
+    doubts: tuple[Doubt, ...] = field(default=(), compare=False, repr=False)
 
     def or_else(self, other: Metadata) -> Metadata:
         """Field by field, this source's word, or else the other's."""
-        pairs = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
-        return Metadata(*(mine if mine is not None else theirs for mine, theirs in pairs))
+        mine = {name for name in QUANTITIES if getattr(self, name) is not None}
+        values = {n: getattr(self if n in mine else other, n) for n in QUANTITIES}
+        taken = {k: v for k, v in other.taken.items() if k not in mine} | dict(self.taken)
+        doubts = self.doubts + tuple(d for d in other.doubts if d.about not in mine)
+        return Metadata(**values, taken=taken, doubts=doubts)
+
+    def of(self, source: str) -> Metadata:
+        """The same, with its source where none is stated yet."""
+        known = (name for name in QUANTITIES if getattr(self, name) is not None)
+        return replace(self, taken=dict.fromkeys(known, (source, "")) | dict(self.taken))
+
+    def said_by(self, source: str) -> Metadata:
+        """The same, "header" in the names of its sources replaced."""
+        taken = {k: (where.replace("header", source, 1), how) for k, (where, how)
+                 in self.taken.items()}  # fmt: skip
+        return replace(self, taken=taken)
+
+    def in_channel(self, channel: str, source: str) -> Metadata:
+        """The same frame in a channel, unless it names one itself."""
+        return self.or_else(Metadata(channel=channel).of(source))
 
     def plausible(self) -> tuple[Metadata, tuple[str, ...]]:
         """What of it can be, and what is wrong with the rest.
 
-        Cameras write -999 C where a sensor does not answer, and a gain of 0 for the lowest of
-        their settings: no measurement, and no reason to refuse the frame.
+        Cameras write a gain of 0 for the lowest of their settings: no measurement, and no reason
+        to refuse the frame.
         """
-        wrong = {
-            f.name: fault(f.name, getattr(self, f.name))
-            for f in fields(self)
-            if f.name != "channel"
-        }
-        bad = {name: None for name, text in wrong.items() if text}
+        wrong = {name: fault(name, getattr(self, name)) for name in QUANTITIES if name != "channel"}
+        bad: dict[str, Any] = {name: None for name, text in wrong.items() if text}
         return (replace(self, **bad) if bad else self), tuple(filter(None, wrong.values()))
+
+
+@dataclass(frozen=True)
+class Area:
+    """What part of a readout makes a frame.
+
+    Parameters
+    ----------
+    active : Window, optional
+        Where light falls; None is everywhere.
+    masked : Window, optional
+        Optical black or overscan.
+    again : bool
+        Whether another frame has the same readout: one of several amplifiers.
+    """
+
+    active: Window | None = None
+    masked: Window | None = None
+    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,6 +131,8 @@ class Recording:
         Where light falls; None is everywhere.
     masked : Window, optional
         Optical black or overscan.
+    areas : tuple of Area
+        One for each frame, where they differ; instead of ``active`` and ``masked``.
     cfa : tuple of tuple of str, optional
         Colour filter at the top left of the whole readout.
     bits, black_level, white_level, pixel_pitch_um, system_gain_dn_e
@@ -98,6 +161,11 @@ class Recording:
     notes: tuple[str, ...] = ()
     lit: bool = False
     left_out: str = ""
+    areas: tuple[Area, ...] = ()
+
+    def area(self, index: int) -> Area:
+        """The area of frame ``index``."""
+        return self.areas[index] if self.areas else Area(self.active, self.masked)
 
 
 @dataclass(frozen=True)

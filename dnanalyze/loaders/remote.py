@@ -46,7 +46,7 @@ class Origin:
 
     def fetch(self, path: Path) -> None:
         """Copy the file that belongs at ``path``, on a machine that lacks it."""
-        _made(self.root.parent)
+        made(self.root.parent)
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, part = tempfile.mkstemp(dir=path.parent, suffix=".part")
         os.close(handle)
@@ -119,7 +119,7 @@ def fetched(
         raise InputError(
             f"{url}: remote captures need fsspec; pip install 'dnanalyze[remote]'"
         ) from error
-    local = _made(Path(tempfile.mkdtemp(prefix="dnanalyze-")))
+    local = made(Path(tempfile.mkdtemp(prefix="dnanalyze-")))
     try:
         system, remote = fsspec.core.url_to_fs(url)
         sizes = {name: info["size"] or 0 for name, info in system.find(remote, detail=True).items()}
@@ -145,7 +145,7 @@ def fetched(
 
 
 @cache
-def _made(folder: Path) -> Path:
+def made(folder: Path) -> Path:
     """The temporary folder, there, private, and removed when this process ends."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     atexit.register(shutil.rmtree, folder, ignore_errors=True)

@@ -157,11 +157,12 @@ def _fits(file: IO[bytes], codes: np.ndarray, point: OperatingPoint) -> None:
     from astropy.io import fits
 
     hdu = fits.PrimaryHDU(codes)
-    for key, value in (
-        ("CCD-TEMP", point.temperature_c), ("EXPTIME", point.exposure_s), ("GAIN", point.gain),
+    for key, value, unit in (
+        ("CCD-TEMP", point.temperature_c, "[C]"), ("EXPTIME", point.exposure_s, "[s]"),
+        ("GAIN", point.gain, "factor"),
     ):  # fmt: skip
         if value is not None:
-            hdu.header[key] = value
+            hdu.header[key] = value, unit
     hdu.writeto(file)
 
 

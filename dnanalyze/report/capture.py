@@ -74,3 +74,19 @@ def codes(seen: Mapping[str, Any]) -> dict[str, str]:
         step = f", in steps of {seen['step']}" if seen["step"] > 1 else ""
         made["bits in use"] = f"{seen['effective_bits']}{step}"
     return made
+
+
+QUANTITIES = {
+    "temperature_c": "temperature", "exposure_s": "exposure", "gain": "gain",
+    "channel": "channel", "frame": "order of frames", "offset": "black level setting",
+}  # fmt: skip
+
+
+def sources(seen: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Quantity, where it was taken from, and one example, of what `inspect` saw."""
+    rows = []
+    for row in seen["taken_from"]:
+        frames = "" if row["frames"] == seen["frames"] else f", {plural(row['frames'], 'frame')}"
+        example = f"{row['example']} in {row['file']}" if row["example"] else str(row["file"])
+        rows.append((QUANTITIES[row["quantity"]], f"{row['source']}{frames}", example))
+    return rows

@@ -83,6 +83,22 @@ def test_colour_planes_are_analysed_one_by_one():
         same(plane, analyze(capture_of(cut)).settings[0])
 
 
+@pytest.mark.parametrize("period", [4, 6])  # quad, X-Trans
+def test_larger_mosaics_are_analysed_as_every_second_row_and_column(period):
+    frames = dark_frames(5, 3, SHAPE)
+    cfa = tuple(tuple("RGB"[(r + c) % 3] for c in range(period)) for r in range(period))
+    found = analyze(capture_of(frames, cfa=cfa)).settings
+    bayer = analyze(capture_of(frames, cfa=(("R", "G"), ("G", "B")))).settings
+    assert [s.plane for s in found] == ["00", "01", "10", "11"]
+    for one, two in zip(found, bayer, strict=True):
+        assert one.values["temporal_noise"] == two.values["temporal_noise"]
+
+
+def test_mosaics_of_an_odd_period_are_refused():
+    with pytest.raises(InputError, match="odd period"):
+        analyze(capture_of(dark_frames(5, 3, SHAPE), cfa=(("R", "G", "B"),)))
+
+
 def test_a_window_on_a_mosaic_begins_at_a_whole_block():
     frames = dark_frames(6, 2, SHAPE)
     captures = capture_of(frames, cfa=(("R", "G"), ("G", "B")))

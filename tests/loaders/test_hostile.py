@@ -200,8 +200,8 @@ def test_an_expression_that_finds_what_cannot_be(tmp_path):
 @pytest.mark.parametrize(
     ("card", "field", "text"),
     [
-        ({"CCD-TEMP": -999}, "temperature_c", "temperature_c -999 is out of range"),
-        ({"CCD-TEMP": 2000}, "temperature_c", "temperature_c 2000 is out of range"),
+        ({"CCD-TEMP": -999}, "temperature_c", "CCD-TEMP = -999 is no temperature"),
+        ({"CCD-TEMP": 2000}, "temperature_c", "CCD-TEMP = 2000 is no temperature"),
         ({"GAIN": 0}, "gain", "gain 0 is out of range"),
         ({"EXPTIME": -5}, "exposure_s", "exposure_s -5 is out of range"),
     ],
@@ -214,7 +214,8 @@ def test_a_header_that_cannot_be_is_unknown_and_said(tmp_path, card, field, text
     assert getattr(captures.settings[0].point, field) is None
     (note,) = captures.notes
     assert text in note
-    assert note.endswith("taken as unknown in a.fits and 1 more.")
+    assert "taken as unknown" in note
+    assert "a.fits and 1 more" in note
 
 
 def test_a_header_that_cannot_be_leaves_the_name_to_speak(tmp_path):

@@ -70,3 +70,26 @@ def test_missing(tmp_path, names, said, unsaid):
     text = " ".join(found["missing"])
     assert all(s in text for s in said), text
     assert not any(s in text for s in unsaid), text
+
+
+def test_where_each_quantity_was_taken_from(tmp_path):
+    from dnanalyze.report.capture import sources
+
+    folder(tmp_path, T20C__a_1s=noise(0), T20C__b_2s=noise(1))
+    (tmp_path / "manifest.csv").write_text("file,exposure_s\nT20C/a_1s.npy,3\nT20C/b_2s.npy,\n")
+    captures = load(tmp_path)
+    assert sources(inspect(captures)) == [
+        ("temperature", "name", "T20C in T20C/a_1s.npy"),
+        ("exposure", "manifest.csv, 1 frame", "T20C/a_1s.npy"),
+        ("exposure", "name, 1 frame", "2s in T20C/b_2s.npy"),
+    ]
+
+
+def test_the_terminal_lists_the_sources(tmp_path):
+    from dnanalyze.report.terminal.common import as_text
+    from dnanalyze.report.terminal.inspection import inspection
+
+    captures = folder(tmp_path, T20C__a_1s=noise(0), T20C__b_1s=noise(1))
+    text = as_text(lambda console: inspection(console, captures, inspect(captures)))
+    assert "temperature   name         T20C in T20C/a_1s.npy" in text
+    assert len(text.splitlines()) < 40

@@ -15,6 +15,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.files import check_regular, unreadable
 from dnanalyze.loaders.formats.envi_header import header_beside
+from dnanalyze.loaders.formats.unread import instead
 from dnanalyze.loaders.recording import Recording, one_line
 
 # Without a handler tifffile's complaints about damaged files would stand on stderr beside the
@@ -33,6 +34,7 @@ MODULES = {
     **dict.fromkeys((".h5", ".hdf5", ".hdf"), "hdf5"),
     **dict.fromkeys((".png",), "png"),
     **dict.fromkeys((".pgm",), "pgm"),
+    **dict.fromkeys((".ser",), "ser"),
     **dict.fromkeys(
         (".raw", ".bin", ".raw8", ".raw10", ".raw12", ".raw14", ".raw16"), "headerless"
     ),
@@ -79,6 +81,8 @@ def read_header(path: Path, name: str, config: Config, previous: Recording | Non
     """
     module = module_of(path)
     if module is None:
+        if found := instead([path]):
+            raise InputError(f"{name}: is not read: {found}")
         raise InputError(f"{name}: unknown format; valid: {', '.join(sorted(MODULES))}")
     read: Reader = import_module(f"{__name__}.{module}").read
     try:

@@ -166,7 +166,8 @@ def _exif(path: Path, name: str) -> Metadata | None:
     InputError
         The file ends before the pixels that it declares.
     """
-    names = ("ExposureTime", "ISOSpeedRatings")
+    air = "AmbientTemperature"
+    names = {k: k for k in ("ExposureTime", "ISOSpeedRatings", air)} | {"Temperature": air}
     header: dict[str, Any] = {}
     needed = 0
     try:
@@ -175,7 +176,7 @@ def _exif(path: Path, name: str) -> Metadata | None:
             for tag in first.tags.values():
                 values = tag.value if tag.name == "ExifTag" else {tag.name: tag.value}
                 if isinstance(values, dict):
-                    header.update({k: v for k, v in values.items() if k in names})
+                    header.update({names[k]: v for k, v in values.items() if k in names})
             pages: list[Any] = [
                 *islice(tif.pages, _MAX_PAGES),
                 *islice(first.pages or (), _MAX_PAGES),

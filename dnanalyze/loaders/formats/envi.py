@@ -17,6 +17,7 @@ from dnanalyze.loaders.checks import check_count, check_length, check_shape
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.formats.envi_header import fields_of, header_beside, whole
 from dnanalyze.loaders.headers import from_header
+from dnanalyze.loaders.layout import ROWS, is_swapped
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Recording
 
@@ -58,6 +59,13 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         decode = PlainPixels(path, range(offset, offset + count * frame, frame), shape, dtype.str)
     else:
         decode = Interleaved(path, offset, shape, count, dtype.str, interleave == "bil")
+    if previous is None and dtype.kind in "iu" and dtype.itemsize == 2:
+        words = decode(0, Window(0, min(ROWS, shape[0]), 0, shape[1]))
+        if is_swapped(words.view(np.uint16)):
+            raise InputError(
+                f"{where}: byte order = {order}, and the codes are smooth in the other alone; set "
+                f"byte order = {1 - order}"
+            )
     metadata = from_header(fields)
     return Recording("ENVI", shape, dtype.newbyteorder("="), decode, (metadata,) * count)
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 import gzip
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import IO, Any, ClassVar, cast
 
 import numpy as np
 from astropy.io import fits
@@ -27,33 +27,119 @@ from dnanalyze.loaders.checks import (
     check_stored,
 )
 from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.formats.fits_images import Image, images
 from dnanalyze.loaders.formats.fits_packed import GzipPixels, TilePixels, check_tiles
-from dnanalyze.loaders.formats.fits_units import Unit, units, whole
-from dnanalyze.loaders.headers import bayer_pattern, from_header, image_type
+from dnanalyze.loaders.formats.fits_sections import areas
+from dnanalyze.loaders.formats.fits_units import units, whole
+from dnanalyze.loaders.headers import (
+    as_bias,
+    bayer_pattern,
+    electrons_per_dn,
+    from_header,
+    image_type,
+)
+from dnanalyze.loaders.layout import sign_doubt
 from dnanalyze.loaders.plain import PlainPixels
-from dnanalyze.loaders.recording import Metadata, Recording, shifted_cfa
+from dnanalyze.loaders.recording import Area, Cfa, Metadata, Recording, shifted_cfa
 
 _DTYPES = {8: ">u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
 
 
 def read(path: Path, name: str, config: Config, previous: Recording | None) -> Recording:
-    """The header of the first image of a FITS file."""
+    """The headers of the images of a FITS file: one, or several chips or frames."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # astropy warns of what is checked and worded here
-        return _read(path, name)
+        return _read(path, name, previous)
 
 
-def _read(path: Path, name: str) -> Recording:
+def _read(path: Path, name: str, previous: Recording | None) -> Recording:
     packed = path.suffix.lower() == ".gz"
     with gzip.open(path) if packed else path.open("rb") as file:
-        unit = _first_image(file, name, packed)
-    header = unit.header
+        found = list(units(cast(IO[bytes], file), name, packed))
+    notes: list[str] = []
+    parts = [_part(path, name, image, packed, notes) for image in images(found, name, notes)]
+    first = parts[0]
+    for part in parts:
+        if part.dtype != first.dtype:
+            raise InputError(
+                f"{name}: {part.image.channel or 'an image'} is {part.dtype}, the first image "
+                f"{first.dtype}; store images of one type"
+            )
+    places: list[tuple[int, int]] = []
+    metadata: list[Metadata] = []
+    own: list[Area] = []
+    for number, part in enumerate(parts):
+        known = _metadata(part.image)
+        for amplifier, area in part.areas.items():
+            channel = " ".join(filter(None, (part.image.channel, amplifier)))
+            source = "amplifier section" if amplifier else "name of the image"
+            said = known.in_channel(channel, source) if channel else known
+            check_count(name, len(places) + part.count)
+            places += [(number, k) for k in range(part.count)]
+            metadata += [said] * part.count
+            own += [area] * part.count
+    values = first.image.values
+    plain = first.pixels
+    if previous is None and isinstance(plain, PlainPixels) and np.dtype(plain.dtype).str == ">i2":
+        rows, columns = first.shape
+        middle = Window(rows // 2 - min(8, rows // 2), rows // 2, 0, columns)
+        notes += filter(None, [sign_doubt(plain(0, middle), plain.sign_flip)])
+    return Recording(
+        "FITS",
+        first.shape,
+        first.dtype.newbyteorder("="),
+        first.pixels
+        if len(places) == first.count
+        else Parts(tuple(p.pixels for p in parts), tuple(places)),
+        tuple(metadata),
+        areas=tuple(own),
+        cfa=_colour_filter(values, first.shape[0], notes),
+        pixel_pitch_um=_positive(values.get("XPIXSZ")),
+        system_gain_dn_e=_inverse(electrons_per_dn(values, first.image.comments)),
+        notes=tuple(dict.fromkeys(notes)),
+        left_out=_left_out(values),
+    )
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One image of a file."""
+
+    image: Image
+    shape: tuple[int, int]
+    dtype: np.dtype
+    pixels: Callable[[int, Window], np.ndarray]
+    count: int
+    areas: dict[str, Area]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Frames of several images: ``places`` are (image, frame in it)."""
+
+    parts: tuple[Callable[[int, Window], np.ndarray], ...]
+    places: tuple[tuple[int, int], ...]
+
+    @property
+    def partial(self) -> bool:
+        """Whether a window is read without the rest of the frame."""
+        return all(getattr(p, "partial", False) for p in self.parts)
+
+    def __call__(self, index: int, window: Window) -> np.ndarray:
+        """Pixels of ``window`` of frame ``index``."""
+        part, number = self.places[index]
+        return self.parts[part](number, window)
+
+
+def _part(path: Path, name: str, image: Image, packed: bool, notes: list[str]) -> _Part:
+    unit, header = image.unit, image.unit.header
     tiled = "Z" if unit.is_compressed else ""
     axes = [whole(header, f"{tiled}NAXIS{k}") for k in range(whole(header, f"{tiled}NAXIS"), 0, -1)]
-    if not 2 <= len(axes) <= 4 or (len(axes) > 2 and axes[-3] == 3 and "COLORTYP" in header):
+    if not 2 <= len(axes) <= 4:
         raise InputError(f"{name}: has {axes[:9]} pixels; give an image or a cube of frames")
     shape = axes[-2], axes[-1]
     check_shape(name, shape)
+    _check_colours(image.values, axes, name, notes)
     count = int(np.prod(axes[:-2], dtype=object)) if len(axes) > 2 else 1
     check_count(name, count)
     stored = _stored(header, f"{tiled}BITPIX", name)
@@ -87,29 +173,25 @@ def _read(path: Path, name: str) -> Recording:
         if not tiled:  # tiles come scaled
             blank = header.get("BLANK") if stored.kind in "iu" else None
             pixels = Scaled(pixels, scale, zero, blank)
-    notes: list[str] = []
-    active, masked = _sections(header, shape, notes)
-    return Recording(
-        "FITS",
-        shape,
-        dtype.newbyteorder("="),
-        pixels,
-        (_metadata(header),) * count,
-        active=active,
-        masked=masked,
-        cfa=_colour_filter(header),
-        pixel_pitch_um=_positive(header.get("XPIXSZ")),
-        system_gain_dn_e=_inverse(_positive(header.get("EGAIN"))),
-        notes=tuple(notes),
-        left_out=_left_out(header),
-    )
+    return _Part(image, shape, dtype, pixels, count, areas(image.values, shape, notes))
 
 
-def _first_image(file: Any, name: str, packed: bool) -> Unit:
-    for unit in units(file, name, packed):
-        if unit.is_image or unit.is_compressed:
-            return unit
-    raise InputError(f"{name}: holds no image; give files with one image or cube each")
+def _check_colours(values: Mapping[str, Any], axes: list[int], name: str, notes: list[str]) -> None:
+    """Refuse planes that the header calls colours; three planes without a word are doubted."""
+    if len(axes) < 3 or axes[-3] not in (3, 4):
+        return
+    for key in (f"CTYPE{len(axes)}", "CTYPE3", "COLORTYP", "COLORSPC", "COLOR", "CSPACE"):
+        text = str(values.get(key, "")).strip()
+        if re.search(r"rgb|colou?r|red", text, re.IGNORECASE) or (text and key == "COLORTYP"):
+            raise InputError(
+                f"{name}: its {axes[-3]} planes are colours ({key} = {text[:20]!r}), interpolated "
+                "from a mosaic; give the raw frames"
+            )
+    if axes[-3] == 3:
+        notes.append(
+            "The 3 planes of each file are taken as 3 frames; where they are colours, give the raw "
+            "frames instead."
+        )
 
 
 def _stored(header: fits.Header, key: str, name: str) -> np.dtype:
@@ -140,77 +222,33 @@ class Scaled:
         return array
 
 
-def _metadata(header: fits.Header) -> Metadata:
-    cards = {c.keyword: c for c in header.cards if c.keyword not in ("", "COMMENT", "HISTORY")}
-    metadata = from_header(
-        {k: c.value for k, c in cards.items()}, {k: c.comment for k, c in cards.items()}
-    )
-    if image_type(header) == "bias":
-        metadata = Metadata(
-            metadata.temperature_c, 0.0, metadata.gain, metadata.channel, metadata.frame
-        )
-    return metadata
+def _metadata(image: Image) -> Metadata:
+    metadata = from_header(image.values, image.comments)
+    return as_bias(metadata) if image_type(image.values) == "bias" else metadata
 
 
-def _left_out(header: fits.Header) -> str:
-    kind = image_type(header)
+def _left_out(values: Mapping[str, Any]) -> str:
+    kind = image_type(values)
     return f"its header says {kind} frame" if kind in ("light", "flat") else ""
 
 
-def _section(text: Any, shape: tuple[int, int]) -> Window | None:
-    """``[x1:x2,y1:y2]``, from 1 and inclusive, to a window; None where it does not fit."""
-    match = re.fullmatch(r"\s*\[(\d+):(\d+),(\d+):(\d+)\]\s*", str(text))
-    if match is None:
+def _colour_filter(values: Mapping[str, Any], rows: int, notes: list[str]) -> Cfa | None:
+    """The filter at the first stored pixel; BAYERPAT counts from the top of the sensor."""
+    pattern = bayer_pattern(values.get("BAYERPAT", values.get("COLORTYP", "")))
+    if pattern is None:
         return None
-    x1, x2, y1, y2 = map(int, match.groups())
-    fits_in = 1 <= x1 <= x2 <= shape[1] and 1 <= y1 <= y2 <= shape[0]
-    return Window(y1 - 1, y2, x1 - 1, x2) if fits_in else None
-
-
-def _sections(
-    header: fits.Header, shape: tuple[int, int], notes: list[str]
-) -> tuple[Window | None, Window | None]:
-    """Active area from DATASEC or TRIMSEC; overscan from BIASSEC, or what lies beside the data."""
-    active = _section(header.get("DATASEC"), shape) or _section(header.get("TRIMSEC"), shape)
-    bias = _section(header.get("BIASSEC"), shape)
-    if active == Window.whole(shape):
-        active = None
-    if active is None:
-        return None, bias
-    if bias is not None and _disjoint(active, bias):
-        return active, bias
-    beside = _widest_margin(active, shape)
-    if bias is not None:
-        notes.append(
-            f"BIASSEC {header['BIASSEC']} overlaps DATASEC {header['DATASEC']}; the overscan is "
-            f"taken to be rows {beside.top} to {beside.bottom - 1}, columns {beside.left} to "
-            f"{beside.right - 1} (from 0), which DATASEC leaves out."
-        )
-    return active, beside
-
-
-def _disjoint(a: Window, b: Window) -> bool:
-    return a.right <= b.left or b.right <= a.left or a.bottom <= b.top or b.bottom <= a.top
-
-
-def _widest_margin(active: Window, shape: tuple[int, int]) -> Window:
-    rows, columns = shape
-    margins = (
-        Window(active.top, active.bottom, 0, active.left),
-        Window(active.top, active.bottom, active.right, columns),
-        Window(0, active.top, active.left, active.right),
-        Window(active.bottom, rows, active.left, active.right),
-    )
-    return max(margins, key=lambda m: m.shape[0] * m.shape[1])
-
-
-def _colour_filter(header: fits.Header) -> Any:
-    pattern = bayer_pattern(header.get("BAYERPAT", header.get("COLORTYP", "")))
     try:
-        dx, dy = int(header.get("XBAYROFF", 0)), int(header.get("YBAYROFF", 0))
+        dx, dy = int(values.get("XBAYROFF", 0)), int(values.get("YBAYROFF", 0))
     except (TypeError, ValueError):
         dx = dy = 0
-    return shifted_cfa(pattern, dy, dx)
+    stored = shifted_cfa(pattern, dy, dx)
+    if stored and str(values.get("ROWORDER", "")).strip().upper() == "BOTTOM-UP":
+        stored = tuple(stored[(rows - 1 - r) % len(stored)] for r in range(len(stored)))
+        notes.append(
+            "ROWORDER is BOTTOM-UP: BAYERPAT is read from the top of the sensor, and the first "
+            f"stored rows are {'/'.join(''.join(row) for row in stored)}."
+        )
+    return stored
 
 
 def _inverse(value: float | None) -> float | None:

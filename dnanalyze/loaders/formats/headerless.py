@@ -13,7 +13,16 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
 from dnanalyze.loaders.checks import check_count, check_length, check_shape
 from dnanalyze.loaders.config import Config
-from dnanalyze.loaders.packing import PACKED_BITS, group_of, row_bytes, unpack
+from dnanalyze.loaders.layout import (
+    GROUPS,
+    ROWS,
+    bytes_fault,
+    odd_edges,
+    packing_fault,
+    side_of,
+    words_fault,
+)
+from dnanalyze.loaders.packing import PACKINGS, group_of, row_bytes, unpack
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Metadata, Recording
 
@@ -31,20 +40,23 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     check_shape(name, (height, width))
     if bits not in _BITS:
         raise InputError(f"{name}: bits {bits} in the sidecar; valid: {', '.join(map(str, _BITS))}")
-    packed = config.packing != "plain" and bits in PACKED_BITS
+    packed = bits in PACKINGS.get(config.packing, ())
+    if config.packing == "genicam" and bits == 14:
+        raise InputError(f"{name}: packing genicam in the sidecar has 10 or 12 bits; give bits")
     stride = config.row_bytes or row_bytes(width, bits, config.packing)
     if stride < row_bytes(width, bits, config.packing):
         raise InputError(f"{name}: row_bytes {stride} in the sidecar is too few for {width} pixels")
     order = "<" if config.byte_order == "little" else ">"
     dtype = np.dtype("u1" if bits == 8 else f"{order}u2")
-    present, frame = path.stat().st_size - config.header_offset, height * stride
-    check_length(name, config.header_offset + frame, present + config.header_offset)
+    around = config.header_offset + config.footer_bytes
+    present, frame = path.stat().st_size - around, height * stride
+    check_length(name, around + frame, present + around)
     count, rest = divmod(present, frame)
     if rest:
         raise InputError(
             f"{name}: {present} bytes of pixels are not a multiple of the {frame} of a frame of "
-            f"{width} x {height} with {bits} bits; correct width, height, bits, packing or "
-            "header_offset in the sidecar"
+            f"{width} x {height} with {bits} bits; correct width, height, bits or packing in the "
+            f"sidecar{_fitting(present, config)}, or set {_beside(path, rest, config)}"
         )
     check_count(name, count)
     offsets = range(config.header_offset, config.header_offset + count * frame, frame)
@@ -56,7 +68,56 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         decode = RawRows(path, offsets, width, stride, bits, packing, dtype.str)
     kind = f"RAW{bits} {config.packing}" if packed else f"RAW{bits}"
     native = np.dtype(np.uint16) if packed else dtype.newbyteorder("=")
-    return Recording(kind, (height, width), native, decode, (Metadata(),) * count, bits=bits)
+    notes: tuple[str, ...] = ()
+    if previous is None:
+        raw = RawRows(path, offsets, stride, stride, 8, "plain", "u1")
+        if fault := _fault(raw, (height, width), config, packed, dtype):
+            raise InputError(f"{name}: {fault} in the sidecar")
+        note = odd_edges(lambda a, b: decode(0, Window(a, b, 0, width)), height)
+        notes = (note,) if note else ()
+    return Recording(
+        kind, (height, width), native, decode, (Metadata(),) * count, bits=bits, notes=notes
+    )
+
+
+def _fault(
+    raw: RawRows, shape: tuple[int, int], config: Config, packed: bool, dtype: np.dtype
+) -> str:
+    """What the rows in the middle of the first frame show to be wrong with the layout."""
+    height, width = shape
+    count = max(2, min(ROWS, height, (1 << 20) // raw.stride))
+    first = (height - count) // 2
+    rows = raw(0, Window(first, first + count, 0, raw.stride))
+    bits, lead = config.bits or 16, -(first * raw.stride) % GROUPS
+    if packed:
+        return packing_fault(rows, width, bits, config.packing, lead)
+    used = np.ascontiguousarray(rows[:, : width * dtype.itemsize])
+    if dtype.itemsize == 1:
+        return bytes_fault(used, lead)
+    words = used.view(dtype).astype(np.uint16)
+    return words_fault(words, bits, config.byte_order, lead)
+
+
+def _fitting(present: int, config: Config) -> str:
+    """The packings in which the bytes are whole frames."""
+    width, height, bits = config.width or 1, config.height or 1, config.bits or 16
+    known = [how for how, depths in PACKINGS.items() if bits in depths]
+    fitting = [h for h in ("plain", *known) if present % (height * row_bytes(width, bits, h)) == 0]
+    return f" (packing {' or '.join(fitting)} would fit)" if fitting else ""
+
+
+def _beside(path: Path, rest: int, config: Config) -> str:
+    """The key that accounts for bytes too many: those before or behind the pixels."""
+    end = min(rest, 1 << 16)
+    size = 1 << 18
+    with path.open("rb") as file:
+        file.seek(config.header_offset)
+        data = file.read(end + size)
+        file.seek(-(end + config.footer_bytes), 2)
+        data += file.read(end)
+    if side_of(data, end) == "header":
+        return f"header_offset: {config.header_offset + rest}"
+    return f"footer_bytes: {config.footer_bytes + rest}"
 
 
 @dataclass(frozen=True)
@@ -82,9 +143,10 @@ class RawRows:
         if self.packing == "plain":
             used = np.ascontiguousarray(data[:, : self.width * np.dtype(self.dtype).itemsize])
             return used.view(self.dtype)[:, window.left : window.right]
-        pixels, size = group_of(self.bits)
+        pixels, size = group_of(self.bits, self.packing)
         first, last = window.left // pixels, -(-window.right // pixels)
-        part = unpack(
-            data[:, first * size : last * size], (last - first) * pixels, self.bits, self.packing
-        )
+        held = data[:, first * size : last * size]
+        if short := (last - first) * size - held.shape[1]:  # rows that end within a group
+            held = np.pad(held, ((0, 0), (0, short)))
+        part = unpack(held, (last - first) * pixels, self.bits, self.packing)
         return part[:, window.left - first * pixels : window.right - first * pixels]

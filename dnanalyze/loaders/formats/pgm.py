@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import Window
 from dnanalyze.loaders.checks import check_shape
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.headers import from_text
+from dnanalyze.loaders.layout import ROWS, is_swapped
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Recording
 
@@ -32,6 +34,14 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     stored = np.dtype(">u2" if top > 255 else "u1")
     plain = PlainPixels(path, (match.end(),), (rows, columns), stored.str)
     plain.check(name)
+    if previous is None and top > 255:
+        rows_read = min(ROWS, rows)
+        words = plain(0, Window(0, rows_read, 0, columns))
+        if is_swapped(words):
+            raise InputError(
+                f"{name}: its 16-bit values are little-endian, and those of PGM are big-endian; "
+                "write it anew, or as TIFF"
+            )
     comments = re.findall(rb"#\s*([^\n]*)", match[0])
     metadata = from_text(b"\n".join(comments).decode("utf-8", "replace"))
     dtype = stored.newbyteorder("=")

@@ -21,10 +21,12 @@ from dnanalyze.loaders.checks import (
     check_stored,
 )
 from dnanalyze.loaders.config import Config
+from dnanalyze.loaders.formats.tiff_metadata import imagej, micro_manager, ome
+from dnanalyze.loaders.formats.tiff_packed import packed_bits, packed_pages
 from dnanalyze.loaders.grey import PROCESSED, check_grey
 from dnanalyze.loaders.headers import from_header, from_text
 from dnanalyze.loaders.plain import PlainPixels
-from dnanalyze.loaders.recording import Metadata, Recording
+from dnanalyze.loaders.recording import Metadata, Recording, one_line
 
 _TAGS = ("ExposureTime", "ISOSpeedRatings", "AnalogGain")
 
@@ -52,9 +54,11 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             ends = [o + c for o, c in zip(page.dataoffsets, page.databytecounts, strict=False)]
             check_length(name, max(ends, default=0), size)
         plain = _plain(path, tif, pages, shape, name)
+        bits = packed_bits(first)
+        packed = packed_pages(path, pages, shape, name) if bits else None
         if plain is not None:
             plain.check(name)
-        else:
+        elif packed is None:
             pixels = shape[0] * shape[1]
             decoded = pixels * np.dtype(dtype).itemsize * first.samplesperpixel
             check_memory(name, 2 * decoded)
@@ -64,10 +68,16 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         metadata = [_metadata(page) for page in pages]
         if plain is not None and len(plain.offsets) > len(metadata):
             metadata = metadata[:1] * len(plain.offsets)
+        text = first.description or ""
+        stated = ome(text, len(metadata)) if tif.is_ome else imagej(text, len(metadata))
+        if stated:
+            metadata = [a.or_else(b) for a, b in zip(stated, metadata, strict=True)]
         indices = tuple(page.index for page in pages)
         notes = _grey_notes(path, pages, name) if first.samplesperpixel > 1 else ()
-    decode = plain if plain is not None else TiffPages(path, indices)
-    return Recording("TIFF", shape, np.dtype(dtype), decode, tuple(metadata), notes=notes)
+    decode = plain or packed or TiffPages(path, indices)
+    return Recording(
+        "TIFF", shape, np.dtype(dtype), decode, tuple(metadata), notes=notes, bits=bits
+    )
 
 
 @dataclass(frozen=True)
@@ -87,7 +97,13 @@ class TiffPages:
             except ValueError as error:  # tifffile leaves LZW and others to imagecodecs
                 if "imagecodecs" not in str(error):
                     raise
-        return _by_pillow(self.path, number)[window.slices]
+        try:
+            return _by_pillow(self.path, number)[window.slices]
+        except (OSError, ValueError, SyntaxError, KeyError) as error:
+            raise InputError(
+                f"{self.path.name}: its compression or packing is not decoded here "
+                f"({one_line(error)}); install imagecodecs, or store it as plain 16-bit TIFF"
+            ) from error
 
 
 def colour_first(array: np.ndarray, page: Any) -> np.ndarray:
@@ -156,5 +172,5 @@ def _metadata(page: Any) -> Metadata:
             tags[tag.name] = tag.value
         elif tag.name == "ExifTag" and isinstance(tag.value, dict):
             tags.update({k: v for k, v in tag.value.items() if k in _TAGS})
-    metadata = from_header(tags)
+    metadata = micro_manager(page).or_else(from_header(tags))
     return metadata.or_else(from_text(page.description)) if page.description else metadata

@@ -29,10 +29,18 @@ def inspect_page(captures: Any, seen: Mapping[str, Any]) -> str:
                 "points",
                 "Operating points",
                 tables=[Table(("operating point", "frames", "first file"), rows, words=3)],
-            )
+            ),
+            *_sources(seen),
         ],
         points=[sentence(text) for text in seen["missing"]],
         facts=capture.facts(captures) | capture.codes(seen["codes"]),
         notes=captures.notes,
     )
     return render(page)
+
+
+def _sources(seen: Mapping[str, Any]) -> list[Section]:
+    """Where the metadata were taken from."""
+    rows = capture.sources(seen)
+    table = Table(("quantity", "taken from", "for example"), rows, words=3)
+    return [Section("sources", "Where the values were taken from", tables=[table])] if rows else []

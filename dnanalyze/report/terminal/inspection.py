@@ -14,6 +14,8 @@ from dnanalyze.report import capture
 from dnanalyze.report.terminal.common import points, table
 from dnanalyze.report.words import number, point_label
 
+_MOST = 10  # lines on where the metadata were taken from
+
 
 def inspection(console: Console, captures: Any, seen: Mapping[str, Any]) -> None:
     """Operating points, format, and what is missing."""
@@ -35,6 +37,12 @@ def inspection(console: Console, captures: Any, seen: Mapping[str, Any]) -> None
         ),
         left=2,
     )
+    if rows := capture.sources(seen):
+        shown = rows if len(rows) <= _MOST else rows[: _MOST - 1]
+        table(console, ("quantity", "taken from", "for example"), shown, left=3)
+        if len(rows) > len(shown):
+            console.print(f"  and {len(rows) - len(shown)} more sources (--json)")
+            console.print()
     if seen["missing"]:
         points(console, "Missing for a full analysis", seen["missing"])
     else:
