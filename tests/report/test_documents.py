@@ -55,7 +55,7 @@ def test_the_mean_level_stands_in_each_document_that_judges_a_model(command, mon
         monkeypatch.setattr(fakes, made, lambda result=result: result)
     assert MADE[command]()["level"] == {
         "temperature_c": -5.0, "exposure_s": 300.0, "gain": None, "channel": None, "plane": "",
-        "kept": False, "difference_dn": -12.3, "relative": -0.031, "standard_errors": 41.2,
+        "kept": False, "statistic": "mean", "difference_dn": -12.3, "relative": -0.031, "standard_errors": 41.2,
     }  # fmt: skip
 
 
