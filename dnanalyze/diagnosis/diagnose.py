@@ -319,22 +319,23 @@ def _with_baseline_listed(
     together = judged(begun, stages[-1][0], ended)
     chance = float(confidences([together])[0])
     baseline = []
+    first_error = error = Null.of(held, asked).error
     for name, state in stages:
         stage = Null(design, expressed(state, held, design))
         effect = state.model.get(name)
         assert effect is not None
         words = [*evidence_for(design, before.state, stage.state, type(effect)), EVERY_SENSOR]
-        share = _share(begun.error, before.error - stage.error)
+        share = _share(first_error, error - stage.error)
         baseline.append(Candidate(name, stage.error, share, chance, [], words))
-        before = stage
+        before, error = stage, stage.error
     others = [  # in shares of the same error
-        replace(c, explained=_share(begun.error, found.error - c.error_after))
+        replace(c, explained=_share(first_error, found.error - c.error_after))
         for c in found.candidates
     ]
     first = int(found.verdict == "missing")
     return replace(
         found,
-        error=Null.of(held, asked).error,
+        error=first_error,
         verdict="missing" if found.verdict == "adequate" else found.verdict,
         candidates=[*others[:first], *baseline, *others[first:]],
         ordinary=[c.effect for c in baseline],

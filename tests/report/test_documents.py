@@ -54,8 +54,9 @@ def test_the_mean_level_stands_in_each_document_that_judges_a_model(command, mon
         result.level = level
         monkeypatch.setattr(fakes, made, lambda result=result: result)
     assert MADE[command]()["level"] == {
-        "temperature_c": -5.0, "exposure_s": 300.0, "gain": None, "channel": None, "plane": "",
-        "kept": False, "statistic": "mean", "difference_dn": -12.3, "relative": -0.031, "standard_errors": 41.2,
+        "temperature_c": -5.0, "exposure_s": 300.0, "gain": None, "channel": None,
+        "plane": "", "statistic": "mean",
+        "kept": False, "difference_dn": -12.3, "relative": -0.031, "standard_errors": 41.2,
     }  # fmt: skip
 
 
