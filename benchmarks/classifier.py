@@ -1,7 +1,8 @@
 """How often the classifier test tells sensors that it should, and that it should not.
 
     python benchmarks/classifier.py pairs --count 200        # two simulated sensors of one model
-    python benchmarks/classifier.py ordinary --count 40      # virtual sensors, fitted model
+    python benchmarks/classifier.py true --count 40          # virtual sensors, their true model
+    python benchmarks/classifier.py ordinary --count 40      # the same, fitted model
     python benchmarks/classifier.py missing --levels middling,strong   # one effect not in the model
 
 `pairs` also tells how often the area lies above its stated interval, for each cell with an interval
@@ -25,7 +26,7 @@ from strangers.score import wilson
 
 import dnanalyze
 from dnanalyze import NoiseModel, OperatingPoint, catalogue
-from dnanalyze.demo import CATALOGUED, draw_sensor, generate
+from dnanalyze.demo import CATALOGUED, VirtualSensor, draw_sensor, generate
 from dnanalyze.model.laws import TableLaw
 
 SHAPE, FRAMES = (128, 128), 4
@@ -69,6 +70,31 @@ def pair(number: int, size: int) -> dict[str, Any]:
     return row(name, found)
 
 
+def true_model(sensor: VirtualSensor) -> NoiseModel:
+    """What every virtual sensor has, with its true numbers."""
+    known, gain = catalogue(), sensor.gain_dn_e
+    points = tuple(OperatingPoint(t, sensor.exposure_s, 1.0) for t in sensor.temperatures_c)
+    spread = np.exp(sensor.dark_spread**2 / 2)
+    medians = (float(np.log(gain * sensor.dark_e(p.temperature_c) / spread)) for p in points)
+    effects = (
+        known["convolved_lognormal"](
+            mu=TableLaw(points, tuple(medians)), delta=sensor.dark_spread, phi=0.0, sigma=1e-6
+        ),
+        known["dark_shot_noise"](dn_per_e=gain),
+        known["read_noise"](sigma=gain * sensor.read_noise_e),
+        known["pixel_fpn"](sigma=gain * sensor.pixel_offset_e),
+        known["quantization"](bits=12),
+    )
+    return NoiseModel(effects, sensor.pedestal_dn, points[0])
+
+
+def true(number: int, size: int) -> dict[str, Any]:
+    """A virtual sensor with nothing but what every sensor has, and its true model."""
+    sensor = draw_sensor(np.random.default_rng([number, 54]))
+    captures = generate(sensor, {}, (size, size), frames=6, seed=number)
+    return row("true", dnanalyze.classify(captures, true_model(sensor)))
+
+
 def ordinary(number: int, size: int) -> dict[str, Any]:
     """A virtual sensor with nothing but what every sensor has, and the model fitted to it."""
     sensor = draw_sensor(np.random.default_rng([number, 54]))
@@ -79,11 +105,12 @@ def ordinary(number: int, size: int) -> dict[str, Any]:
 
 
 def missing(task: tuple[str, str, int], size: int) -> dict[str, Any]:
-    """A virtual sensor with one effect, and the Wang 2025 model fitted to it."""
+    """A virtual sensor with one effect, and the model without it refitted."""
     name, level, number = task
     sensor = draw_sensor(np.random.default_rng([number, 55]))
     captures = generate(sensor, {name: level}, (size, size), frames=6, seed=number)
-    found = dnanalyze.classify(captures, dnanalyze.fit(captures, replicates=0).model)
+    fitted = dnanalyze.fit(captures, true_model(sensor), replicates=0).model
+    found = dnanalyze.classify(captures, fitted)
     return row(f"{name} {level}", found)
 
 
@@ -125,7 +152,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("what", choices=("pairs", "ordinary", "missing"))
+    parser.add_argument("what", choices=("pairs", "true", "ordinary", "missing"))
     parser.add_argument("--count", type=int, default=0, help="pairs, or sensors (of each effect)")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--size", type=int, default=0, help="pixels of a side")
@@ -141,7 +168,7 @@ def main() -> None:
         if given.what == "missing"
         else iter(numbers)
     )
-    run = {"pairs": pair, "ordinary": ordinary, "missing": missing}[given.what]
+    run = {"pairs": pair, "true": true, "ordinary": ordinary, "missing": missing}[given.what]
     rows = []
     with ProcessPoolExecutor(given.jobs) as pool:
         for made in pool.map(partial(run, size=size), tasks):

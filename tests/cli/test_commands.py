@@ -50,6 +50,23 @@ def calls(monkeypatch):
     return seen
 
 
+def test_compare_tells_what_a_classifier_can_tell(folder, calls, tmp_path, capsys, monkeypatch):
+    seen = []
+
+    def classify(captures, model, *, seed):
+        seen.append(seed)
+        return fakes.classification()
+
+    monkeypatch.setattr("dnanalyze.classifier.classify.classify", classify)
+    out, page = tmp_path / "out.json", tmp_path / "out.html"
+    more = ["--classifier", "--json", str(out), "--report", str(page), "-q"]
+    assert main(["compare", str(folder), *more]) == 0
+    assert seen == [0]
+    assert json.loads(out.read_text())["classifier"]["auc"] == 0.76
+    assert "A classifier tells the simulated frames" in capsys.readouterr().out
+    assert "Classifier two-sample test" in page.read_text()
+
+
 def finite(value):
     if isinstance(value, dict):
         return all(map(finite, value.values()))

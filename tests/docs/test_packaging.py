@@ -45,7 +45,7 @@ def test_the_matrix_tests_what_the_classifiers_promise():
 
 
 def test_every_direct_dependency_is_imported_by_the_package():
-    imported = {"pillow": "PIL", "pyyaml": "yaml"}
+    imported = {"pillow": "PIL", "pyyaml": "yaml", "scikit-learn": "sklearn"}
     code = "\n".join(
         path.read_text(encoding="utf-8")
         for folder in ("dnanalyze", "cli")
