@@ -65,6 +65,14 @@ Channel = Annotated[
         help="Only this HDR readout channel; default: all.",
     ),
 ]
+KeepOutliers = Annotated[
+    bool,
+    typer.Option(
+        "--keep-outliers",
+        rich_help_panel=_READING,
+        help="Keep frames unlike the others of their operating point; default: left out.",
+    ),
+]
 SystemGain = Annotated[
     float | None,
     typer.Option(
@@ -172,6 +180,7 @@ class ReadOptions:
     config: Config = None
     tolerance_c: Tolerance = None
     channel: Channel = None
+    keep_outliers: KeepOutliers = False
     quiet: Quiet = False
 
     def session(self, command: str, **more: Any) -> Session:
@@ -184,7 +193,9 @@ class ReadOptions:
 
     def load(self, session: Session) -> CaptureSet:
         """The captures."""
-        return session.load(self.config, self.tolerance_c, self.channel)
+        return session.load(
+            self.config, self.tolerance_c, self.channel, keep_outliers=self.keep_outliers
+        )
 
 
 @dataclass(frozen=True)
@@ -216,6 +227,7 @@ class ModelOptions(ReadOptions):
             "--config": self.config,
             "--tolerance-c": self.tolerance_c,
             "--channel": self.channel,
+            "--keep-outliers": self.keep_outliers or None,
             "--effects": self.effects,
         }
 

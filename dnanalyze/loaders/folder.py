@@ -38,13 +38,15 @@ def load(
     channel: str | None = None,
     include_masked: bool = False,
     region: Region | None = None,
+    keep_outliers: bool = False,
 ) -> CaptureSet:
     """Load the dark frames of one sensor, grouped by operating point.
 
     Pixels are read when asked for.
 
-    A sample of each frame is compared: identical frames of an operating point count once, and the
-    notes report these and other suspect frames (`dnanalyze.loaders.health`).
+    A sample of each frame is compared: identical frames of an operating point count once, a frame
+    unlike the others is left out, and the notes report these and other suspect frames
+    (`dnanalyze.loaders.health`).
 
     Each of temperature, exposure, gain and channel is taken from the first source that states it:
     manifest, file header, name, sidecar.
@@ -65,6 +67,8 @@ def load(
     region : {"active", "masked", "all"}, optional
         Which part of the readout makes the frames. Where neither this nor the sidecar says it:
         "active", or "masked" for camera raw files that are lit, which a note then tells.
+    keep_outliers : bool
+        Keep frames that are unlike the others of their operating point; the notes tell them.
 
     Returns
     -------
@@ -92,7 +96,9 @@ def load(
     files = _frame_files(place, sidecar, manifest, notes)
     recordings = _recordings(place, files, sidecar, notes)
     part = asked or _dark_part(recordings, notes)
-    found = _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+    found = _capture_set(
+        place, sidecar, manifest or {}, recordings, part, tolerance, keep_outliers, notes
+    )
     return found if channel is None else found.channel(channel)
 
 
@@ -196,6 +202,7 @@ def _capture_set(
     recordings: list[tuple[Path, Recording]],
     part: str,
     tolerance_c: float | None,
+    keep_outliers: bool,
     notes: list[str],
 ) -> CaptureSet:
     frames: list[tuple[Frame, float | None]] = []
@@ -244,7 +251,7 @@ def _capture_set(
         + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
         for text, names in odd.items()
     ]
-    settings, suspect = examined(group(frames, tolerance_c))
+    settings, suspect = examined(group(frames, tolerance_c), keep_outliers)
     notes += suspect
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
