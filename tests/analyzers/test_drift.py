@@ -13,7 +13,7 @@ from dnanalyze.emva.system_gain import system_gain
 
 SHAPE, NOISE, DSNU = (96, 128), 3.0, 1.0
 MOVES = {
-    "ramp": 3.0 * np.arange(8),
+    "ramp": 8.0 * np.arange(8),
     "jump": np.where(np.arange(8) < 3, 0.0, 90.0),
     "walk": np.cumsum(np.random.default_rng(2).normal(0, 20, 8)),
     "down": -40.0 * np.arange(8),

@@ -73,7 +73,7 @@ class PixelMaps:
         self.origin = float(round(plan.centre) if plan.integer else np.float32(plan.centre))
         self.head: list[np.ndarray] = []
         self.tail: list[np.ndarray] = []
-        self.scalars = np.empty((0, 7))
+        self.scalars = np.empty((0, 8))
         self._waiting: list[np.ndarray] = []
         self._shifts: list[float] = []
         self._last: np.ndarray | None = None
@@ -181,7 +181,7 @@ class PixelMaps:
         plan = self.plan
         n = plan.pixels
         flat = [f.ravel() for f in frames]
-        scalars = np.zeros((len(flat), 7))
+        scalars = np.zeros((len(flat), 8))
         scalars[0, 5] = self._last is None
         scalars[:, -1] = self._shifts
         last = self.scalars[-1:, -1] if len(self.scalars) else np.zeros(1)

@@ -35,13 +35,14 @@ def folded(lanes):
 @njit(nogil=True)
 def _frame_sums(y, past, centre, centre_before, cut, hot, lanes, out):
     """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
-    s1, s2, s11 = lanes[0], lanes[1], lanes[2]
+    s1, s2, s11, s0 = lanes[0], lanes[1], lanes[2], lanes[3]
     lanes[:] = 0
     for i in range(0, y.size, LANES):
         here, before = y[i : i + LANES], past[i : i + LANES]
         for j in range(here.size):
             w = min(max(here[j] - centre, -cut), cut)
             x = min(max(before[j] - centre_before, -cut), cut)
+            s0[j] += here[j] - centre
             s1[j] += w
             s2[j] += w * w
             s11[j] += w * x
@@ -53,6 +54,7 @@ def _frame_sums(y, past, centre, centre_before, cut, hot, lanes, out):
     out[0] += folded(s1)
     out[1] += folded(s2)
     out[3] += above
+    out[6] += folded(s0)
     if out[5] == 0:
         out[2] += folded(s11)
         out[4] += both
@@ -128,11 +130,11 @@ def add_frames(
     scalars : ndarray of float64
         A row for each frame: sum and sum of squares of the winsorised frame, its product with the
         one before, hot pixels, those that were so in the frame before; 1 where there is no
-        frame before; and what is left to the caller.
+        frame before; the sum of the frame less its centre; and what is left to the caller.
     """
     n = total.size
     block = np.empty((BATCH + 1, CHUNK), np.float32)
-    lanes = np.empty((3, LANES), np.float32)
+    lanes = np.empty((4, LANES), np.float32)
     for start in range(0, n, CHUNK):
         stop = min(n, start + CHUNK)
         width = stop - start
@@ -161,7 +163,8 @@ def seam_sums(y, past, centre, centre_before, limit, hot, out):
     """The row of ``scalars`` of `add_frames` for a frame and the one before it, bit for bit."""
     out[:2] = 0
     out[3] = 0
-    lanes = np.empty((3, LANES), np.float32)
+    out[6] = 0
+    lanes = np.empty((4, LANES), np.float32)
     for start in range(0, y.size, CHUNK):
         stop = min(y.size, start + CHUNK)
         _frame_sums(
