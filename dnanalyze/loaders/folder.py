@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from dnanalyze.errors import InputError, printable
+from dnanalyze.loaders.black_level import common, with_levels
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
 from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
@@ -211,6 +212,7 @@ def _capture_set(
     cfa = config.colour_filter() or first.cfa
     named = _named(place, [f for f, _ in recordings], config)
     odd: dict[str, list[str]] = {}
+    blacks: dict[str, float | None] = {}
     for (file, recording), said in zip(recordings, named, strict=True):
         name = printable(place.relative(file))
         active, masked = _areas(recording, config, name)
@@ -230,6 +232,7 @@ def _capture_set(
                 black = FrameReader(label, recording.read, index, masked, checked=False)
             reader = FrameReader(label, recording.read, index, window)
             frames.append((Frame(label, point, reader, black), known.frame))
+            blacks[label] = _first(config.black_level, recording.black_level)
     shapes = {f.load.region.shape for f, _ in frames if isinstance(f.load, FrameReader)}
     if len(shapes) > 1:
         raise InputError(
@@ -239,7 +242,7 @@ def _capture_set(
     sensor = Sensor(
         window.shape,
         _first(config.bits, first.bits),
-        _first(config.black_level, first.black_level),
+        None,
         _first(config.white_level, first.white_level),
         shifted_cfa(cfa, window.top, window.left),
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
@@ -251,8 +254,14 @@ def _capture_set(
         + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
         for text, names in odd.items()
     ]
-    settings, suspect = examined(group(frames, tolerance_c), keep_outliers)
-    notes += suspect
+    grouped = []
+    for setting in group(frames, tolerance_c):
+        with_black, text = common(setting, [blacks[f.name] for f in setting.frames])
+        grouped.append(with_black)
+        notes += [text] if text else []
+    settings, suspect = examined(grouped, keep_outliers, config.black_level is not None)
+    sensor, differing = with_levels(sensor, settings)
+    notes += [*suspect, *differing]
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part)

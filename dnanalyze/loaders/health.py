@@ -15,11 +15,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.errors import InputError
+from dnanalyze.loaders.black_level import Level, doubted
 from dnanalyze.loaders.captures import Frame, Setting, Window
 from dnanalyze.loaders.checks import is_constant
 from dnanalyze.loaders.moved import Move, find_move
 from dnanalyze.loaders.odd_frames import FEWEST, Peers, Seen, odd_frames, reason, too_many
 from dnanalyze.loaders.recording import FrameReader
+from dnanalyze.loaders.taps import Step, find_steps
+from dnanalyze.loaders.taps import words as taps_words
 
 SAMPLE = 1 << 16  # pixels: a mean level to .006 of the noise, a difference of frames to .3 %
 STRIPS = 16  # all over the frame, so that noise of long range averages out as in the frame
@@ -37,7 +40,7 @@ OF_TWO = 2 / np.sqrt(np.pi)  # mean |difference| of two frames over their noise,
 
 
 def examined(
-    settings: Sequence[Setting], keep_outliers: bool = False
+    settings: Sequence[Setting], keep_outliers: bool = False, black_given: bool = False
 ) -> tuple[tuple[Setting, ...], tuple[str, ...]]:
     """The settings without copies and odd frames, and what their frames make suspect.
 
@@ -50,6 +53,8 @@ def examined(
     settings : sequence of Setting
     keep_outliers : bool
         Whether frames unlike the others are kept, and told all the same.
+    black_given : bool
+        Whether the user states the black level, which then stays.
 
     Returns
     -------
@@ -82,9 +87,14 @@ def examined(
         views.append(view)
     for view, odd in zip(views, odd_frames([v.seen for v in views]), strict=True):
         findings.take_odd(view, odd)
+    findings.taps = [v for v in views if v.steps_within]
     findings.frozen = [pair for view in views for pair in view.frozen()]
     findings.alone = [(v, code) for v in views if (code := v.code) is not None]
     findings.moving = [(v, *moved) for v in views if (moved := v.moved()) is not None]
+    shown = [v for v in views if v.shows is not None]
+    wrong, findings.black = doubted([v.shows for v in shown if v.shows], black_given)
+    for k in wrong:
+        shown[k].setting = replace(shown[k].setting, black_level=None)
     return tuple(view.kept() for view in views), findings.notes(len(views))
 
 
@@ -104,6 +114,8 @@ class _View:
     last: np.ndarray | None = None
     peers: Peers | None = None
     seen: Seen = field(default_factory=lambda: Seen([], {}))
+    shows: Level | None = None
+    steps_within: list[Step] = field(default_factory=list)
 
     def add(self, frame: Frame, sample: np.ndarray) -> None:
         if not np.isfinite(sample).all():
@@ -113,6 +125,13 @@ class _View:
         self.peers.add(sample)
         if self.first is None or self.last is None:
             self.first = sample
+            windows = _strips(_unchecked(frame))
+            cut = sample.reshape(len(windows), -1, sample.shape[1])
+            region = _unchecked(frame).region
+            tops = [region.top + w.top for w in windows]
+            self.steps_within = find_steps(cut, tops, region.left + windows[0].left)
+            low, middle, high = np.quantile(sample, (0.25, 0.5, 0.75))
+            self.shows = Level(self.setting, float(middle), float(high - low) / 1.349)
             self.code = _code(frame, sample)
             self.levels.append(0.0)
         else:
@@ -168,6 +187,8 @@ class _Found:
 
     keep_outliers: bool = False
     odd: list[str] = field(default_factory=list)
+    black: list[str] = field(default_factory=list)
+    taps: list[_View] = field(default_factory=list)
     copies: list[tuple[Frame, Frame]] = field(default_factory=list)
     elsewhere: list[tuple[Frame, Frame]] = field(default_factory=list)
     frozen: list[tuple[str, str]] = field(default_factory=list)
@@ -191,9 +212,9 @@ class _Found:
         if not odd:
             return
         if too_many(len(odd), frames):
-            frame = view.frames[min(odd)].name
+            such = view.frames[min(odd)].name
             self.odd.append(
-                f"{len(odd)} of {frames} frames at {label} are unlike the rest, such as {frame}: "
+                f"{len(odd)} of {frames} frames at {label} are unlike the rest, such as {such}: "
                 "two kinds of frames share one operating point, and none is left out; separate "
                 "them."
             )
@@ -226,6 +247,9 @@ class _Found:
                 "count once."
             )
         yield from self.odd
+        yield from self.black
+        if self.taps:
+            yield taps_words(self.taps[0].steps_within, self.taps[0].setting.point.label())
         if self.elsewhere:
             a, b = self.elsewhere[0]
             yield (

@@ -123,19 +123,17 @@ class Peers:
         tiny = 1e-9 * self._scale[0] ** 2
         of_strips = d.mean(axis=(1, 2), keepdims=True)
         d -= of_strips
+        own = self._clipped(_fine(y)) if own is None else own
+        product = own * (self._pattern if pattern is None else pattern)
         return _Row(
             level,
             spread,
             float(np.var(of_strips)) + tiny,
-            np.mean(np.abs(d), axis=(1, 2), dtype=np.float64) ** 2 + tiny,
-            np.mean(
-                (self._clipped(_fine(y)) if own is None else own)
-                * (self._pattern if pattern is None else pattern),
-                axis=(1, 2), dtype=np.float64,
-            ),
+            _by_strip(np.abs(d)) ** 2 + tiny,
+            _by_strip(product),
             float(np.var(d.mean(axis=2))) + tiny,
             float(np.var(d.mean(axis=(0, 1)))) + tiny,
-        )  # fmt: skip
+        )
 
     def _clipped(self, fine: np.ndarray) -> np.ndarray:
         """The fine pattern of a frame, without that of whole columns."""
@@ -282,11 +280,11 @@ def odd_frames(seen: Sequence[Seen]) -> list[dict[int, list[str]]]:
             if question is None:
                 continue
             limit = _limit(question.degrees + MEDIAN_WORTH * frames, tests)
-            for frame in np.flatnonzero(question.odd(scatter, limit)):
-                out[number].setdefault(int(frame), []).append(name)
+            for frame in np.flatnonzero(question.odd(scatter, limit)).tolist():
+                out[number].setdefault(frame, []).append(name)
     for number, one in enumerate(seen):
-        for frame in _levels_apart(one, set(out[number])):
-            out[number].setdefault(frame, []).append("level")
+        for apart in _levels_apart(one, set(out[number])):
+            out[number].setdefault(apart, []).append("level")
     return out
 
 
@@ -379,6 +377,10 @@ def _spread(d: np.ndarray) -> float:
     size = np.abs(d)
     found = float(np.quantile(size, 0.9)) / 1.645
     return found or float(np.sqrt(np.mean(d * d, dtype=np.float64)))
+
+
+def _by_strip(values: np.ndarray) -> np.ndarray:
+    return np.asarray(values.mean(axis=(1, 2), dtype=np.float64))
 
 
 def _deviation(x: np.ndarray) -> float:
