@@ -73,6 +73,15 @@ KeepOutliers = Annotated[
         help="Keep frames unlike the others of their operating point; default: left out.",
     ),
 ]
+Mask = Annotated[
+    Path | None,
+    typer.Option(
+        "--mask",
+        metavar="FILE",
+        rich_help_panel=_READING,
+        help="Pixels to leave out, those that are not 0: .npy, .fits, .h5, .png or .tif.",
+    ),
+]
 SystemGain = Annotated[
     float | None,
     typer.Option(
@@ -181,6 +190,7 @@ class ReadOptions:
     tolerance_c: Tolerance = None
     channel: Channel = None
     keep_outliers: KeepOutliers = False
+    mask: Mask = None
     quiet: Quiet = False
 
     def session(self, command: str, **more: Any) -> Session:
@@ -194,7 +204,11 @@ class ReadOptions:
     def load(self, session: Session) -> CaptureSet:
         """The captures."""
         return session.load(
-            self.config, self.tolerance_c, self.channel, keep_outliers=self.keep_outliers
+            self.config,
+            self.tolerance_c,
+            self.channel,
+            keep_outliers=self.keep_outliers,
+            mask=self.mask,
         )
 
 
@@ -228,6 +242,7 @@ class ModelOptions(ReadOptions):
             "--tolerance-c": self.tolerance_c,
             "--channel": self.channel,
             "--keep-outliers": self.keep_outliers or None,
+            "--mask": self.mask,
             "--effects": self.effects,
         }
 

@@ -137,6 +137,7 @@ class Session:
         tolerance_c: float | None = None,
         channel: str | None = None,
         keep_outliers: bool = False,
+        mask: Path | None = None,
     ) -> CaptureSet:
         """The captures, or one channel of them; what had to be assumed is said on stderr."""
         from dnanalyze.analyzers.streaming.cache import default_folder
@@ -148,6 +149,7 @@ class Session:
             config=config,
             tolerance_c=tolerance_c,
             keep_outliers=keep_outliers,
+            mask=mask,
         )
         if channel is not None:
             found, self.channel = found.channel(channel), channel

@@ -278,6 +278,8 @@ class Sensor:
         Overall system gain K of EMVA 1288, DN/e-, as recorded.
     black_levels : tuple of (OperatingPoint, float)
         Black level of each operating point, DN, where they differ.
+    filled : float
+        Share of the pixels that a mask leaves out and that repeat others (`loaders.masks`).
     """
 
     shape: tuple[int, int]
@@ -288,6 +290,7 @@ class Sensor:
     pixel_pitch_um: float | None = None
     system_gain_dn_e: float | None = None
     black_levels: tuple[tuple[OperatingPoint, float], ...] = ()
+    filled: float = 0.0
 
     def black_level_at(self, points: Iterable[OperatingPoint]) -> float | None:
         """Return the black level that some operating points share.

@@ -8,7 +8,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar, cast
+
+import numpy as np
 
 from dnanalyze.errors import InputError, printable
 from dnanalyze.loaders.black_level import common, with_levels
@@ -20,6 +22,7 @@ from dnanalyze.loaders.formats import MODULES, module_of, read_header, suffix_of
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
+from dnanalyze.loaders.masks import Mask, make_mask, read_mask
 from dnanalyze.loaders.names import from_names, from_regex
 from dnanalyze.loaders.recording import FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
@@ -40,6 +43,7 @@ def load(
     include_masked: bool = False,
     region: Region | None = None,
     keep_outliers: bool = False,
+    mask: str | os.PathLike[str] | np.ndarray | None = None,
 ) -> CaptureSet:
     """Load the dark frames of one sensor, grouped by operating point.
 
@@ -70,6 +74,10 @@ def load(
         "active", or "masked" for camera raw files that are lit, which a note then tells.
     keep_outliers : bool
         Keep frames that are unlike the others of their operating point; the notes tell them.
+    mask : str, path or ndarray, optional
+        Pixels to leave out, those that are not 0: an array of the shape of the readout or of its
+        active area, or a file with one (.npy, .fits, .h5, .png, .tif); it adds to a mask that the
+        captures hold.
 
     Returns
     -------
@@ -98,7 +106,7 @@ def load(
     recordings = _recordings(place, files, sidecar, notes)
     part = asked or _dark_part(recordings, notes)
     found = _capture_set(
-        place, sidecar, manifest or {}, recordings, part, tolerance, keep_outliers, notes
+        place, sidecar, manifest or {}, recordings, part, tolerance, keep_outliers, mask, notes
     )
     return found if channel is None else found.channel(channel)
 
@@ -204,6 +212,7 @@ def _capture_set(
     part: str,
     tolerance_c: float | None,
     keep_outliers: bool,
+    mask: str | os.PathLike[str] | np.ndarray | None,
     notes: list[str],
 ) -> CaptureSet:
     frames: list[tuple[Frame, float | None]] = []
@@ -254,6 +263,13 @@ def _capture_set(
         + (f" and {len(names) - 1} more." if len(names) > 1 else ".")
         for text, names in odd.items()
     ]
+    left = _mask(mask, recordings, window, cfa, notes)
+    if left is not None:
+        sensor = replace(sensor, shape=left.shape, filled=left.filled)
+        frames = [
+            (replace(f, load=replace(cast("FrameReader", f.load), mask=left)), place_in_time)
+            for f, place_in_time in frames
+        ]
     grouped = []
     for setting in group(frames, tolerance_c):
         with_black, text = common(setting, [blacks[f.name] for f in setting.frames])
@@ -266,6 +282,38 @@ def _capture_set(
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part)
     return CaptureSet(printable(place.name), sensor, settings, tuple(notes), source)
+
+
+def _mask(
+    given: str | os.PathLike[str] | np.ndarray | None,
+    recordings: list[tuple[Path, Recording]],
+    window: Window,
+    cfa: tuple[tuple[str, ...], ...] | None,
+    notes: list[str],
+) -> Mask | None:
+    """What masks of the files and of the user leave of the frames; None where there are none."""
+    masked = np.zeros(window.shape, bool)
+    whose = []
+    for file, recording in recordings:
+        if recording.mask is not None:
+            masked |= recording.mask[window.slices]
+            whose = [printable(file.name)]
+    if given is not None:
+        own = given if isinstance(given, np.ndarray) else read_mask(given)
+        name = "mask" if isinstance(given, np.ndarray) else printable(str(given))
+        whole = recordings[0][1].shape
+        if own.shape not in (whole, window.shape):
+            raise InputError(
+                f"{name}: has {own.shape} pixels, the frames have {window.shape}; give a mask of "
+                "the shape of the frames"
+            )
+        masked |= (own if own.shape == window.shape else own[window.slices]) != 0
+        whose.append(name)
+    if not masked.any():
+        return None
+    left = make_mask(masked, " and ".join(whose), 1 if cfa is None else len(cfa))
+    notes.append(left.words(window.shape, " and ".join(whose)))
+    return left
 
 
 def _common(values: Iterable[float | None]) -> float | None:

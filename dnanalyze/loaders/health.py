@@ -289,7 +289,7 @@ def _most_frames(settings: Sequence[Setting]) -> int:
     whole = [x for x in loads if isinstance(x, FrameReader) and not x.partial]
     if not whole:
         return max(len(s.frames) for s in settings)
-    rows, columns = whole[0].region.shape
+    rows, columns = whole[0].shape
     return max(2, DECODED // (rows * columns * len(settings)))
 
 
@@ -317,7 +317,7 @@ def _sample(frame: Frame) -> np.ndarray | None:
 
 
 def _strips(reader: FrameReader) -> list[Window]:
-    rows, columns = reader.region.shape
+    rows, columns = reader.shape
     width = min(columns, SAMPLE // STRIPS)
     height = max(1, min(SAMPLE // STRIPS // width, rows // STRIPS))
     left = (columns - width) // 2
