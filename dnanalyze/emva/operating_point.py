@@ -73,7 +73,8 @@ def _noise(setting: SettingStatistics, bad: str, gain: Quantity) -> Iterable[Qua
         return unknown(kinds.NOISE, text), unknown(kinds.NOISE_E, text)
     noise = math.sqrt(read.variance)
     # of the pixels alone, for whole frames that drift are no part of it
-    se = max(setting.values["s2_temporal"].se, read.variance_error) / (2 * noise)
+    spatial = setting.values.get("s2_temporal", Value(math.nan, 0.0)).se
+    se = max(spatial, read.variance_error) / (2 * noise)
     made = known(kinds.NOISE, Value(noise, se))
     if read.variance < LEAST_VARIANCE * step**2:
         limit = LIMIT * step
