@@ -57,11 +57,12 @@ def test_a_photon_counter_has_its_mask(tmp_path, code):
             "entry/data/data": data,
             "entry/instrument/detector/detectorSpecific/pixel_mask": mask,
             "entry/instrument/detector/count_time": 0.5,
+            "entry/sample/temperature": 80.0,
         },
     )
     captures = load(file)
     assert captures.sensor.shape == (28, 40)
-    assert captures.settings[0].point.exposure_s == 0.5
+    assert captures.settings[0].point == OperatingPoint(exposure_s=0.5)
     frame = captures.settings[0].frames[1].read()
     np.testing.assert_array_equal(frame, data[1][mask[:, 0] == 0])
 

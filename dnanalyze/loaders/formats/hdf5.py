@@ -122,8 +122,8 @@ def _scalars(file: h5py.File, labels: Sequence[str]) -> list[Scalar]:
         key = SCALARS.get(last(label))
         if key is None or not isinstance(item, h5py.Dataset) or item.dtype.kind not in "iuf":
             return
-        if item.ndim > 1 or not 0 < item.size <= MAX_FRAMES:
-            return
+        if item.ndim > 1 or not 0 < item.size <= MAX_FRAMES or "sample/" in label:
+            return  # the temperature of a sample is not the sensor's
         owner = label
         while owner:
             owner = owner.rpartition("/")[0]
