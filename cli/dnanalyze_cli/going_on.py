@@ -74,7 +74,7 @@ def command_line(
     output : Path or None
         The model file.
     options : mapping
-        Option to its value, list of values, or None where it was not given.
+        Option to its value, list of values, True for a flag, or None where it was not given.
     max_effects : int or None
         Of the whole run; what was added already is taken off.
     so_far : Refinement or None
@@ -88,7 +88,7 @@ def command_line(
     for name, value in options.items():
         for one in value if isinstance(value, list) else [value]:
             if one is not None:
-                line += [name, str(one)]
+                line += [name] if one is True else [name, str(one)]
     if max_effects is not None:
         added = [n for n in net_additions([s.added for s in so_far.steps]) if n not in EVERYDAY]
         line += ["--max-effects", str(max(max_effects - len(added), 0))]

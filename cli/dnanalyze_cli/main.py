@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -36,6 +37,7 @@ from dnanalyze_cli.commands import (
     workbench,
 )
 from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped, end_on_sigterm
+from dnanalyze_cli.warned import Told
 
 app = typer.Typer(
     name="dnanalyze",
@@ -119,6 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run() -> None:
     """The ``dnanalyze`` command."""
     end_on_sigterm()
+    warnings.showwarning = Told()
     code = main()
     try:
         sys.stdout.flush()

@@ -65,6 +65,23 @@ Channel = Annotated[
         help="Only this HDR readout channel; default: all.",
     ),
 ]
+KeepOutliers = Annotated[
+    bool,
+    typer.Option(
+        "--keep-outliers",
+        rich_help_panel=_READING,
+        help="Keep frames unlike the others of their operating point; default: left out.",
+    ),
+]
+Mask = Annotated[
+    Path | None,
+    typer.Option(
+        "--mask",
+        metavar="FILE",
+        rich_help_panel=_READING,
+        help="Pixels to leave out, those that are not 0: .npy, .fits, .h5, .png or .tif.",
+    ),
+]
 SystemGain = Annotated[
     float | None,
     typer.Option(
@@ -172,6 +189,8 @@ class ReadOptions:
     config: Config = None
     tolerance_c: Tolerance = None
     channel: Channel = None
+    keep_outliers: KeepOutliers = False
+    mask: Mask = None
     quiet: Quiet = False
 
     def session(self, command: str, **more: Any) -> Session:
@@ -184,7 +203,13 @@ class ReadOptions:
 
     def load(self, session: Session) -> CaptureSet:
         """The captures."""
-        return session.load(self.config, self.tolerance_c, self.channel)
+        return session.load(
+            self.config,
+            self.tolerance_c,
+            self.channel,
+            keep_outliers=self.keep_outliers,
+            mask=self.mask,
+        )
 
 
 @dataclass(frozen=True)
@@ -216,6 +241,8 @@ class ModelOptions(ReadOptions):
             "--config": self.config,
             "--tolerance-c": self.tolerance_c,
             "--channel": self.channel,
+            "--keep-outliers": self.keep_outliers or None,
+            "--mask": self.mask,
             "--effects": self.effects,
         }
 

@@ -136,13 +136,21 @@ class Session:
         config: Path | None = None,
         tolerance_c: float | None = None,
         channel: str | None = None,
+        keep_outliers: bool = False,
+        mask: Path | None = None,
     ) -> CaptureSet:
         """The captures, or one channel of them; what had to be assumed is said on stderr."""
         from dnanalyze.analyzers.streaming.cache import default_folder
         from dnanalyze.loaders import load
 
         assert self.captures is not None
-        found = load(self.captures, config=config, tolerance_c=tolerance_c)
+        found = load(
+            self.captures,
+            config=config,
+            tolerance_c=tolerance_c,
+            keep_outliers=keep_outliers,
+            mask=mask,
+        )
         if channel is not None:
             found, self.channel = found.channel(channel), channel
         if self.cache and (folder := default_folder()):

@@ -16,6 +16,7 @@ from dnanalyze.analyzers.estimators.saturation import of_maps
 from dnanalyze.analyzers.estimators.wave_errors import widened
 from dnanalyze.analyzers.families import spectrum
 from dnanalyze.analyzers.families.trends import trends
+from dnanalyze.analyzers.placed import abstained
 from dnanalyze.analyzers.statistics import SATURATION, SettingStatistics, Statistics
 from dnanalyze.analyzers.streaming import cache
 from dnanalyze.analyzers.streaming.accumulation import Accumulation, make_plan, read_ahead
@@ -196,6 +197,7 @@ def _by_window(
             for part, statistics in zip(parts, setting, strict=True)
             if part.window == window
         ]
+        each = [abstained(s, captures.sensor.filled) for s in each]
         told = parts[0].errors and not parts[0].families
         laws, rated = trends(each, captures.sensor) if told else ({}, each)
         out.append(Statistics(captures.name, captures.sensor, tuple(rated), laws))

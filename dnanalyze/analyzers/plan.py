@@ -97,9 +97,13 @@ class FrameView:
     difference : ndarray of float32 or None
         (this frame - the one before) / sqrt 2, DN; None for the first.
     plan : Plan
+    shift : float
+        By how much the level of this frame has moved from the plan's centre, DN; 0 where that is
+        less than ``plan.sigma``. Cuts and limits move along.
     """
 
     number: int
     frame: np.ndarray
     difference: np.ndarray | None
     plan: Plan
+    shift: float = 0.0

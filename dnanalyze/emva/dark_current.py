@@ -22,6 +22,7 @@ NOT_LINEAR = 0.05  # of the span of the signal, from which a deviation from the 
 FAR = 4.0  # standard errors
 ONE_EXPOSURE = "one exposure, and the black level is not known"
 NO_EXPOSURE = "the exposure is not known"
+NEGATIVE = 10.0  # standard errors, beyond which no statistic explains a negative dark current
 NO_SCATTER = "two exposures of one frame each: no uncertainty"
 
 
@@ -76,10 +77,22 @@ def dark_current(
         current = known(kinds.CURRENT, means.slope, note)
     elif len(exposures) == 1:
         current = _above_black_level([s for s in timed if black_known or s.frames > 1])
+    current = _believed(current)
     variances, why = _variance_line(readings)
     by_variance = _from_variance(variances, why, gain)
     items = (current, current.scaled(kinds.CURRENT_E, gain), by_variance, offset)
     return DarkCurrent(temperature_c, exposures, Quantities(items), means, variances)
+
+
+def _believed(current: Quantity) -> Quantity:
+    """A dark current that is negative beyond doubt tells of the black level."""
+    value, se = current.value, current.se
+    if value is None or se is None or value > -NEGATIVE * se:
+        return current
+    return unknown(
+        current.kind,
+        f"negative, {value:.3g} ± {se:.1g} DN/s: the black level is wrong, or it moves",
+    )
 
 
 def frame_error(settings: Sequence[SettingStatistics]) -> float | None:

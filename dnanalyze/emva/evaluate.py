@@ -58,7 +58,9 @@ def evaluate(measured: Statistics, system_gain_dn_e: float | None = None) -> Emv
                 system_gain_dn_e,
                 measured.sensor.system_gain_dn_e,
                 alone,
-                measured.sensor.black_level,
+                measured.sensor.black_level_at(
+                    s.point for s in measured.settings if (s.point.channel, s.point.gain) == key[:2]
+                ),
             )
             for key in keys
         )

@@ -72,8 +72,9 @@ def _noise(setting: SettingStatistics, bad: str, gain: Quantity) -> Iterable[Qua
         text = "the frames are equal, or differ only by the drift of whole frames"
         return unknown(kinds.NOISE, text), unknown(kinds.NOISE_E, text)
     noise = math.sqrt(read.variance)
-    relative = setting.values["temporal_noise"].se  # of a logarithm
-    se = max(noise * relative, read.variance_error / (2 * noise))
+    # of the pixels alone, for whole frames that drift are no part of it
+    spatial = setting.values.get("s2_temporal", Value(math.nan, 0.0)).se
+    se = max(spatial, read.variance_error) / (2 * noise)
     made = known(kinds.NOISE, Value(noise, se))
     if read.variance < LEAST_VARIANCE * step**2:
         limit = LIMIT * step

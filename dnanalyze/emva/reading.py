@@ -62,7 +62,7 @@ def reading(setting: SettingStatistics) -> Reading:
         return values[name].value if name in values else math.nan
 
     drift = value("drift")
-    variance = value("s2_temporal") - drift**2
+    variance = value("s2_temporal")
     core = value("temporal_noise_core") ** 2
     core_error = 2 * core * values["temporal_noise_core"].se if core > 0 else math.nan
     return Reading(

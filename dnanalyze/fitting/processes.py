@@ -10,6 +10,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import warnings
 import weakref
 from collections.abc import Sequence
 from contextlib import suppress
@@ -115,6 +116,7 @@ def _travels(model: NoiseModel) -> bool:
 def _serve(pipe: Connection, shares: int) -> None:
     """What a helper does until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom it helps decides
+    warnings.simplefilter("ignore")  # the process that asked simulates the same model, and tells
     memo = room(shares)
     with suppress(Exception):  # an effect of another package may fail; when asked for, it is told
         _warm()

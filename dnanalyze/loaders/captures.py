@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from types import NoneType
 from typing import TYPE_CHECKING
@@ -252,10 +252,14 @@ class Frame:
 
 @dataclass(frozen=True)
 class Setting:
-    """Frames that share one operating point, in the order in which they were taken."""
+    """Frames that share one operating point, in the order in which they were taken.
+
+    ``black_level`` is what their files state, DN.
+    """
 
     point: OperatingPoint
     frames: tuple[Frame, ...]
+    black_level: float | None = None
 
 
 @dataclass(frozen=True)
@@ -269,13 +273,17 @@ class Sensor:
     bits : int, optional
         Bits of the converter.
     black_level, white_level : float, optional
-        DN.
+        DN; the black level where all operating points have one.
     cfa : tuple of tuple of str, optional
         Colour filter of the top-left block of the active area, such as (("R","G"),("G","B")).
     pixel_pitch_um : float, optional
         Micrometres.
     system_gain_dn_e : float, optional
         Overall system gain K of EMVA 1288, DN/e-, as recorded.
+    black_levels : tuple of (OperatingPoint, float)
+        Black level of each operating point, DN, where they differ.
+    filled : float
+        Share of the pixels that a mask leaves out and that repeat others (`loaders.masks`).
     """
 
     shape: tuple[int, int]
@@ -285,6 +293,27 @@ class Sensor:
     cfa: tuple[tuple[str, ...], ...] | None = None
     pixel_pitch_um: float | None = None
     system_gain_dn_e: float | None = None
+    black_levels: tuple[tuple[OperatingPoint, float], ...] = ()
+    filled: float = 0.0
+
+    def black_level_at(self, points: Iterable[OperatingPoint]) -> float | None:
+        """Return the black level that some operating points share.
+
+        Parameters
+        ----------
+        points : iterable of OperatingPoint
+            The points.
+
+        Returns
+        -------
+        float or None
+            DN; None where it is not known, or not the same for all.
+        """
+        if not self.black_levels:
+            return self.black_level
+        known = dict(self.black_levels)
+        found = {known.get(point) for point in points}
+        return found.pop() if len(found) == 1 else None
 
 
 @dataclass(frozen=True)

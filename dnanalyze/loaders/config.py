@@ -59,6 +59,8 @@ class Config(BaseModel):
         temperature_c, exposure_s, gain, channel, frame.
     temperature_c, exposure_s, gain, channel
         For frames of which no other source says it.
+    frame_axis : str
+        Stacks of NumPy and HDF5: "first" or "last", which axis counts the frames.
     tolerance_c : float
         Span of the temperatures of one operating point, C.
     tolerance_s : float
@@ -95,6 +97,7 @@ class Config(BaseModel):
     exposure_s: float | None = None
     gain: float | None = None
     channel: str | None = None
+    frame_axis: Literal["first", "last"] | None = None
     tolerance_c: Number | None = Field(default=None, ge=0)
     tolerance_s: Number | None = Field(default=None, ge=0)
     skip: tuple[str, ...] = ()

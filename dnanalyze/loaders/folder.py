@@ -8,10 +8,13 @@ from collections.abc import Iterable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar, cast
+
+import numpy as np
 
 from dnanalyze.errors import InputError, printable
 from dnanalyze.loaders import exposures
+from dnanalyze.loaders.black_level import common, with_levels
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Source, Window
 from dnanalyze.loaders.checks import check_count, check_shape
 from dnanalyze.loaders.config import Config, read_config, sidecar_of
@@ -21,6 +24,7 @@ from dnanalyze.loaders.formats.unread import instead
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
+from dnanalyze.loaders.masks import Mask, make_mask, read_mask
 from dnanalyze.loaders.recording import Cfa, FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
 from dnanalyze.loaders.sources import merged
@@ -40,13 +44,16 @@ def load(
     channel: str | None = None,
     include_masked: bool = False,
     region: Region | None = None,
+    keep_outliers: bool = False,
+    mask: str | os.PathLike[str] | np.ndarray | None = None,
 ) -> CaptureSet:
     """Load the dark frames of one sensor, grouped by operating point.
 
     Pixels are read when asked for.
 
-    A sample of each frame is compared: identical frames of an operating point count once, and the
-    notes report these and other suspect frames (`dnanalyze.loaders.health`).
+    A sample of each frame is compared: identical frames of an operating point count once, a frame
+    unlike the others is left out, and the notes report these and other suspect frames
+    (`dnanalyze.loaders.health`).
 
     Each of temperature, exposure, gain and channel is taken from the first source that states it:
     manifest, file header, text of a capture program, name, sidecar.
@@ -67,6 +74,12 @@ def load(
     region : {"active", "masked", "all"}, optional
         Which part of the readout makes the frames. Where neither this nor the sidecar says it:
         "active", or "masked" for camera raw files that are lit, which a note then tells.
+    keep_outliers : bool
+        Keep frames that are unlike the others of their operating point; the notes tell them.
+    mask : str, path or ndarray, optional
+        Pixels to leave out, those that are not 0: an array of the shape of the readout or of its
+        active area, or a file with one (.npy, .fits, .h5, .png, .tif); it adds to a mask that the
+        captures hold.
 
     Returns
     -------
@@ -94,7 +107,9 @@ def load(
     files = _frame_files(place, sidecar, manifest, notes)
     recordings = _recordings(place, files, sidecar, notes)
     part = asked or _dark_part(recordings, notes)
-    found = _capture_set(place, sidecar, manifest or {}, recordings, part, tolerance, notes)
+    found = _capture_set(
+        place, sidecar, manifest or {}, recordings, part, tolerance, keep_outliers, mask, notes
+    )
     return found if channel is None else found.channel(channel)
 
 
@@ -203,6 +218,8 @@ def _capture_set(
     recordings: list[tuple[Path, Recording]],
     part: str,
     tolerance_c: float | None,
+    keep_outliers: bool,
+    mask: str | os.PathLike[str] | np.ndarray | None,
     notes: list[str],
 ) -> CaptureSet:
     frames: list[tuple[Frame, float | None]] = []
@@ -210,6 +227,7 @@ def _capture_set(
     window = Window.whole(first.shape)
     cfa = config.colour_filter() or first.cfa
     filters: set[Cfa | None] = set()
+    blacks: dict[str, float | None] = {}
     notes += dict.fromkeys(n for _, r in recordings for n in r.notes)
     known_of, taken = merged(place, config, manifest, recordings, notes)
     for (file, recording), own in zip(recordings, known_of, strict=True):
@@ -229,6 +247,7 @@ def _capture_set(
                 black = FrameReader(label, recording.read, index, masked, checked=False)
             reader = FrameReader(label, recording.read, index, window)
             frames.append((Frame(label, point, reader, black), known.frame))
+            blacks[label] = _first(config.black_level, recording.black_level)
     shapes = {f.load.region.shape for f, _ in frames if isinstance(f.load, FrameReader)}
     if len(shapes) > 1:
         raise InputError(
@@ -243,7 +262,7 @@ def _capture_set(
     sensor = Sensor(
         window.shape,
         _first(config.bits, first.bits),
-        _first(config.black_level, first.black_level),
+        None,
         _first(config.white_level, first.white_level),
         filters.pop(),
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
@@ -254,14 +273,59 @@ def _capture_set(
             f"The mosaic of {len(sensor.cfa)} x {len(sensor.cfa[0])} pixels is analysed as its "
             "four planes of every second row and column, 00 to 11."
         )
-    grouped = group(frames, tolerance_c, config.tolerance_s)
-    notes += exposures.notes(grouped)
-    settings, suspect = examined(grouped)
-    notes += suspect
+    left = _mask(mask, recordings, window, cfa, notes)
+    if left is not None:
+        sensor = replace(sensor, shape=left.shape, filled=left.filled)
+        frames = [
+            (replace(f, load=replace(cast("FrameReader", f.load), mask=left)), place_in_time)
+            for f, place_in_time in frames
+        ]
+    together = group(frames, tolerance_c, config.tolerance_s)
+    notes += exposures.notes(together)
+    grouped = []
+    for setting in together:
+        with_black, text = common(setting, [blacks[f.name] for f in setting.frames])
+        grouped.append(with_black)
+        notes += [text] if text else []
+    settings, suspect = examined(grouped, keep_outliers, config.black_level is not None)
+    sensor, differing = with_levels(sensor, settings)
+    notes += [*suspect, *differing]
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part, taken=taken)
     return CaptureSet(printable(place.name), sensor, settings, tuple(notes), source)
+
+
+def _mask(
+    given: str | os.PathLike[str] | np.ndarray | None,
+    recordings: list[tuple[Path, Recording]],
+    window: Window,
+    cfa: tuple[tuple[str, ...], ...] | None,
+    notes: list[str],
+) -> Mask | None:
+    """What masks of the files and of the user leave of the frames; None where there are none."""
+    masked = np.zeros(window.shape, bool)
+    whose = []
+    for file, recording in recordings:
+        if recording.mask is not None:
+            masked |= recording.mask[window.slices]
+            whose = [printable(file.name)]
+    if given is not None:
+        own = given if isinstance(given, np.ndarray) else read_mask(given)
+        name = "mask" if isinstance(given, np.ndarray) else printable(str(given))
+        whole = recordings[0][1].shape
+        if own.shape not in (whole, window.shape):
+            raise InputError(
+                f"{name}: has {own.shape} pixels, the frames have {window.shape}; give a mask of "
+                "the shape of the frames"
+            )
+        masked |= (own if own.shape == window.shape else own[window.slices]) != 0
+        whose.append(name)
+    if not masked.any():
+        return None
+    left = make_mask(masked, " and ".join(whose), 1 if cfa is None else len(cfa))
+    notes.append(left.words(window.shape, " and ".join(whose)))
+    return left
 
 
 def _common(values: Iterable[float | None]) -> float | None:

@@ -137,6 +137,7 @@ def _operating_point(setting: Setting) -> dict[str, Any]:
         "exposure_s": point.exposure_s,
         "gain": point.gain,
         "channel": point.channel,
+        "black_level": setting.black_level,
         "frames": len(setting.frames),
         "first": setting.frames[0].name,
     }

@@ -11,6 +11,7 @@ import numpy as np
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
 from dnanalyze.loaders.checks import check_pixels, check_range, worth_a_look
+from dnanalyze.loaders.masks import Mask
 from dnanalyze.loaders.physical import fault
 
 Cfa = tuple[tuple[str, ...], ...]
@@ -139,6 +140,8 @@ class Recording:
         As in ``Sensor``.
     notes : tuple of str
         What was assumed, one sentence each.
+    mask : ndarray of bool, optional
+        Pixels of the whole readout that the file leaves out.
     lit : bool
         Whether light fell on the active area, seen against the masked one.
     left_out : str
@@ -159,6 +162,7 @@ class Recording:
     pixel_pitch_um: float | None = None
     system_gain_dn_e: float | None = None
     notes: tuple[str, ...] = ()
+    mask: np.ndarray | None = None
     lit: bool = False
     left_out: str = ""
     areas: tuple[Area, ...] = ()
@@ -184,6 +188,8 @@ class FrameReader:
         Rectangle of the readout that is the frame.
     checked : bool
         Whether ``check_pixels`` applies; a masked strip may well be clipped to one value.
+    mask : Mask, optional
+        What is left of the region; then the whole region is read whatever the window.
     """
 
     name: str
@@ -191,11 +197,17 @@ class FrameReader:
     index: int
     region: Window
     checked: bool = True
+    mask: Mask | None = None
 
     @property
     def partial(self) -> bool:
         """Whether a window is read without the rest of the frame; readers say so themselves."""
-        return bool(getattr(self.read, "partial", False))
+        return self.mask is None and bool(getattr(self.read, "partial", False))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the frame."""
+        return self.region.shape if self.mask is None else self.mask.shape
 
     def __call__(self, window: Window | None = None) -> np.ndarray:
         """Pixels of ``window`` (None is all), DN: native byte order, C-contiguous, 2-D.
@@ -205,7 +217,7 @@ class FrameReader:
         InputError
             The file cannot be read any more, or ``check_pixels`` refuses it.
         """
-        whole = Window.whole(self.region.shape)
+        whole = Window.whole(self.shape)
         window = window or whole
         array = self._pixels(window)
         if not self.checked:
@@ -220,6 +232,12 @@ class FrameReader:
         return array
 
     def _pixels(self, window: Window) -> np.ndarray:
+        if self.mask is None:
+            return self._stored(window)
+        left = self.mask.apply(self._stored(Window.whole(self.region.shape)))
+        return np.ascontiguousarray(left[window.slices])
+
+    def _stored(self, window: Window) -> np.ndarray:
         region = self.region
         place = Window(
             region.top + window.top,

@@ -91,7 +91,7 @@ def test_frames_that_differ_where_no_strip_lies_are_two(tmp_path):
 def test_a_frame_that_hardly_differs_from_the_one_before_is_told(tmp_path):
     some = frames(5)
     near = some[2].copy()
-    near[::10] += 1
+    near[:, ::10] += 1
     captures = folder(tmp_path, [*some[:3], near, *some[3:]])
     assert captures.frame_count == 6
     (note,) = captures.notes

@@ -7,7 +7,17 @@ from typing import Annotated
 import typer
 
 from dnanalyze_cli.numbers import celsius
-from dnanalyze_cli.options import Channel, Config, Csv, Json, NoCache, Quiet, Report, Tolerance
+from dnanalyze_cli.options import (
+    Channel,
+    Config,
+    Csv,
+    Json,
+    KeepOutliers,
+    NoCache,
+    Quiet,
+    Report,
+    Tolerance,
+)
 from dnanalyze_cli.session import Session
 
 
@@ -32,6 +42,7 @@ def benchmark(
     csv: Csv = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    keep_outliers: KeepOutliers = False,
     channel: Channel = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
@@ -46,7 +57,7 @@ def benchmark(
         Session("benchmark", f, json, report, csv, quiet=quiet, cache=not no_cache) for f in folders
     ]
     session = sessions[0]
-    found = [s.load(config, tolerance_c, channel) for s in sessions]
+    found = [s.load(config, tolerance_c, channel, keep_outliers=keep_outliers) for s in sessions]
     with session.progress("Measuring the sensors") as progress:
         result = run(found, at=temperatures, quick=quick, tell=progress.now)
     show(session.console, result)

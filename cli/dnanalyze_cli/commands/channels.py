@@ -7,6 +7,7 @@ from dnanalyze_cli.options import (
     Config,
     EffectFiles,
     Json,
+    KeepOutliers,
     Model,
     ModelOut,
     Quiet,
@@ -24,6 +25,7 @@ def channels(
     report: Report = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    keep_outliers: KeepOutliers = False,
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
@@ -42,7 +44,7 @@ def channels(
     )
     known = session.known()
     own = session.model(model)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, keep_outliers=keep_outliers)
     by_channel(found)  # refuses captures without
     over_channels.refine(
         session, found, lambda tell: refine_channels(found, own, known=known, tell=tell)

@@ -13,6 +13,7 @@ from dnanalyze_cli.options import (
     Config,
     EffectFiles,
     Json,
+    KeepOutliers,
     NoCache,
     Quiet,
     Seed,
@@ -82,6 +83,7 @@ def check(
     json: Json = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    keep_outliers: KeepOutliers = False,
     channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
@@ -118,7 +120,7 @@ def check(
             check_output(path, captures)
     limits = load_targets(targets) if targets is not None else None
     own = session.model(model, seed)
-    found = session.load(config, tolerance_c, channel)
+    found = session.load(config, tolerance_c, channel, keep_outliers=keep_outliers)
     if own is not None:
         require(own, found.channels)
     if limits is not None and channel is not None:
@@ -137,7 +139,7 @@ def check(
             raise InputError(
                 "check: with --model CAPTURES are the measurement; leave out --measured"
             )
-        other = load(measured, config=config, tolerance_c=tolerance_c)
+        other = load(measured, config=config, tolerance_c=tolerance_c, keep_outliers=keep_outliers)
     with session.progress("Checking") as progress:
         result = run(found, limits, own, measured=other, progress=progress)
     show(session.console, found, result)

@@ -9,7 +9,16 @@ from typing import Annotated, Any
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import Captures, Config, EffectFiles, Json, Quiet, Seed, Tolerance
+from dnanalyze_cli.options import (
+    Captures,
+    Config,
+    EffectFiles,
+    Json,
+    KeepOutliers,
+    Quiet,
+    Seed,
+    Tolerance,
+)
 from dnanalyze_cli.session import Session
 
 
@@ -44,6 +53,7 @@ def hdr(
     json: Json = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    keep_outliers: KeepOutliers = False,
     effects: EffectFiles = None,
     seed: Seed = None,
     quiet: Quiet = False,
@@ -71,7 +81,7 @@ def hdr(
             f"{', '.join(how.names)}; give a model of all channels, as `channels -o` writes it"
         )
     require(own, how.names)
-    found = session.load(config, tolerance_c)
+    found = session.load(config, tolerance_c, keep_outliers=keep_outliers)
     with session.progress("Combining"):
         result = compare_combined(found, own, how, light)
         first = found.settings[0].point

@@ -127,6 +127,17 @@ class Accumulated:
         """Variance of the frame means, DN^2; 0 for one frame."""
         return float(np.var(self.frame_means, ddof=1)) if self.frames > 1 else 0.0
 
+    @cached_property
+    def still_variance(self) -> float:
+        """Mean temporal variance of the pixels without that of the frame means, DN^2.
+
+        Of the means of all values: with these the two variances add up to `temporal_mean` exactly,
+        however far the level moves.
+        """
+        means = self.maps.scalars[:, 6] / self.plan.pixels + self.maps.shifts
+        moved = float(np.var(means, ddof=1)) if self.frames > 1 else 0.0
+        return max(self.temporal_mean - moved, 0.0)
+
     @property
     def level_variance(self) -> float:
         """Variance of the mean of all frames because their means scatter, DN^2.

@@ -35,9 +35,9 @@ class Maps:
     head, tail : list of ndarray
         The first two frames, the last two; fewer for few frames.
     scalars : ndarray
-        A row for each frame, see `pixel_loops.add_frames`.
+        A row for each frame, see `pixel_loops.add_frames`; the last column is its shift.
     hot_limit : float
-        Level above which a pixel of a frame counts as hot.
+        Level above which a pixel of a frame that has not moved counts as hot.
     """
 
     mean: np.ndarray
@@ -52,12 +52,18 @@ class Maps:
     scalars: np.ndarray
     hot_limit: float
 
+    @property
+    def shifts(self) -> np.ndarray:
+        """By how much the level of each frame has moved from the plan's centre, DN; (frames,)."""
+        return self.scalars[:, -1]
+
 
 class PixelMaps:
     """Per-pixel sums over the frames, and the frame sums that cost nothing beside them.
 
     Attributes are complete after `flush`. Sums are of the value less ``origin``, float64.
-    ``scalars`` has a row for each frame, see `pixel_loops.add_frames`. ``head`` and ``tail`` hold
+    ``scalars`` has a row for each frame, see `pixel_loops.add_frames`, which ends with the shift
+    of its level (`FrameView`). ``head`` and ``tail`` hold
     the first two and the last two frames, for what needs independent pairs.
     """
 
@@ -67,8 +73,9 @@ class PixelMaps:
         self.origin = float(round(plan.centre) if plan.integer else np.float32(plan.centre))
         self.head: list[np.ndarray] = []
         self.tail: list[np.ndarray] = []
-        self.scalars = np.empty((0, 6))
+        self.scalars = np.empty((0, 8))
         self._waiting: list[np.ndarray] = []
+        self._shifts: list[float] = []
         self._last: np.ndarray | None = None
         self._start = 0
         self._sums: tuple[np.ndarray, ...] | None = None
@@ -82,6 +89,7 @@ class PixelMaps:
             self.head.append(view.frame)
         self.tail = [*self.tail[-1:], view.frame]
         self._waiting.append(view.frame)
+        self._shifts.append(view.shift)
         if len(self._waiting) == BATCH:
             self.flush()
 
@@ -90,7 +98,7 @@ class PixelMaps:
         if self._waiting:
             self._add(self._waiting)
             self._last = self._waiting[-1]
-            self._waiting = []
+            self._waiting, self._shifts = [], []
 
     def merge(self, later: Self, seam: FrameView) -> None:
         """Take in the frames that follow mine."""
@@ -116,8 +124,9 @@ class PixelMaps:
         first = later.scalars[0].copy()
         first[2] = first[4] = first[5] = 0
         pixel_loops.seam_sums(
-            seam.frame.ravel(), last.ravel(), self.plan.centre, CLIP * self.plan.sigma,
-            self.hot_limit, first,
+            seam.frame.ravel(), last.ravel(), self.plan.centre + first[-1],
+            self.plan.centre + self.scalars[-1, -1], CLIP * self.plan.sigma,
+            HOT_SIGMAS * self.plan.sigma, first,
         )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, first[None], later.scalars[1:]])
         self.head = [*self.head, *later.head][:2]
@@ -172,8 +181,11 @@ class PixelMaps:
         plan = self.plan
         n = plan.pixels
         flat = [f.ravel() for f in frames]
-        scalars = np.zeros((len(flat), 6))
+        scalars = np.zeros((len(flat), 8))
         scalars[0, 5] = self._last is None
+        scalars[:, -1] = self._shifts
+        last = self.scalars[-1:, -1] if len(self.scalars) else np.zeros(1)
+        centres = plan.centre + np.append(last, scalars[:, -1])
         if self._last is None:
             sums = [np.zeros(n) for _ in range(5)]
             extremes = [np.full(n, -np.inf, np.float32), np.zeros(n, np.int32)]
@@ -186,7 +198,8 @@ class PixelMaps:
         done = len(self.scalars)
         pixel_loops.add_frames(
             tuple(flat + flat[:1] * (BATCH - len(flat))), len(flat), self._start + done, before,
-            self.origin, plan.centre, CLIP * plan.sigma, self._blink_limit, self.hot_limit,
+            self.origin, centres.astype(np.float32), CLIP * plan.sigma, self._blink_limit,
+            HOT_SIGMAS * plan.sigma,
             total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
         )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, scalars])

@@ -123,7 +123,7 @@ def _temporal(acc: Accumulated, values: dict[str, Value]) -> None:
         se = max(math.hypot(relative, acc.drift_error(mean)) / 2, least / mean)
         values["temporal_noise"] = Value(math.sqrt(mean), se)
     if acc.plan.errors:
-        values["s2_temporal"] = Value(mean, max(error, least))
+        values["s2_temporal"] = Value(acc.still_variance, max(error, least))
     quartiles = np.array([0.25, 0.75])
     errors = QuantileErrors(
         acc.plan, acc.end_differences, acc.differences, quartiles, acc.difference_repeats
@@ -176,7 +176,7 @@ def emva_split(acc: Accumulated) -> dict[str, Value]:
     stated as 0; its error is then that of a variance as large as its error.
     """
     pattern, (rows, columns) = acc.pattern, acc.plan.shape
-    stack = max(acc.temporal_mean - acc.drift_variance, 0.0) / acc.frames
+    stack = acc.still_variance / acc.frames
     column_means = pattern.mean(axis=0, dtype=np.float64)
     row_means = pattern.mean(axis=1, dtype=np.float64)
     middle = np.float32(row_means.mean())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy import special
@@ -253,13 +254,17 @@ def _repeat(acc: Accumulated, out: FamilyResult) -> None:
         out.values["hot_repeat"] = Value(share, 0.5 / (pixels + 2))
         return
     pairs = [acc.maps.head] if acc.frames == 2 else [acc.maps.head, acc.maps.tail]
-    limit, part = np.float32(acc.maps.hot_limit), np.float32(share)
+    limits, part = (acc.maps.hot_limit + acc.maps.shifts).astype(np.float32), np.float32(share)
 
-    def influence(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        hot = first > limit
-        return (hot & (second > limit)) - part * hot
+    def influence(n: int, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        hot = first > limits[n]
+        return (hot & (second > limits[n + 1])) - part * hot
 
-    sides = [mean_residuals(acc.plan, block_sums(acc.plan, influence, *pair)) for pair in pairs]
+    numbers = [0] if acc.frames == 2 else [0, acc.frames - 2]
+    sides = [
+        mean_residuals(acc.plan, block_sums(acc.plan, partial(influence, n), *pair))
+        for n, pair in zip(numbers, pairs, strict=True)
+    ]
     se = math.sqrt(float(repeated_variance(sides, acc.frames - 1))) * acc.plan.pixels / pixels
     out.values["hot_repeat"] = Value(share, max(se, 0.5 / (pixels + 2)))
 

@@ -128,9 +128,10 @@ def _pattern_correlation(acc: Accumulated, out: FamilyResult) -> None:
     r = float(cross.sum()) / scale
     error = 0.0
     if acc.plan.errors:
-        centre, reach = np.float32(acc.plan.centre), np.float32(CLIP * acc.plan.sigma)
+        reach = np.float32(CLIP * acc.plan.sigma)
 
         def standardised(rows: np.ndarray, n: int) -> np.ndarray:
+            centre = np.float32(acc.plan.centre + acc.maps.shifts[n])
             z = np.clip(rows - centre, -reach, reach)
             z -= np.float32(mean[n])
             z *= np.float32(1 / max(math.sqrt(variance[n]), 1e-30))

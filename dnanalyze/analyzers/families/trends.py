@@ -78,7 +78,7 @@ def trends(
         groups.setdefault((point.channel, point.gain), []).append(point)
     for points in sorted(groups.values(), key=len, reverse=True):
         series = _series(points, settings)
-        laws, dark = dark_signal(series, sensor.black_level)
+        laws, dark = dark_signal(series, sensor.black_level_at(points))
         rates |= dict(zip(points, dark, strict=True)) if dark else {}
         for name, value in laws.items():
             out.setdefault(name, value)

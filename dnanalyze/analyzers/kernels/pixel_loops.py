@@ -35,25 +35,28 @@ def folded(lanes):
 
 
 @njit(nogil=True)
-def _frame_sums(y, past, centre, cut, hot, lanes, out):
+def _frame_sums(y, past, centre, centre_before, cut, hot, lanes, out):
     """Sums over a stretch of a frame, see ``scalars`` of `add_frames`."""
-    s1, s2, s11 = lanes[0], lanes[1], lanes[2]
+    s1, s2, s11, s0 = lanes[0], lanes[1], lanes[2], lanes[3]
     lanes[:] = 0
     for i in range(0, y.size, LANES):
         here, before = y[i : i + LANES], past[i : i + LANES]
         for j in range(here.size):
             w = min(max(here[j] - centre, -cut), cut)
-            x = min(max(before[j] - centre, -cut), cut)
+            x = min(max(before[j] - centre_before, -cut), cut)
+            s0[j] += here[j] - centre
             s1[j] += w
             s2[j] += w * w
             s11[j] += w * x
     above, both = np.int32(0), np.int32(0)
+    here_hot, before_hot = centre + hot, centre_before + hot
     for i in range(y.size):
-        above += np.int32(y[i] > hot)
-        both += np.int32((y[i] > hot) & (past[i] > hot))
+        above += np.int32(y[i] > here_hot)
+        both += np.int32((y[i] > here_hot) & (past[i] > before_hot))
     out[0] += folded(s1)
     out[1] += folded(s2)
     out[3] += above
+    out[6] += folded(s0)
     if out[5] == 0:
         out[2] += folded(s11)
         out[4] += both
@@ -99,7 +102,7 @@ def _squares(y, past, limit, pairs):
 
 @njit(cache=True, nogil=True)
 def add_frames(
-    frames, count, number, before, origin, centre, limit, blink_limit, hot,
+    frames, count, number, before, origin, centres, limit, blink_limit, hot,
     total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
 ):  # fmt: skip
     """Add a batch of frames to the sums of each pixel.
@@ -115,8 +118,10 @@ def add_frames(
         ``origin``: its products are 0.
     origin : float
         Sums are of y less this, DN.
-    centre, limit, hot : float
-        Winsorise at ``centre +- limit``; pixels above ``hot`` are counted. DN.
+    centres : ndarray of float32
+        Centre of the frame before and of each new one, DN.
+    limit, hot : float
+        Winsorise at ``centre +- limit``; pixels above ``centre + hot`` are counted. DN.
     blink_limit : float
         Squared differences are cut here, DN^2.
     total, square, lag, first_pairs, second_pairs : ndarray of float64
@@ -126,12 +131,12 @@ def add_frames(
         Largest value, its frame, smallest value.
     scalars : ndarray of float64
         A row for each frame: sum and sum of squares of the winsorised frame, its product with the
-        one before, pixels above ``hot``, those that were so in the frame before; and 1 where
-        there is no frame before.
+        one before, hot pixels, those that were so in the frame before; 1 where there is no
+        frame before; the sum of the frame less its centre; and what is left to the caller.
     """
     n = total.size
     block = np.empty((BATCH + 1, CHUNK), np.float32)
-    lanes = np.empty((3, LANES), np.float32)
+    lanes = np.empty((4, LANES), np.float32)
     for start in range(0, n, CHUNK):
         stop = min(n, start + CHUNK)
         width = stop - start
@@ -142,8 +147,9 @@ def add_frames(
         for k in range(count):
             y, past = block[k + 1, :width], block[k, :width]
             _frame_sums(
-                y, past, np.float32(centre), np.float32(limit), np.float32(hot), lanes, scalars[k]
-            )
+                y, past, centres[k + 1], centres[k], np.float32(limit), np.float32(hot), lanes,
+                scalars[k],
+            )  # fmt: skip
             if scalars[k, 5] == 0 and (number + k) % 4 == 1:
                 _squares(y, past, blink_limit, first_pairs[start:stop])
             elif scalars[k, 5] == 0 and (number + k) % 4 == 3:
@@ -155,16 +161,17 @@ def add_frames(
 
 
 @njit(cache=True, nogil=True)
-def seam_sums(y, past, centre, limit, hot, out):
+def seam_sums(y, past, centre, centre_before, limit, hot, out):
     """The row of ``scalars`` of `add_frames` for a frame and the one before it, bit for bit."""
     out[:2] = 0
     out[3] = 0
-    lanes = np.empty((3, LANES), np.float32)
+    out[6] = 0
+    lanes = np.empty((4, LANES), np.float32)
     for start in range(0, y.size, CHUNK):
         stop = min(y.size, start + CHUNK)
         _frame_sums(
-            y[start:stop], past[start:stop], np.float32(centre), np.float32(limit),
-            np.float32(hot), lanes, out,
+            y[start:stop], past[start:stop], np.float32(centre), np.float32(centre_before),
+            np.float32(limit), np.float32(hot), lanes, out,
         )  # fmt: skip
 
 

@@ -34,7 +34,8 @@ class Spectra:
             return
         from dnanalyze.analyzers.kernels import mode_loops
 
-        centre, reach = np.float32(view.plan.centre), np.float32(CLIP * view.plan.sigma)
+        centre = np.float32(view.plan.centre + view.shift)
+        reach = np.float32(CLIP * view.plan.sigma)
 
         def clipped(rows: slice) -> np.ndarray:
             return mode_loops.add_clipped(self.sum[rows], view.frame[rows], centre, reach)

@@ -31,7 +31,7 @@ MODULES = {
         (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fz"), "fits"
     ),
     **dict.fromkeys((".npy", ".npz"), "numpy_files"),
-    **dict.fromkeys((".h5", ".hdf5", ".hdf"), "hdf5"),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nxs"), "hdf5"),
     **dict.fromkeys((".png",), "png"),
     **dict.fromkeys((".pgm",), "pgm"),
     **dict.fromkeys((".ser",), "ser"),

@@ -21,6 +21,7 @@ from dnanalyze.loaders.recording import Metadata, Recording, one_line, shifted_c
 
 # The rim of a masked area sees stray light and the start of the readout.
 _GUARD_ROWS, _GUARD_COLUMNS = 16, 4
+_BLACK = (50713, 50714, 50715, 50716)  # BlackLevelRepeatDim, BlackLevel, BlackLevelDeltaH, DeltaV
 _MAX_PAGES = 100  # previews and the image itself; cameras write three or four
 
 
@@ -28,20 +29,25 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     """The header of a camera raw file.
 
     LibRaw knows the levels only after it has decoded the pixels, so that is done for the first
-    file of a camera; the others take them from it.
+    file of a camera and wherever the ISO speed or the stated black level changes; the others take
+    them from the one before.
     """
-    metadata = _exif(path, name)
+    metadata, stated = _exif(path, name)
     with open_raw(path) as raw:
         sizes = raw.sizes
         shape = sizes.raw_height, sizes.raw_width
         check_shape(name, shape)
         check_memory(name, 6 * shape[0] * shape[1])
         same = previous is not None and (previous.format, previous.shape) == (_kind(path), shape)
+        if same and previous is not None:
+            before = getattr(previous.read, "stated", None)
+            iso = metadata.gain if metadata is not None else None
+            same = before == stated and iso == previous.frames[0].gain
         if metadata is None or not same:
             _unpack(raw, name)
             metadata = (metadata or Metadata()).or_else(_shot(raw))
         if same and previous is not None:
-            return _like(previous, path, metadata)
+            return _like(previous, RawImage(path, stated), metadata)
         if raw.raw_type != rawpy.RawType.Flat:
             raise InputError(f"{name}: holds full-colour pixels, not one value a pixel")
         active = Window(
@@ -62,7 +68,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             _kind(path),
             shape,
             np.dtype(np.uint16),
-            RawImage(path),
+            RawImage(path, stated),
             (metadata,),
             active=active,
             masked=masked,
@@ -77,9 +83,13 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
 
 @dataclass(frozen=True)
 class RawImage:
-    """Decodes the whole readout; compressed raw has no partial reading."""
+    """Decodes the whole readout; compressed raw has no partial reading.
+
+    ``stated`` is what the tags of the file say of its black level.
+    """
 
     path: Path
+    stated: str = ""
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of the readout."""
@@ -118,8 +128,8 @@ def _kind(path: Path) -> str:
     return "DNG" if path.suffix.lower() == ".dng" else f"camera raw {path.suffix[1:].upper()}"
 
 
-def _like(previous: Recording, path: Path, metadata: Metadata) -> Recording:
-    return replace(previous, read=RawImage(path), frames=(metadata,))
+def _like(previous: Recording, read: RawImage, metadata: Metadata) -> Recording:
+    return replace(previous, read=read, frames=(metadata,))
 
 
 def _masked(active: Window, shape: tuple[int, int]) -> Window | None:
@@ -158,8 +168,10 @@ def _colour_filter(raw: Any, active: Window) -> Any:
     return shifted_cfa(visible, -active.top, -active.left)
 
 
-def _exif(path: Path, name: str) -> Metadata | None:
-    """Exposure and ISO of files built like a TIFF (DNG, CR2, NEF, ARW); None for others.
+def _exif(path: Path, name: str) -> tuple[Metadata | None, str]:
+    """Exposure and ISO of files built like a TIFF (DNG, CR2, NEF, ARW), and black level tags.
+
+    None for other files.
 
     Raises
     ------
@@ -169,7 +181,7 @@ def _exif(path: Path, name: str) -> Metadata | None:
     air = "AmbientTemperature"
     names = {k: k for k in ("ExposureTime", "ISOSpeedRatings", air)} | {"Temperature": air}
     header: dict[str, Any] = {}
-    needed = 0
+    needed, stated = 0, ""
     try:
         with tifffile.TiffFile(path) as tif:
             first: Any = tif.pages[0]
@@ -182,12 +194,13 @@ def _exif(path: Path, name: str) -> Metadata | None:
                 *islice(first.pages or (), _MAX_PAGES),
             ]
             for page in pages:
+                stated += "".join(str(page.tags[t].value) for t in _BLACK if t in page.tags)
                 runs = zip(page.dataoffsets, page.databytecounts, strict=False)
                 needed = max([needed, *(start + length for start, length in runs)])
     except Exception:  # no TIFF, or one that tifffile does not know: LibRaw reads it
-        return None
+        return None, ""
     check_length(name, needed, path.stat().st_size)
-    return from_header(header) if header else None
+    return from_header(header) if header else None, stated
 
 
 def _shot(raw: Any) -> Metadata:

@@ -1,8 +1,11 @@
-"""HDF5: every 2-D or 3-D numeric dataset of one shape, with the attributes on its way."""
+"""HDF5: the 2-D or 3-D numeric datasets of one shape, with what lies on their way and beside.
+
+Datasets whose names say mask, calibration or light (`hdf5_names`) are no dark frames.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -12,12 +15,20 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.loaders.checks import check_count, check_length, check_memory, check_stored
+from dnanalyze.loaders.checks import (
+    MAX_FRAMES,
+    check_count,
+    check_length,
+    check_memory,
+    check_stored,
+)
 from dnanalyze.loaders.config import Config
-from dnanalyze.loaders.files import natural_key
+from dnanalyze.loaders.formats.hdf5_names import SCALARS, frames_of, is_mask, last
 from dnanalyze.loaders.formats.numpy_files import stack_shape
 from dnanalyze.loaders.headers import bayer_pattern, from_header
+from dnanalyze.loaders.masks import gaps_of
 from dnanalyze.loaders.recording import Metadata, Recording
+from dnanalyze.loaders.stack_order import NOTE, doubtful, frames_last
 
 _MAX_DATASETS = 10_000  # each is opened, in about 0.1 ms
 _PER_FRAME = ("temperature_c", "exposure_s", "gain")
@@ -29,15 +40,23 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     Attributes of a dataset outrank those of its group, and those the file's. An attribute
     ``temperature_c``, ``exposure_s`` or ``gain`` may hold one value for each frame of a stack.
     """
-    places: list[tuple[str, int]] = []
+    places: list[tuple[str, int, bool]] = []
+    last_axis = False
     metadata: list[Metadata] = []
     first: tuple[tuple[int, int], np.dtype] | None = None
     with h5py.File(path, "r") as file:
         root = dict(file.attrs)
-        for label in _datasets(file, name):
+        found = _datasets(file, name)
+        masks = [x for x in found if is_mask(x)]
+        labels, note = frames_of([x for x in found if x not in masks])
+        scalars = _scalars(file, labels)
+        for label in labels:
             data = file[label]
             where = f"{name}: {label}"
-            count, frame = stack_shape(where, data.shape, False, data.dtype)
+            turned = doubtful(data.shape) and frames_last(where, data, config.frame_axis)
+            shape = (data.shape[2], *data.shape[:2]) if turned else data.shape
+            count, frame = stack_shape(where, shape, False, data.dtype)
+            last_axis = last_axis or turned
             if first is not None and (frame, data.dtype) != first:
                 raise InputError(
                     f"{where}: is {frame} {data.dtype}, the first dataset {first[0]} {first[1]}; "
@@ -61,10 +80,12 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
                 _check_chunks(where, data, chunk, path.stat().st_size)
             attributes = root | _group_attributes(file, label) | dict(data.attrs)
             check_count(name, len(places) + count)
-            places += [(label, k) for k in range(count)]
-            metadata += _metadata(attributes, count)
+            places += [(label, k, turned) for k in range(count)]
+            stated = [s for s in scalars if label.startswith(s.owner)]
+            metadata += _metadata(attributes, count, stated)
     if first is None:
         raise InputError(f"{name}: holds no 2-D or 3-D numeric dataset; store frames in one")
+    mask, told = _masked(path, masks, places[0], first)
     return Recording(
         "HDF5",
         first[0],
@@ -75,22 +96,89 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         black_level=_number(attributes.get("black_level")),
         white_level=_number(attributes.get("white_level")),
         pixel_pitch_um=_number(attributes.get("pixel_pitch_um")),
+        mask=mask,
+        notes=tuple(text for text in (note, told, NOTE if last_axis else "") if text),
     )
 
 
 @dataclass(frozen=True)
+class Scalar:
+    """A dataset that states something of the frames below ``owner``, a group with its "/"."""
+
+    owner: str
+    key: str
+    values: np.ndarray
+    unit: str
+
+
+def _scalars(file: h5py.File, labels: Sequence[str]) -> list[Scalar]:
+    """What small datasets state; of a detector's group it holds for the frames of its entry.
+
+    The nearest group above, or around, that has frames owns it; those of nearer groups come last.
+    """
+    found: list[Scalar] = []
+
+    def visit(label: str, item: Any) -> None:
+        key = SCALARS.get(last(label))
+        if key is None or not isinstance(item, h5py.Dataset) or item.dtype.kind not in "iuf":
+            return
+        if item.ndim > 1 or not 0 < item.size <= MAX_FRAMES or "sample/" in label:
+            return  # the temperature of a sample is not the sensor's
+        owner = label
+        while owner:
+            owner = owner.rpartition("/")[0]
+            below = owner + "/" if owner else ""
+            if any(x.startswith(below) for x in labels):
+                break
+        unit = str(_text(item.attrs.get("units", "")))[:20]
+        found.append(Scalar(owner + "/" if owner else "", key, np.ravel(item[()]), unit))
+
+    file.visititems(visit)
+    return sorted(found, key=lambda s: s.owner.count("/"))
+
+
+def _masked(
+    path: Path,
+    masks: list[str],
+    place: tuple[str, int, bool],
+    first: tuple[tuple[int, int], np.dtype],
+) -> tuple[np.ndarray | None, str]:
+    """The file's mask and the gaps of its first frame; None where neither masks anything."""
+    shape, dtype = first
+    masked = np.zeros(shape, bool)
+    with h5py.File(path, "r") as file:
+        for label in masks:
+            data = file[label]
+            if data.shape == shape:
+                masked |= np.asarray(data[()]) != 0
+        gaps = None
+        if not masked.any() and dtype.kind in "iu":
+            label, number, turned = place
+            frame = file[label]
+            if frame.ndim == 3:
+                frame = frame[..., number] if turned else frame[number]
+            gaps = gaps_of(np.asarray(frame))
+    if gaps is not None:
+        value = "the largest value" if dtype.kind == "u" else "negative values"
+        return gaps, f"No mask is stored; pixels at {value} of {dtype} are taken as masked gaps."
+    return (masked if masked.any() else None), ""
+
+
+@dataclass(frozen=True)
 class Datasets:
-    """Frames of the datasets of a file: (dataset, index in it) for each."""
+    """Frames of the datasets of a file: dataset, index in it, and whether that is the last axis."""
 
     path: Path
-    places: tuple[tuple[str, int], ...]
+    places: tuple[tuple[str, int, bool], ...]
     partial: ClassVar[bool] = True
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of frame ``index``; only the chunks that it touches are read."""
-        label, number = self.places[index]
+        label, number, turned = self.places[index]
         with h5py.File(self.path, "r") as file:
             data = file[label]
+            if turned:
+                return data[(*window.slices, number)]
             return data[window.slices] if data.ndim == 2 else data[(number, *window.slices)]
 
 
@@ -104,7 +192,7 @@ def _datasets(file: h5py.File, name: str) -> list[str]:
             datasets.append(label)
 
     file.visititems(visit)  # soft and external links are not followed
-    return sorted(datasets, key=natural_key)
+    return datasets
 
 
 def _check_chunks(where: str, data: h5py.Dataset, chunk: int, file_size: int) -> None:
@@ -135,10 +223,19 @@ def _group_attributes(file: h5py.File, label: str) -> dict[str, Any]:
     return attributes
 
 
-def _metadata(attributes: Mapping[str, Any], count: int) -> list[Metadata]:
+def _metadata(
+    attributes: Mapping[str, Any], count: int, scalars: Sequence[Scalar] = ()
+) -> list[Metadata]:
     lists = {k: v for k, v in attributes.items() if k in _PER_FRAME and np.shape(v) == (count,)}
     plain = {k: _text(v) for k, v in attributes.items() if np.ndim(v) == 0}
-    return [from_header(plain | {k: v[i] for k, v in lists.items()}) for i in range(count)]
+    own = [from_header(plain | {k: v[i] for k, v in lists.items()}) for i in range(count)]
+    near = [s for s in scalars if s.values.size in (1, count)]
+    units = {s.key: f"[{s.unit}]" for s in near}
+    beside = [
+        from_header({s.key: float(s.values[min(i, s.values.size - 1)]) for s in near}, units)
+        for i in range(count)
+    ]
+    return [mine.or_else(theirs) for mine, theirs in zip(own, beside, strict=True)]
 
 
 def _text(value: Any) -> Any:

@@ -6,7 +6,7 @@ import io
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, ClassVar
 
 import numpy as np
 from numpy.lib import format as npy
@@ -16,6 +16,7 @@ from dnanalyze.loaders.captures import Window
 from dnanalyze.loaders.checks import (
     check_count,
     check_dtype,
+    check_length,
     check_memory,
     check_shape,
     check_stored,
@@ -24,6 +25,7 @@ from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.headers import from_header
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Metadata, Recording
+from dnanalyze.loaders.stack_order import NOTE, doubtful, frames_last
 
 _MAX_HEADER = 1 << 14  # bytes; a plain array takes 128
 
@@ -35,12 +37,40 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     with path.open("rb") as file:
         shape, fortran, dtype = _header(file, name)
         offset = file.tell()
+    if doubtful(shape) and dtype.kind in "iuf" and not fortran:
+        check_length(name, offset + int(np.prod(shape)) * dtype.itemsize, path.stat().st_size)
+        stack = np.memmap(path, dtype, "r", offset, shape)
+        if frames_last(name, stack, config.frame_axis):
+            frame, count = (shape[0], shape[1]), shape[2]
+            check_shape(name, frame)
+            check_count(name, count)
+            read_last = StackedLast(path, offset, shape, dtype.str)
+            return Recording(
+                "NumPy", frame, dtype.newbyteorder("="), read_last, (Metadata(),) * count,
+                notes=(NOTE,),
+            )  # fmt: skip
     count, frame = stack_shape(name, shape, fortran, dtype)
     size = frame[0] * frame[1] * dtype.itemsize
     offsets = range(offset, offset + count * size, size)
     plain = PlainPixels(path, offsets, frame, dtype.str)
     plain.check(name)
     return Recording("NumPy", frame, dtype.newbyteorder("="), plain, (Metadata(),) * count)
+
+
+@dataclass(frozen=True)
+class StackedLast:
+    """Frames of an array (rows, columns, frames) in a file."""
+
+    path: Path
+    offset: int
+    shape: tuple[int, ...]
+    dtype: str
+    partial: ClassVar[bool] = True
+
+    def __call__(self, index: int, window: Window) -> np.ndarray:
+        """Pixels of ``window`` of frame ``index``."""
+        stack = np.memmap(self.path, np.dtype(self.dtype), "r", self.offset, self.shape)
+        return np.array(stack[(*window.slices, index)])
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,9 @@ def test_sums_of_products(image):
 def test_sums_of_a_frame_and_the_one_before(image):
     y, past = image[:20].reshape(-1), image[17:].reshape(-1)[: 20 * SHAPE[1]]
     centre, cut = np.float32(3.0), np.float32(4.0)
-    w, x = (np.clip(v - centre, -cut, cut) for v in (y, past))
-    out = np.zeros(6)
-    pixel_loops.seam_sums(y, past, 3.0, 4.0, 5.0, out)
+    w, x = np.clip(y - centre, -cut, cut), np.clip(past - np.float32(2.0), -cut, cut)
+    out = np.zeros(7)
+    pixel_loops.seam_sums(y, past, 3.0, 2.0, 4.0, 5.0, out)
     parts = [slice(k, k + pixel_loops.CHUNK) for k in range(0, y.size, pixel_loops.CHUNK)]
     for place, product in enumerate((w, w * w, w * x)):
         assert out[place] == one_by_one(np.array([summed(product[p]) for p in parts], float))

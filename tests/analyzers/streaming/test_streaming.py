@@ -90,11 +90,11 @@ def sums_of(acc):
     return out | {"scalars": acc.parts["maps"].scalars}
 
 
-@pytest.mark.parametrize("codes", [True, False])
+@pytest.mark.parametrize(("codes", "drift"), [(True, 0.3), (False, 0.3), (True, 40.0)])
 @settings(max_examples=15, deadline=None)
 @given(cuts=st.sets(st.integers(1, 10), max_size=4))
-def test_any_split_merges_to_one_pass(codes, cuts):
-    frames = dark_frames(5, 11, SHAPE, drift=0.3, codes=codes)
+def test_any_split_merges_to_one_pass(codes, drift, cuts):
+    frames = dark_frames(5, 11, SHAPE, drift=drift, codes=codes)
     plan = make_plan(frames[0], frames[1])
     whole = accumulate(frames, plan)
     edges = [0, *sorted(cuts), len(frames)]
