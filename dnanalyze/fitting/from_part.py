@@ -108,7 +108,10 @@ def converge(
         ended = (state.at_rest and (n or own)) or (n and before - state.merit < least)
         if ended or state.loss > hopeless * len(state.train):
             break
-    return restarted(bench, state, iterations)
+    found = restarted(bench, state, iterations)
+    if found is state:
+        return state
+    return converge(bench, found, rounds, iterations, tell, own, hopeless)
 
 
 @dataclass(frozen=True)
