@@ -165,10 +165,13 @@ def capture(task: tuple[str, int]) -> Row:
     captures, infos = captured(DESIGNS[name], 0, number), catalogue()
     again = repeatability(captures, analyze(captures, workers=1), workers=1)
     return {
-        ("whole", s.point.temperature_c or 0.0, n): (infos[n].scale.coordinate(v.value), v.se)
+        ("whole", s.point.temperature_c or 0.0, n): (
+            infos[n].scale.coordinate(v.value),
+            v.repeatability,
+        )
         for s in again.settings
         for n, v in s.values.items()
-        if infos[n].compared
+        if n in infos and infos[n].compared and v.repeatability is not None
     }
 
 

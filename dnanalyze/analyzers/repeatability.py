@@ -28,7 +28,7 @@ def repeatability(
     window: Window | None = None,
     workers: int | None = None,
 ) -> Statistics:
-    """The same values, with their standard deviation over captures of the same sensor as error.
+    """The same statistics, each value with its standard deviation over captures of the sensor.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ def repeatability(
     Returns
     -------
     Statistics
-        On the scale of each statistic, as `Value.se` is. Absent are operating points of fewer than
-        three frames, and statistics that some of the frames do not determine.
+        `Value.repeatability` on the scale of each statistic; None at operating points of fewer than
+        three frames, and for statistics that some of the frames do not determine.
 
     Examples
     --------
@@ -53,17 +53,17 @@ def repeatability(
     >>> from dnanalyze.analyzers.repeatability import repeatability
     >>> from dnanalyze.demo import tiny
     >>> captures = tiny()
-    >>> statistics = dnanalyze.analyze(captures)
-    >>> again = repeatability(captures, statistics)
-    >>> again.settings[0].values["mean"].se < statistics.settings[0].values["mean"].se
+    >>> statistics = repeatability(captures, dnanalyze.analyze(captures))
+    >>> mean = statistics.settings[0].values["mean"]
+    >>> mean.repeatability < mean.se
     True
     """
     settings = []
     for setting in captures.settings:
         found = [s for s in statistics.settings if s.point == setting.point]
-        if len(setting.frames) >= FEWEST:
-            settings += _jackknife(captures, setting, found, window, workers)
-    return replace(statistics, settings=tuple(settings), trends={})
+        enough = len(setting.frames) >= FEWEST
+        settings += _jackknife(captures, setting, found, window, workers) if enough else found
+    return replace(statistics, settings=tuple(settings))
 
 
 def _jackknife(
@@ -83,20 +83,20 @@ def _jackknife(
         (taken,) = analyze_windows(part, [window], workers=workers, errors=False)
         without.append(taken.settings)
     return [
-        replace(plane, values=_spread(plane, [each[k] for each in without]), curves={}, missing={})
+        replace(plane, values=_with_spread(plane.values, [each[k].values for each in without]))
         for k, plane in enumerate(found)
     ]
 
 
-def _spread(whole: SettingStatistics, without: list[SettingStatistics]) -> dict[str, Value]:
+def _with_spread(whole: dict[str, Value], without: list[dict[str, Value]]) -> dict[str, Value]:
     infos, count = catalogue(), len(without)
     out = {}
-    for name, value in whole.values.items():
-        if name not in infos or not all(name in each.values for each in without):
+    for name, value in whole.items():
+        out[name] = value
+        if name not in infos or not all(name in each for each in without):
             continue
-        scale = infos[name].scale
-        seen = np.array([scale.coordinate(each.values[name].value) for each in without])
+        seen = np.array([infos[name].scale.coordinate(each[name].value) for each in without])
         if np.isfinite(seen).all():
             variance = float(np.sum((seen - seen.mean()) ** 2)) * (count - 1) / count
-            out[name] = Value(value.value, math.sqrt(variance))
+            out[name] = replace(value, repeatability=math.sqrt(variance))
     return out

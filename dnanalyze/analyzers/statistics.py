@@ -74,10 +74,21 @@ class StatisticInfo:
 
 @dataclass(frozen=True)
 class Value:
-    """A statistic's value in plain units and its standard error on the scale of its info."""
+    """A statistic's value in plain units, and its errors on the scale of its info.
+
+    Parameters
+    ----------
+    value : float
+    se : float
+        Standard error: of another sensor of the design, as far as one shows it.
+    repeatability : float, optional
+        Standard deviation over captures of this sensor; None where it was not asked for, or the
+        frames do not determine it.
+    """
 
     value: float
     se: float
+    repeatability: float | None = None
 
 
 @dataclass(frozen=True)

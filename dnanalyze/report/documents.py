@@ -36,6 +36,7 @@ def statistics(where: str, measured: Any, quantities: Any = None) -> Document:
                 "scale": info(name).scale,
                 "value": value.value,
                 "se": value.se,
+                **_repeated(value),
             }
             for name, value in setting.values.items()
         ]
@@ -63,6 +64,11 @@ def statistics(where: str, measured: Any, quantities: Any = None) -> Document:
         doubts=law_doubts(measured),
         **more,
     )
+
+
+def _repeated(value: Any) -> Document:
+    """The repeatability, where it was asked for."""
+    return {} if value.repeatability is None else {"repeatability": value.repeatability}
 
 
 def emva_group(group: Any) -> Document:

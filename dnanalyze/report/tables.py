@@ -39,13 +39,16 @@ def operating_points(captures: Any) -> pd.DataFrame:
 
 
 def statistics(measured: Any) -> pd.DataFrame:
-    """One row a statistic, operating point and colour plane."""
+    """One row a statistic, operating point and colour plane; with the repeatability if known."""
+    values = [v for s in measured.settings for v in s.values.values()]
+    known = any(v.repeatability is not None for v in values)
     rows = [
         _point(setting.point)
         | {"plane": setting.plane, "name": name, "family": info(name).family}
         | {
             "value": value.value,
             "se": value.se,
+            **({"repeatability": value.repeatability} if known else {}),
             "unit": info(name).unit,
             "scale": info(name).scale.value,
         }

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Annotated
+
+import typer
 
 from dnanalyze_cli.options import NoCache, ReadOptions, Scheduler, SystemGain, takes
 
@@ -13,6 +16,14 @@ def analyze(
     system_gain: SystemGain = None,
     scheduler: Scheduler = None,
     no_cache: NoCache = False,
+    repeatability: Annotated[
+        bool,
+        typer.Option(
+            "--repeatability",
+            help="State the repeatability of each statistic (its standard deviation over captures "
+            "of this sensor) in JSON and CSV. Reads the frames up to eight times more.",
+        ),
+    ] = False,
 ) -> None:
     """Measure the EMVA 1288 dark quantities and every statistic, with standard errors."""
     from dnanalyze.analyzers.analyze import analyze as run
@@ -34,6 +45,12 @@ def analyze(
             tick.now("Storing statistics")
             with suppress(InputError):  # too small to halve, which these commands will say
                 bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
+        if repeatability:
+            from dnanalyze.analyzers.repeatability import repeatability as repeated
+
+            tick(0, None)
+            tick.now("Repeatability")
+            statistics = repeated(found, statistics)
     quantities = evaluate(statistics, system_gain)
     show(session.console, found, statistics, quantities)
 
