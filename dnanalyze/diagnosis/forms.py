@@ -13,7 +13,7 @@ from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import much_left
 from dnanalyze.diagnosis.selection import LEAST, REFITS, Trial
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.from_part import ROUNDS, STEPS, converge
+from dnanalyze.fitting.from_part import STEPS, converge
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, deviance, minimise, start
 from dnanalyze.fitting.predictor import Bench
@@ -28,14 +28,17 @@ def completed(held: Bench, found: Trial) -> State:
     Where the model error is above 1, so that a better model can be told from the present one, other
     forms are tried until none of them is better.
 
-    Where much is left, the optimum will move with the next effect: the refit goes on only while it
-    falls steeply.
+    Where much is left, the optimum will move with the next effect: the last refit goes on only
+    while it falls steeply.
     """
-    state = converge(held, found.state, rounds=1 if much_left(found.state) else ROUNDS)
+    much = much_left(found.state)
+    state = found.state if much else converge(held, found.state)
     if error_of(held, state) <= 1.0:
         return state
     better = in_best_form(held, replace(found, state=state))
-    return state if better is state else completed(held, replace(found, state=better, others=()))
+    if better is not state:
+        return completed(held, replace(found, state=better, others=()))
+    return converge(held, state, rounds=1) if much else state
 
 
 def in_best_form(held: Bench, found: Trial) -> State:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from dnanalyze.comparator.error import LUCK
 from dnanalyze.diagnosis.baseline import EVERY_SENSOR, far_off, lacks_baseline, with_baseline
 from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
 from dnanalyze.diagnosis.explain import evidence_for
@@ -92,7 +93,7 @@ def reduced(held: Bench, state: State) -> tuple[State, list[str]]:
     for name in [n for n in state.model.names if n not in (*EVERYDAY, BASE)]:
         without = Null(whole.held, removal(whole.held, whole.state, name))
         found = judged(without, name, whole.state)
-        if found.evidence < NOTHING and found.error_fall <= 0.0:
+        if found.evidence < NOTHING and found.error_fall <= LUCK * without.error:
             whole = Null.of(whole.held, without.state)
             gone.append(name)
     return (expressed(whole.state, whole.held, held) if gone else state), gone

@@ -24,7 +24,6 @@ from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 STEPS = 6  # of a fit between two computations of the derivatives
-ROUNDS = 3  # of a fit that goes on until it no longer helps
 STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
 
 
@@ -84,7 +83,7 @@ def derived_anew(bench: Bench, state: State) -> State:
 def converge(
     bench: Bench,
     state: State,
-    rounds: int = ROUNDS,
+    rounds: int = 3,
     iterations: int = STEPS,
     tell: Callable[[State], None] = lambda _: None,
     own: bool = False,

@@ -7,6 +7,7 @@ import pytest
 
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.diagnosis.explain import evidence_for
+from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.registry import built_in
 
@@ -16,12 +17,11 @@ POINTS = [(OperatingPoint(t, 0.1), 4) for t in (25.0, 65.0)]
 
 def half(name, measured, floor=1.0):
     """One statistic at two operating points."""
-    scale = catalogue()[name].scale
-    values = np.array(measured, float)
-    return SimpleNamespace(
-        names=np.array([name] * 2), values=values, setting=np.arange(2), floor=np.full(2, floor),
-        coordinates=np.array([scale.coordinate(v) for v in values]),
-    )  # fmt: skip
+    info = catalogue()[name]
+    coordinates = np.array([info.scale.coordinate(v) for v in measured])
+    keys = tuple(Key(setting, "", name) for setting in range(2))
+    families = np.array([info.family] * 2)
+    return Target(keys, np.array(measured, float), coordinates, np.full(2, floor), families)
 
 
 def told(name, measured, train, test, after=0.0):
