@@ -9,7 +9,8 @@ captures of one sensor, for each design: ordinary and with each structure that r
 standard deviation of a statistic over the 40 is divided by the stated one (root mean square): that
 of sensors by the standard error of the frames alone, and by the yardstick of a model that was
 fitted to one of them; that of captures by the repeatability. A ratio is calibrated within .8 and
-1.25, widened by two standard errors of a deviation of 40 values.
+1.25, widened by two standard errors of a deviation of 40 values. A statistic of one and the same
+value on all of the 40, such as the flag of whole codes, is not counted.
 
 ``--moved`` fits the model to one sensor and changes what it places by 10 %: the largest misfit of a
 statistic of level or shape, in sigma, and the change over the repeatability.
@@ -34,6 +35,7 @@ from dnanalyze.analyzers.repeatability import repeatability
 from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.demo.hidden import Scene
+from dnanalyze.demo.virtual_sensor import resolve
 from dnanalyze.diagnosis.refine import add
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
@@ -48,6 +50,7 @@ FEWEST = 4.0  # mean of a count below which its root has no stable error (Anscom
 SHAPE = (256, 256)
 CELSIUS = (45.0, 75.0, 105.0)
 FRAMES = 6
+TAPS_DN = (-5.0, 1.0, 3.0, 1.0)  # levels of interleaved readout taps
 EDGE_E, EDGE_PX = 18.0, 30.0  # four edges: amplitude at the edge, and length
 CLOUD_DN, CLOUD_PX = 2.0, 40.0  # smooth shading, another in each sensor: deviation and length
 MOVED = 1.10
@@ -76,7 +79,7 @@ DESIGNS = {
     "offset_gradient": Design({}, ("offset_gradient",), "x y xx yy", "plane"),
     "smooth_shading": Design({}, ("flicker_fpn",), "", "cloud"),
     "flicker_fpn": Design({"flicker_fpn": "middling"}, ("flicker_fpn",)),
-    "column_taps": Design({"column_taps": "strong"}, ("column_taps",), "sigma"),
+    "column_taps": Design({}, ("column_taps",), "sigma", "taps"),
     "column_fpn": Design({"column_fpn": "middling"}, ("column_fpn",)),
     "row_fpn": Design({"row_fpn": "middling"}, ("row_fpn",)),
     "periodic_pattern": Design({"periodic_pattern": "middling"}, ("periodic_pattern",)),
@@ -92,19 +95,22 @@ def surface(kind: str, shape: tuple[int, int], seed: int) -> np.ndarray:
     if kind == "edges":
         ends = (rows, shape[0] - 1 - rows, columns, shape[1] - 1 - columns)
         return EDGE_E * sum(np.exp(-d / EDGE_PX) for d in ends)
+    if kind == "taps":
+        return np.asarray(TAPS_DN)[np.broadcast_to(columns % len(TAPS_DN), shape)]
     if kind == "plane":
         return 10.0 * (rows / shape[0] + 0.5 * columns / shape[1])
     rng = np.random.default_rng([seed, 7])
     y, x = (np.fft.fftfreq(n) for n in shape)
     gain = np.exp(-2.0 * (np.pi * CLOUD_PX) ** 2 * (y[:, None] ** 2 + x**2))
     field = np.fft.ifft2(np.fft.fft2(rng.standard_normal(shape)) * gain).real
-    return CLOUD_DN * field / np.sqrt(np.mean(gain**2))
+    return CLOUD_DN * (field - field.mean()) / np.sqrt(np.mean(gain**2))
 
 
 def captured(of: Design, seed: int, capture: int) -> CaptureSet:
     """One capture of one sensor."""
     first = capture * len(CELSIUS)
-    made = generate(VIRTUAL, of.hidden, SHAPE, CELSIUS, frames=FRAMES, seed=seed, first=first)
+    hidden = resolve(VIRTUAL, of.hidden)  # the same places and frequencies in every sensor
+    made = generate(VIRTUAL, hidden, SHAPE, CELSIUS, frames=FRAMES, seed=seed, first=first)
     if not of.surface:
         return made
     added = surface(of.surface, SHAPE, seed)
@@ -215,8 +221,9 @@ def ratios(rows: list[Row], stated: dict[Key, float] | None = None) -> dict[Key,
         if counts and np.mean([Scale.ROOT.plain(c) for c, _ in pairs]) < FEWEST:
             continue
         spread, own = float(pairs[:, 0].std(ddof=1)), float(np.sqrt(np.mean(pairs[:, 1] ** 2)))
-        if stated is None or key in stated:
-            out[key] = spread / max(own if stated is None else stated[key], 1e-30)
+        of = own if stated is None else stated.get(key)
+        if of is not None and spread > 0.0:  # else a flag, such as whole codes
+            out[key] = spread / max(of, 1e-30)
     return out
 
 

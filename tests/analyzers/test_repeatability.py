@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 from dnanalyze.analyzers.analyze import analyze
-from dnanalyze.analyzers.repeatability import repeatability
+from dnanalyze.analyzers.repeatability import jackknife_variance, repeatability
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 
 SHAPE, FRAMES, NOISE, PATTERN = (96, 96), 8, 3.0, 5.0
@@ -54,3 +55,25 @@ def test_a_capture_of_two_frames_has_none():
     made = captures(3, frames=2)
     values = repeatability(made, analyze(made)).settings[0].values
     assert all(v.repeatability is None for v in values.values())
+
+
+@pytest.mark.parametrize(("frames", "within"), [(6, 1.15), (8, 1.15)])
+def test_products_of_two_frames_count_once(frames, within):
+    """Mean of the variances per pixel: 2 sigma^4 / (pixels (n - 1)), which delete-one overstates."""
+    pixels, trials = 200, 200
+    rng = np.random.default_rng(5)
+    found = []
+    for _ in range(trials):
+        stack = rng.standard_normal((frames, pixels))
+        out = [o for k in (1, 2) for o in itertools.combinations(range(frames), k)]
+        without = {o: np.delete(stack, o, axis=0).var(axis=0, ddof=1).mean() for o in out}
+        found.append(jackknife_variance(stack.var(axis=0, ddof=1).mean(), without))
+    assert 1 / within < np.mean(found) / (2 / (pixels * (frames - 1))) < within
+
+
+def test_a_linear_statistic_keeps_the_variance_of_the_mean():
+    """Of the mean of n numbers: s^2 / n, to rounding."""
+    x = np.random.default_rng(6).standard_normal(7)
+    out = [o for k in (1, 2) for o in itertools.combinations(range(7), k)]
+    variance = jackknife_variance(x.mean(), {o: np.delete(x, o).mean() for o in out})
+    assert variance == pytest.approx(x.var(ddof=1) / 7)

@@ -73,17 +73,35 @@ def drawn(rng: np.random.Generator, sd: float) -> np.ndarray:
 @pytest.mark.parametrize(
     ("sd", "low", "high"),
     [
-        (0.1, 0.06, 0.15),  # the stated error holds structure: the replicates replace it
-        (0.8, 1.0, 1.4),  # it is not denied
+        (0.1, 0.06, 0.15),  # the stated error holds structure
+        (0.8, 0.5, 1.2),
         (5.0, 3.0, 7.5),
     ],
 )
-def test_scales_are_those_of_the_replicates_where_these_deny_the_stated_error(sd, low, high):
+def test_the_scale_of_one_statistic_is_the_scatter_of_its_replicates(sd, low, high):
     rng = np.random.default_rng(3)
     halves = target(np.sqrt(2.0), "mean"), target(np.sqrt(2.0), "mean")
     train, test = scales(*halves, drawn(rng, sd), drawn(rng, sd))
     assert train == test
     assert low <= train[0] <= high
+
+
+def test_of_many_statistics_that_scatter_alike_each_is_drawn_to_the_others():
+    """14 degrees of freedom leave 19 % of each alone; of 40 together 3 %."""
+    names = [f"n{k}" for k in range(40)]
+    half = target(np.sqrt(2.0), *names)
+    rng = np.random.default_rng(4)
+    train, _ = scales(half, half, *(0.8 * rng.standard_normal((2, REPLICATES, 40))))
+    assert np.sqrt(np.mean(np.log(train / 0.8) ** 2)) < 0.6 * np.sqrt(1 / 28)
+
+
+def test_one_that_scatters_far_less_than_its_family_is_left_near_its_own():
+    names = [f"n{k}" for k in range(40)]
+    half = target(np.sqrt(2.0), *names)
+    rng = np.random.default_rng(4)
+    sd = np.where(np.arange(40) == 7, 0.1, 1.0)
+    train, _ = scales(half, half, *(sd * rng.standard_normal((2, REPLICATES, 40))))
+    assert 0.1 * np.exp(-3 / np.sqrt(28)) < train[7] < 0.1 * np.exp(4 / np.sqrt(28))
 
 
 def test_shares_and_counts_of_few_keep_their_stated_error():
@@ -96,8 +114,8 @@ def test_shares_and_counts_of_few_keep_their_stated_error():
 def test_replicates_without_scatter_tell_nothing():
     halves = target(1.0, "mean"), target(1.0, "mean")
     same = np.ones((REPLICATES, 1))
-    assert scales(*halves, same, same)[0] == 1.0
-    assert scales(*halves, np.where(np.eye(8, 1), np.nan, same), same)[0] == 1.0
+    for drawn_once in (same, np.where(np.eye(8, 1), np.nan, same)):
+        assert scales(*halves, drawn_once, same)[0][0] == pytest.approx(1.0, rel=0.05)
 
 
 def test_a_state_keeps_its_model_and_its_misfit_in_units_of_the_statistics():

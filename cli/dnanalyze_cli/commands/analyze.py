@@ -21,7 +21,7 @@ def analyze(
         typer.Option(
             "--repeatability",
             help="State the repeatability of each statistic (its standard deviation over captures "
-            "of this sensor) in JSON and CSV. Reads the frames up to eight times more.",
+            "of this sensor) in JSON and CSV. Reads the frames up to 21 times more.",
         ),
     ] = False,
 ) -> None:
