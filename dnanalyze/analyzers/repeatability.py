@@ -79,9 +79,9 @@ def _jackknife(
     """One setting, by colour plane."""
     frames = setting.frames
     groups = min(GROUPS, len(frames))
-    left_out = [(g,) for g in range(groups)]
+    left_out: list[tuple[int, ...]] = [(g,) for g in range(groups)]
     if len(frames) > FEWEST:
-        left_out += list(combinations(range(groups), 2))
+        left_out += combinations(range(groups), 2)
     without = {}
     for out in left_out:
         left = tuple(f for n, f in enumerate(frames) if n % groups not in out)

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dnanalyze.analyzers.estimators.arrhenius import misfit
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.emva import kinds
-from dnanalyze.emva.fit import alike, common_slope
+from dnanalyze.emva.fit import AGREES, SURE, alike, common_slope
 from dnanalyze.emva.quantity import Line, Quantity, known, unknown
-from dnanalyze.emva.reading import Reading, reading
 
 TOLD = 5.0  # standard errors that the slope stands above 0
 
@@ -25,8 +25,10 @@ def photon_transfer(
 ) -> tuple[Quantity, Line | None]:
     """Slope of the temporal variance over the mean dark signal.
 
-    Where some temperature has several exposures, each temperature has an intercept of its own, for
-    read noise and black level may depend on it; else the temperatures share one.
+    Two lines are fitted: over the typical pixels of the operating points, and over the levels
+    within the operating points, where hot pixels hold more charge. Where both are determined they
+    must agree; all points together then give the gain. Telegraph noise and hits are in few pixels
+    of a level, whose variances a midmean leaves out, or in a few levels, which the fit leaves out.
 
     Parameters
     ----------
@@ -39,76 +41,181 @@ def photon_transfer(
     -------
     Quantity
         DN/e-; not determined where the slope does not stand out by 5 standard errors, where no
-        point is left to check it, or where that of typical pixels differs: then blinking pixels
-        or hits have a share in the variance.
+        point is left to check it, or where the two lines differ.
     Line or None
         What was fitted.
     """
     kind = kinds.TRANSFER
-    each = [
-        (number, reading(s))
-        for number, (_, settings) in enumerate(temperatures)
-        for s in settings
-        if s.frames > 1
-    ]
-    each = [(n, r) for n, r in each if r.variance > 0]
-    numbers = np.array([n for n, _ in each], int)
-    readings = [r for _, r in each]
-    exposed = any(
-        len({r.point.exposure_s for n, r in each if n == one} - {None}) > 1 for one in set(numbers)
-    )
-    group = np.unique(numbers, return_inverse=True)[1] if exposed else np.zeros(numbers.size, int)
-    parameters = (int(group.max()) + 2) if group.size else 2
-    if numbers.size <= parameters:
+    points = _points(temperatures, frame_error or 0.0)
+    if len(points) < FEWEST:
         return unknown(kind, "too few operating points of two frames for photon transfer"), None
-    repeats = np.sqrt([r.frames for r in readings])
-    shaken = (frame_error or 0.0) / repeats
-    every = _slope(readings, ("mean", "variance", "variance_error"), group, shaken)
-    typical = _slope(readings, _TYPICAL, group, shaken)
-    if every is None or typical is None:
-        text = "the mean dark signal does not change, or the noise is not determined"
-        return unknown(kind, text), None
-    slope = every.slope
-    if not slope.value > TOLD * slope.se:
-        text = f"variance over mean has no clear slope ({slope.value:.2g} ± {slope.se:.1g} DN/e⁻)"
-        return unknown(kind, text), None
-    if not alike(slope, typical.slope):
+    together = EXPOSED if _exposed(points) else ALL
+    typical = _line_of(points[points[:, TYPICAL] == 1], together)
+    points = points[_of_charge(points)]
+    within = _fitted(points, POINT)
+    found = {"operating points": typical, "hot pixels": within}
+    clear = {k: f for k, f in found.items() if f is not None and _stands_out(f)}
+    bent = [k for k, f in clear.items() if _curvature(f) > 2.0 * AGREES]
+    if bent:
         text = (
-            f"variance over mean gives {slope.value:.3g} DN/e⁻ for all pixels, "
-            f"{typical.slope.value:.3g} for typical ones: noise other than shot noise grows with "
+            f"the temporal variance over {bent[0]} is no straight line over the mean: noise other "
+            "than shot noise grows with the signal"
+        )
+        return unknown(kind, text), None
+    if not clear:
+        line = typical or within
+        if line is None:
+            text = "the mean dark signal does not change, or the noise is not determined"
+            return unknown(kind, text), None
+        text = f"{line.slope.value:.2g} ± {line.slope.se:.1g} DN/e⁻"
+        return unknown(kind, f"variance over mean has no clear slope ({text})"), None
+    if len(clear) == 1:
+        ((over, line),) = clear.items()
+        return known(kind, line.slope, f"photon transfer over {over}"), line
+    assert typical is not None
+    assert within is not None
+    if not alike(typical.slope, within.slope):
+        text = (
+            f"variance over mean gives {typical.slope.value:.3g} DN/e⁻ over the operating points, "
+            f"{within.slope.value:.3g} over hot pixels: noise other than shot noise grows with "
             "the signal"
         )
         return unknown(kind, text), None
-    over = "exposure" if exposed else "temperature"
-    return known(kind, slope, f"photon transfer over {over}"), every
+    both = _fitted(points, together) or typical
+    return known(kind, both.slope, "photon transfer over operating points and hot pixels"), both
 
 
-_TYPICAL = ("typical_level", "typical_variance", "typical_error")
+# Columns of the points: abscissa, ordinate, their errors; numbers of what may have an intercept of
+# its own; whether of typical pixels; pixels; exposure.
+LEVEL, VARIANCE, ERROR, LEVEL_ERROR, ALL, EXPOSED, POINT, TYPICAL, PIXELS, EXPOSURE = range(10)
+FEWEST = 3  # points: a line and a check of it
+STEADY = 0.5  # of the squared level, see `_of_charge`
+GROWN = 2.0
+FAR = 4.0  # robust standard deviations from which a level is left out
 
 
-def _slope(
-    readings: Sequence[Reading], names: tuple[str, str, str], group: np.ndarray, shaken: np.ndarray
-) -> Line | None:
-    """Line of a variance over a level, all groups shifted to the intercept of the first.
+def _points(
+    temperatures: Sequence[tuple[float | None, Sequence[SettingStatistics]]], frame_error: float
+) -> np.ndarray:
+    """The levels of all operating points, (levels, columns)."""
+    rows, number = [], 0
+    for temperature, (_, settings) in enumerate(temperatures):
+        for s in settings:
+            levels = s.curves.get("photon_transfer")
+            if levels is None or s.frames < 2:
+                continue
+            shaken = frame_error / np.sqrt(s.frames)
+            for n, (level, variance, error, pixels) in enumerate(np.asarray(levels, float)):
+                own = level, variance, error, shaken, 0, temperature, number, n == 0, pixels
+                exposure = s.point.exposure_s
+                rows.append((*own, np.nan if exposure is None else exposure))
+            number += 1
+    found = np.array(rows, float).reshape(-1, 10)
+    return found[found[:, VARIANCE] > 0]
 
-    ``names`` are those of level, variance and its error in a reading; ``shaken`` is the error of
-    the level because frames drift, DN.
+
+def _of_charge(points: np.ndarray) -> np.ndarray:
+    """Which levels are of typical pixels, or of hot ones whose level is charge that is counted.
+
+    The hot pixels of an operating point count where their level in all is twice that of the
+    operating point with the least: else most of it may be an offset, which has no shot noise. A
+    pixel that is bright in one of its frames, or half of the time, has a variance of its squared
+    level at least: levels of more than half of that are of hits and telegraph noise.
     """
-    x, y, error = (np.array([getattr(r, name) for r in readings]) for name in names)
-    if not (np.all(np.isfinite(y)) and np.all(error > 0)):
-        return None
+    numbers = points[:, POINT].astype(int)
+    centre = np.full(numbers.max() + 1, np.nan)
+    typical = points[:, TYPICAL] == 1
+    centre[numbers[typical]] = points[typical, LEVEL]
+    above = points[:, LEVEL] - centre[numbers]
+    steady = points[:, VARIANCE] <= STEADY * above**2
+    total = np.bincount(numbers, np.where(typical | ~steady, 0.0, above * points[:, PIXELS]))
+    charged = total > GROWN * total[np.unique(numbers)].min()
+    return typical | (steady & charged[numbers])
+
+
+def _exposed(points: np.ndarray) -> bool:
+    """Whether some temperature has several exposures.
+
+    Each temperature then has an intercept of its own, for read noise and black level may depend on
+    it; else the temperatures share one.
+    """
+    timed = np.isfinite(points[:, EXPOSURE])
+    return any(
+        np.unique(points[(points[:, EXPOSED] == t) & timed, EXPOSURE]).size > 1
+        for t in np.unique(points[:, EXPOSED])
+    )
+
+
+def _curvature(line: Line) -> float:
+    """Change of the slope from end to end over the slope, where it stands out; else 0.
+
+    Twice `AGREES` at most, for the slopes of the two halves then differ by that share.
+    """
+    x, y, error = (np.array(v) for v in (line.x, line.y, line.error))
+    if np.unique(x).size < 4:
+        return 0.0
+    at = (x - x.min()) / np.ptp(x)
+    design = np.stack([np.ones_like(at), at, at**2], axis=1) / error[:, None]
+    inverse = np.linalg.pinv(design.T @ design)
+    solution = inverse @ (design.T @ (y / error))
+    wider = misfit(y / error - design @ solution, 3)
+    curve, se = float(solution[2]), float(np.sqrt(inverse[2, 2])) * wider
+    if abs(curve) < SURE * se:
+        return 0.0
+    return abs(2.0 * curve) / max(abs(float(solution[1] + solution[2])), 1e-30)
+
+
+def _stands_out(line: Line) -> bool:
+    return line.slope.value > TOLD * line.slope.se
+
+
+def _fitted(points: np.ndarray, by: int) -> Line | None:
+    """Line through levels, all groups shifted to the intercept of the first.
+
+    Levels that lie off by 4 robust standard deviations are left out, while half of them stay.
+    """
+    kept = np.ones(len(points), bool)
+    found = None
+    for _ in range(5):
+        here = points[kept]
+        group = np.unique(here[:, by], return_inverse=True)[1]
+        if len(here) < int(group.max(initial=0)) + FEWEST:
+            return found
+        found, off = _line(here, group)
+        if found is None:
+            return None
+        spread = max(1.4826 * float(np.median(np.abs(off))), 1.0)
+        good = np.abs(off) <= FAR * spread
+        if good.all() or 2 * (kept.sum() - np.count_nonzero(~good)) < len(points):
+            return found
+        kept[np.flatnonzero(kept)[~good]] = False
+    return found
+
+
+def _line_of(points: np.ndarray, by: int) -> Line | None:
+    """Line through all of the points, with one that checks it."""
+    group = np.unique(points[:, by], return_inverse=True)[1]
+    enough = len(points) >= int(group.max(initial=0)) + FEWEST
+    return _line(points, group)[0] if enough else None
+
+
+def _line(points: np.ndarray, group: np.ndarray) -> tuple[Line | None, np.ndarray]:
+    """The line, and how far each level lies off it, in standard errors."""
+    x, y, error = points[:, LEVEL], points[:, VARIANCE], points[:, ERROR]
     found = common_slope(x, y, error, group)
     if found is None:
-        return None
+        return None, np.empty(0)
     widened = error
     for _ in range(2):  # errors of the abscissa count by the slope
-        widened = np.hypot(error, found[1].value * shaken)
+        widened = np.hypot(error, found[1].value * points[:, LEVEL_ERROR])
         found = common_slope(x, y, widened, group) or found
     intercepts, slope = found
-    shifted = y - np.array([intercepts[g].value for g in group]) + intercepts[0].value
-    return Line(
+    own = np.array([intercepts[g].value for g in group])
+    shifted = y - own + intercepts[0].value
+    line = Line(
         tuple(x.tolist()), tuple(shifted.tolist()), tuple(widened.tolist()), intercepts[0], slope
     )
+    return line, (y - own - slope.value * x) / widened
 
 
 def system_gain(

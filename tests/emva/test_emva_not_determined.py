@@ -8,6 +8,7 @@ from known_sensor import sensor_frames
 
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.emva import Emva, evaluate
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.report.emva import undetermined
 
 BAYER = (("R", "G"), ("G", "B"))
@@ -93,13 +94,32 @@ def test_noise_below_quantization_is_an_upper_limit():
     assert "8 e" in reason
 
 
-def test_hits_that_grow_with_exposure_spoil_photon_transfer():
+def test_hits_that_grow_with_exposure_leave_photon_transfer_alone():
     points = [(25.0, t, 4) for t in (0.0, 2.0, 4.0, 8.0)]
     group = of(sensor_frames(0, points, hits=0.002)).groups[0]
-    assert "typical" in group.quantities["photon_transfer_gain_dn_e"].reason
+    gain = group.quantities["photon_transfer_gain_dn_e"]
+    assert gain.value == pytest.approx(0.8, abs=3 * gain.se)
     known = of(sensor_frames(0, points, hits=0.002), system_gain_dn_e=0.8).groups[0]
     variance = known.dark_currents[0].quantities["dark_current_var_e_s"]
     assert "not by shot noise alone" in variance.reason
+
+
+def test_noise_that_grows_as_the_signal_is_no_photon_transfer():
+    """A dark signal that wavers by 2 % from frame to frame in every pixel."""
+    rng = np.random.default_rng(3)
+    settings = []
+    for t in (0.0, 1.0, 2.0, 4.0, 8.0, 16.0):
+        point = OperatingPoint(25.0, t, 1.0)
+        frames = []
+        for n in range(6):
+            y = 100.0 + 50.0 * t * (1.0 + 0.02 * rng.standard_normal((96, 96)))
+            y = (y + 2.0 * rng.standard_normal(y.shape)).astype(np.float32)
+            frames.append(Frame(f"{t}-{n}", point, lambda w, y=y: y if w is None else y[w.slices]))
+        settings.append(Setting(point, tuple(frames)))
+    found = of(CaptureSet("wavers", Sensor((96, 96)), tuple(settings)))
+    gain = found.groups[0].quantities["photon_transfer_gain_dn_e"]
+    assert not gain.determined
+    assert "straight" in gain.reason or "clear slope" in gain.reason
 
 
 def test_no_dark_current_has_no_gain():

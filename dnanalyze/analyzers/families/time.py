@@ -8,6 +8,7 @@ import numpy as np
 
 from dnanalyze.analyzers.accumulators.accumulated import Accumulated
 from dnanalyze.analyzers.estimators.groups import groups
+from dnanalyze.analyzers.estimators.photon_transfer import transfer_points
 from dnanalyze.analyzers.estimators.quantiles import Ordered, Tied
 from dnanalyze.analyzers.estimators.uncertainty import QuantileErrors, block_sums, mean_error
 from dnanalyze.analyzers.families.family import FamilyResult
@@ -175,6 +176,9 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
                 value, max(math.hypot(relative[k], drift * (1 - value) / value), 1e-3)
             )
     _noise_at(acc, variance, out)
+    if acc.plan.errors:
+        law_of = acc.pattern_centre, acc.pattern_sigma, acc.frames
+        out.curves["photon_transfer"] = transfer_points(acc.pattern, variance, *law_of)
 
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
