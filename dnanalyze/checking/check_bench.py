@@ -16,7 +16,7 @@ from dnanalyze.fitting.vectors import prediction, target
 from dnanalyze.loaders.captures import CaptureSet, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulate_codes
 
 BUDGET_PIXELS = 24_000_000
 
@@ -57,7 +57,7 @@ class CheckBench:
 
     def drawn(self, model: NoiseModel) -> list[Statistics]:
         """Statistics of a model's frames in the three windows."""
-        made = simulate(
+        made = simulate_codes(
             model, self.plan.shape, self.plan.settings, "simulation", self.captures.sensor, Memo(0)
         )
         return analyze_windows(made, self.windows, progress=self.progress)

@@ -44,7 +44,7 @@ def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> 
 
 def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
     """All baseline effects fitted together."""
-    return fitted(bench, begun, partial(converge, own=True, hopeless=FAR_OFF))
+    return fitted(bench, begun, partial(converge, hopeless=FAR_OFF))
 
 
 def with_baseline(

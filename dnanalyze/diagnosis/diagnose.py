@@ -34,6 +34,7 @@ from dnanalyze.diagnosis.selection import (
 )
 from dnanalyze.diagnosis.spread_law import in_words
 from dnanalyze.diagnosis.stepwise import choose, supported
+from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
@@ -212,7 +213,9 @@ def judge(
         )
     else:
         candidates = []
-    verdict = "missing" if best is not None else "unexplained" if open_yet else "adequate"
+    direct = agreements(held, state)
+    right = not open_yet and all(a.kept for a in direct)
+    verdict = "missing" if best is not None else "adequate" if right else "unexplained"
     return Diagnosis(
         name,
         error,
@@ -223,6 +226,7 @@ def judge(
         model=state.model,
         trials=[best, *(t for t in tried if t is not best)] if best is not None else list(tried),
         level=held.level(state.train, state.test),
+        direct=direct,
     )
 
 

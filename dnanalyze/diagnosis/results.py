@@ -8,7 +8,8 @@ from functools import cached_property
 from dnanalyze.classifier.result import Classification
 from dnanalyze.diagnosis.selection import Trial
 from dnanalyze.digits import number
-from dnanalyze.fitting.fit import Parameter, standard_errors
+from dnanalyze.fitting.agreement import Agreement
+from dnanalyze.fitting.fit import Fit, Parameter, uncertain
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench
@@ -109,6 +110,9 @@ class Diagnosis(Result):
     law : str
         Sentence on the relative standard deviation of the dark current over temperature, where the
         model includes this dependence; else empty.
+    direct : list of Agreement
+        Quantities that the frames determine without a model, beside the model's; those of an
+        adequate model agree.
     capture_set : CaptureSet, optional
         The measured frames.
     finished : bool
@@ -130,6 +134,7 @@ class Diagnosis(Result):
     ordinary: list[str] = field(default_factory=list)
     level: Level | None = None
     law: str = ""
+    direct: list[Agreement] = field(default_factory=list)
     capture_set: CaptureSet | None = field(default=None, compare=False)
     finished: bool = True
     screened: list[str] = field(default_factory=list)
@@ -200,12 +205,26 @@ class Refinement(Result):
         return [] if self.diagnosis is None else self.diagnosis.unexplained
 
     @cached_property
+    def _fitted(self) -> Fit:
+        return uncertain(self.bench, self.state, self.finished and not self.timed_out)
+
+    @property
     def parameters(self) -> list[Parameter]:
         """The fitted numbers with their standard errors; simulates when first asked.
 
         The errors are NaN where the refinement is not finished, or its time limit was reached.
         """
-        return standard_errors(self.bench, self.state, self.finished and not self.timed_out)
+        return self._fitted.parameters
+
+    @property
+    def undetermined(self) -> list[str]:
+        """Sentences on parameters that are not determined or confounded in these captures."""
+        return self._fitted.undetermined
+
+    @property
+    def direct(self) -> list[Agreement]:
+        """Quantities that the frames determine without a model, beside the final model's."""
+        return [] if self.diagnosis is None else self.diagnosis.direct
 
     @property
     def level(self) -> Level | None:

@@ -94,6 +94,9 @@ class Quantities:
     def __iter__(self) -> Iterator[Quantity]:
         return iter(self.items)
 
+    def __contains__(self, key: object) -> bool:
+        return any(item.kind.key == key for item in self.items)
+
     def __getitem__(self, key: str) -> Quantity:
         for item in self.items:
             if item.kind.key == key:

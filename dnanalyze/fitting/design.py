@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Setting, Window
+from dnanalyze.loaders.code_unit import code_unit, in_codes
 
 BUDGET_PIXELS = 12_000_000
 MOST_SETTINGS = 8
@@ -24,12 +25,15 @@ class Design:
     either half has every column: what is peculiar to some of them (a level that settles, readout
     taps, a defect line) is fitted on one half and judged on the other.
     Large-scale shading, which has only one realisation over the field, is split by a checkerboard
-    of blocks.
+    of blocks. ``everything``: the captures with all settings and frames. All are in
+    codes, each of ``unit`` in the files.
     """
 
     captures: CaptureSet
     train: Window
     test: Window
+    everything: CaptureSet
+    unit: float = 1.0
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -75,6 +79,8 @@ def design(
     most_settings : int
         Settings kept, spread over the operating points.
     """
+    unit = code_unit(captures)
+    captures = in_codes(captures, unit)
     chosen = _spread(captures.settings, most_settings)
     rows, cols = captures.sensor.shape
     per_frame = budget / (len(chosen) * rows * cols)
@@ -90,7 +96,7 @@ def design(
     train = Window(top, top + half, left, left + wide)
     bottom = min(rows, top + 2 * half)
     test = Window(bottom - half, bottom, left, left + wide)
-    return Design(replace(captures, settings=thinned), train, test)
+    return Design(replace(captures, settings=thinned), train, test, captures, unit)
 
 
 def _band(window: Window) -> Window:

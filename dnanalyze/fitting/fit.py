@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
@@ -18,8 +20,8 @@ from dnanalyze.fitting.least_squares import (
     derive,
     longest,
     loss,
-    merit,
     start,
+    tied,
     unseen,
     weights,
 )
@@ -35,6 +37,7 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
+from dnanalyze.fitting.ties import misfits
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
@@ -48,17 +51,32 @@ DERIVATIVES = 40  # simulations for the last derivatives of few groups of knobs;
 CLEAR = 15.0  # wanted size of their steps, in floors: statistics that count pixels move by jumps
 LOWEST = 0.2  # floor of a number that hardly scatters, over the measured one
 STEPS, SMALL = 4, 0.05  # last steps at most; size at which they end, in standard errors
+ONE_SIDED = 1.645  # standard errors that a normal deviate exceeds in 5 % of cases
 VAGUE = 1.0  # standard error on a log scale from which a parameter is called undetermined
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number with its standard error, in plain units: fitted, or as a statistic tells it."""
+    """A number with its standard error, in plain units: fitted, or as a statistic tells it.
+
+    Parameters
+    ----------
+    name : str
+    value, se : float
+    unit : str
+    determined : bool
+        Whether the captures determine it: not where they do not depend on it, or where an amplitude
+        is known to no better than a factor e.
+    upper : float, optional
+        Of an amplitude that is not determined: its upper limit at 95 %.
+    """
 
     name: str
     value: float
     se: float
     unit: str
+    determined: bool = True
+    upper: float | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -95,6 +113,11 @@ class Fit(Result):
     def captures(self) -> str:
         """Name of the captures."""
         return self.bench.plan.captures.name
+
+    @cached_property
+    def direct(self) -> list[Agreement]:
+        """Quantities that the frames determine without a model, beside the model's."""
+        return agreements(self.bench, self.state)
 
     def _brief(self) -> str:
         return f"{self.captures}, {', '.join(self.model.names)}, {len(self.parameters)} parameters"
@@ -164,10 +187,15 @@ def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseM
     Raises
     ------
     InputError
-        Captures of a readout channel that the model does not know.
+        Captures of a readout channel that the model does not know, or of another unit than its.
     """
     if model is not None:
         require(model, held.plan.captures.channels)
+        if not math.isclose(model.unit, held.plan.unit):
+            raise InputError(
+                f"model: one DN of it is {model.unit:g} in files, one code of these captures "
+                f"{held.plan.unit:g}; `dnanalyze fit` without --model fits one in their codes"
+            )
     if seed is None:
         return model
     return replace(model or paper_start(held), seed=seed)
@@ -186,7 +214,7 @@ def paper_start(held: Bench) -> NoiseModel:
     seen = held.part or held
     models = paper_models(at_a_glance(held))
     losses = [loss(seen.train.z(found)) for found in seen.several(models)]
-    return models[int(np.argmin(losses))]
+    return replace(models[int(np.argmin(losses))], unit=held.plan.unit)
 
 
 def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
@@ -197,12 +225,14 @@ def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
     found = at_a_glance(held)
-    return ordinary_model(found if beside is None else less(found, beside), bits, serial)
+    made = ordinary_model(found if beside is None else less(found, beside), bits, serial)
+    return replace(made, unit=held.plan.unit)
 
 
 def at_a_glance(held: Bench) -> Moments:
     """Moments of the train half."""
-    return moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level)
+    black = held.direct.black
+    return moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level, black)
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
@@ -239,10 +269,13 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
     )
     jacobian = jacobian * (held.train.floor / floor)[:, None]
     here = replace(start(fair, state.model, knobs), jacobian=jacobian)
-    gain = np.zeros(jacobian.T.shape)
+    numbers = len(here.train)
+    gain = np.zeros((len(knobs), numbers + len(here.ties)))
     gain[seen] = _gain(here, seen)
-    moved = (scatter / floor) @ gain[seen].T
+    moved = (scatter / floor) @ gain[seen, :numbers].T
+    by_ties = gain[seen, numbers:]
     covariance[np.ix_(seen, seen)] = (1.0 + share) * moved.T @ moved / (replicates - 1)
+    covariance[np.ix_(seen, seen)] += by_ties @ by_ties.T
     found = _at_root(fair, here, gain, np.sqrt(np.diag(covariance)))
     found = replace(
         found,
@@ -277,22 +310,24 @@ def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) ->
     most = state.merit + len(state.knobs)
     for _ in range(STEPS):
         here = positions(state.model, state.knobs)
-        step = np.clip(-gain @ state.train, *longest(state.knobs, here))
+        off = np.concatenate([state.train, misfits(state.ties, here)])
+        step = np.clip(-gain @ off, *longest(state.knobs, here))
         if np.nanmax(np.abs(step) / spread) < SMALL:
             break
         there = [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
         model = turned(state.model, state.knobs, np.array(there))
         train = fair.fitted_z(model)
-        if merit(train, state.bounds) > most:
+        moved = replace(state, model=model, train=train, unseen=unseen(fair, model))
+        if moved.merit > most:
             break
-        state = replace(state, model=model, train=train, unseen=unseen(fair, model))
+        state = moved
     return state
 
 
 def _gain(state: State, seen: np.ndarray) -> np.ndarray:
-    """d knob / d number of the weighted least squares, (seen knobs, numbers)."""
-    w = weights(state.train)
-    a = state.jacobian[:, seen] * w[:, None]
+    """d knob / d number of the weighted least squares, (seen knobs, numbers and ties)."""
+    w = np.concatenate([weights(state.train), np.ones(len(state.ties))])
+    a = np.vstack([state.jacobian, tied(state)[0]])[:, seen] * w[:, None]
     size = np.linalg.norm(a, axis=0)  # the knobs' scales differ by orders of magnitude
     return np.linalg.pinv(a / size, rcond=1e-6) / size[:, None] * w
 
@@ -301,9 +336,10 @@ def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarr
     """The fit in plain units; ``seen``: which knobs move any number, None where not known."""
     knobs, here = state.knobs, positions(state.model, state.knobs)
     spread = np.sqrt(np.diag(covariance)) if knobs else np.empty(0)
+    known = np.ones(len(knobs), bool) if seen is None else seen
     parameters = [
-        Parameter(k.name, k.plain(x), _plain_error(k, x, s), k.unit)
-        for k, x, s in zip(knobs, here, spread, strict=True)
+        _parameter(k, x, s, bool(told))
+        for k, x, s, told in zip(knobs, here, spread, known, strict=True)
     ]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlations = covariance / np.outer(spread, spread)
@@ -347,12 +383,25 @@ def standard_errors(held: Bench, state: State, simulate: bool = True) -> list[Pa
     simulate : bool
         Whether replicates are simulated for the errors; else these are NaN.
     """
-    here = with_uncertainties(held, state, 0).parameters
+    return uncertain(held, state, simulate).parameters
+
+
+def uncertain(held: Bench, state: State, simulate: bool = True) -> Fit:
+    """As `standard_errors`, with what the captures do not determine."""
+    here = with_uncertainties(held, state, 0)
     if not simulate:
         return here
-    freed = {p.name: p.se for p in with_uncertainties(held, state, FEW).parameters}
+    freed = with_uncertainties(held, state, FEW)
     times = math.sqrt(2.0 / (1.0 + 1.0 / (1.0 + FEW)))
-    return [replace(p, se=times * freed[p.name]) for p in here]
+    by_name = {p.name: p for p in freed.parameters}
+    parameters = []
+    for own in here.parameters:
+        other = by_name[own.name]
+        upper = None if other.upper is None else own.value + ONE_SIDED * times * other.se
+        parameters.append(
+            replace(own, se=times * other.se, determined=other.determined, upper=upper)
+        )
+    return replace(freed, model=state.model, parameters=parameters, state=state)
 
 
 def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:
@@ -360,6 +409,13 @@ def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:
     effect = model.get(knob.effect) if knob.energy and knob.part != "ea_ev" else None
     usual = getattr(type(effect), knob.parameter, None)
     return effect is not None and isinstance(usual, float) and not unusual(usual, 0.0)
+
+
+def _parameter(knob: Knob, position: float, spread: float, seen: bool) -> Parameter:
+    value, se = knob.plain(position), _plain_error(knob, position, spread)
+    vague = knob.log and spread > VAGUE
+    upper = value + ONE_SIDED * se if vague and seen and math.isfinite(se) else None
+    return Parameter(knob.name, value, se, knob.unit, seen and not vague, upper)
 
 
 def _plain_error(knob: Knob, position: float, spread: float) -> float:

@@ -24,7 +24,9 @@ from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 STEPS = 6  # of a fit between two computations of the derivatives
-STEEP = 1 / 3  # share of the loss that a round must take off for more than the usual rounds
+# Fall of the loss in a round with new derivatives, per overdispersion, below which no parameter
+# moves by more than about its standard error: then the fit has ended.
+SETTLED = 2.0
 
 
 def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
@@ -86,31 +88,27 @@ def converge(
     rounds: int = 3,
     iterations: int = STEPS,
     tell: Callable[[State], None] = lambda _: None,
-    own: bool = False,
     hopeless: float = math.inf,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
-    Broyden's derivatives are good enough to get near; the last steps want true ones. Those of the
-    round are true still where its last step took off what they promised. A fit that still falls
-    steeply after these rounds is given as many again. ``own``: the derivatives that are known were
-    taken here; of another model they are not trusted at the end. ``hopeless``: loss a number from
-    which true derivatives are not worth their simulations. An amplitude that was lost on the way
-    begins again at the end.
+    Broyden's derivatives are good enough to get near; the last steps want true ones. In a valley,
+    such as that of black level, dark signal and read noise, they seem to promise nothing more while
+    new ones do; so a fit has ended when a round with new ones gains nothing. ``hopeless``: loss a
+    number from which true derivatives are not worth their simulations. An amplitude that was lost
+    on the way begins again at the end.
     """
-    own = own or bool(np.isnan(state.jacobian).all())
     for n in range(2 * rounds):
         before = state.merit
         begun = derived_anew(bench, state) if n else state
         state = minimise(bench, begun, iterations, tell=tell)
-        least = 0.02 * before + 1.0 if n < rounds - 1 else STEEP * before
-        ended = (state.at_rest and (n or own)) or (n and before - state.merit < least)
-        if ended or state.loss > hopeless * len(state.train):
+        settled = n > 0 and before - state.merit < SETTLED * max(1.0, before / len(state.train))
+        if settled or state.loss > hopeless * len(state.train):
             break
     found = restarted(bench, state, iterations)
     if found is state:
         return state
-    return converge(bench, found, rounds, iterations, tell, own, hopeless)
+    return converge(bench, found, rounds, iterations, tell, hopeless)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import numpy as np
 
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.ties import Tie, misfits
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -58,6 +59,8 @@ class State:
         promise no more.
     bounds : ndarray, optional
         Of each train number, in floors: how far it may be off, inf where that is left to the loss.
+    ties : tuple of Tie
+        Constraints of knobs by direct measurements.
     """
 
     model: NoiseModel
@@ -67,6 +70,7 @@ class State:
     jacobian: np.ndarray
     at_rest: bool = False
     bounds: np.ndarray | None = None
+    ties: tuple[Tie, ...] = ()
 
     @property
     def test(self) -> np.ndarray:
@@ -80,8 +84,9 @@ class State:
 
     @property
     def merit(self) -> float:
-        """The loss, with what the bounds add where they are not kept: what a fit lowers."""
-        return merit(self.train, self.bounds)
+        """What a fit lowers: the loss, with what bounds that are not kept and the ties add."""
+        off = misfits(self.ties, positions(self.model, self.knobs)) if self.ties else np.zeros(1)
+        return merit(self.train, self.bounds) + float(off @ off)
 
 
 def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
@@ -122,7 +127,8 @@ def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None
     """Simulate a model; take over derivatives from a like model where knobs agree."""
     train = bench.fitted_z(model)
     blank = np.full((len(train), len(knobs)), np.nan)
-    begun = State(model, knobs, train, unseen(bench, model), blank, False, bench.train.bounds)
+    ties = bench.direct.ties(model, knobs)
+    begun = State(model, knobs, train, unseen(bench, model), blank, False, bench.train.bounds, ties)
     return begun if like is None else with_derivatives_of(begun, like)
 
 
@@ -246,7 +252,7 @@ def minimise(
     bench: Bench,
     state: State,
     iterations: int = 8,
-    tolerance: float = 0.01,
+    tolerance: float = 0.5,
     tell: Callable[[State], None] = lambda _: None,
     below: float = math.inf,
 ) -> State:
@@ -260,7 +266,8 @@ def minimise(
     iterations : int
         Simulations of whole steps at most.
     tolerance : float
-        Stop when a step is expected to lower the loss by less than this share of it.
+        Stop when a step is expected to lower the loss by less, per overdispersion: by .5 where the
+        loss is that of an adequate model, when no parameter moves by its standard error.
     tell : callable
         Called with every state that is better.
     below : float
@@ -275,7 +282,7 @@ def minimise(
         while expected < 0 and damping < FIRM:  # cut short, it would take a level beyond its bound
             damping *= 8.0
             step, expected = _step(state, damping)
-        if expected < tolerance * state.loss + 0.5:
+        if expected < tolerance * max(1.0, state.loss / len(state.train)):
             return replace(state, at_rest=true)
         if state.loss - HOPE * expected > below:
             break
@@ -286,11 +293,13 @@ def minimise(
         jacobian = _broyden(state.jacobian, train - state.train, there - here)
         # of the loss itself: its squares, as weighted here, promise too little of what lies far off
         follows = state.train + state.jacobian @ (there - here)
-        promised = state.merit - merit(follows, state.bounds)
-        if merit(train, state.bounds) < state.merit:
-            gained = state.merit - merit(train, state.bounds)
-            judged = unseen(bench, model)
-            state = replace(state, model=model, train=train, unseen=judged, jacobian=jacobian)
+        promised = state.merit - replace(state, model=model, train=follows).merit
+        moved = replace(
+            state, model=model, train=train, unseen=unseen(bench, model), jacobian=jacobian
+        )
+        if moved.merit < state.merit:
+            gained = state.merit - moved.merit
+            state = moved
             tell(state)
             damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
             stale, true = False, promised / KEPT < gained < KEPT * promised
@@ -320,6 +329,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     wanted: dict[int, float] = {}  # numbers that are pressed to their bounds, and these
     bounds, follows = state.bounds, state.train
     step = np.zeros(len(state.knobs))
+    ties, off = tied(state)
     for n in range(3):
         out = [int(i) for i in np.flatnonzero(_beyond(follows, state.bounds)) if i not in wanted]
         if n and not out:
@@ -327,10 +337,20 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
         for i in out:
             assert bounds is not None
             wanted[i] = float(np.copysign(bounds[i], follows[i]))
-        step = _damped(state, a, b, damping, *_pressing(state, wanted))
+        rows, rest = _pressing(state, wanted)
+        step = _damped(state, a, b, damping, np.vstack([rows, ties]), np.concatenate([rest, off]))
         follows = state.train + state.jacobian @ step
     promised = float(b @ b - np.sum((b + a @ step) ** 2))
+    promised += float(off @ off - np.sum((off + ties @ step) ** 2))
     return step, promised + _stiff(state.train, state.bounds) - _stiff(follows, state.bounds)
+
+
+def tied(state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and numbers of the ties, rows step + numbers their misfits after a step."""
+    rows = np.zeros((len(state.ties), len(state.knobs)))
+    for n, tie in enumerate(state.ties):
+        rows[n, tie.at] = 1.0 / tie.error
+    return rows, misfits(state.ties, positions(state.model, state.knobs))
 
 
 def _pressing(state: State, wanted: dict[int, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -78,17 +78,18 @@ class DarkSignals:
         return np.asarray(np.maximum(SHARE * self.signal, NOISE * self.noise))
 
 
-def dark_signals(statistics: Statistics, held: Target) -> DarkSignals:
+def dark_signals(statistics: Statistics, held: Target, black: Law | None = None) -> DarkSignals:
     """The levels above the measured black level.
 
-    Not above the model's pedestal: a fit that moved that down would be allowed more.
+    Not above the model's pedestal: a fit that moved that down would be allowed more. ``black``: the
+    black level over temperature, where more than these operating points show it.
     """
     seen = Readings(statistics)
-    series = seen.points, seen.value(MEAN)
-    error = seen.error(MEAN)
-    black: Law | None = black_over_temperature(*series, error)
     if black is None:
-        black = pedestal_guess(*series, statistics.sensor.black_level, error)
+        black = black_over_temperature(seen.points, seen.value(MEDIAN), seen.error(MEDIAN))
+    if black is None:
+        series = seen.points, seen.value(MEAN)
+        black = pedestal_guess(*series, statistics.sensor.black_level, seen.error(MEAN))
     steady = np.nan_to_num(seen.value("temporal_noise_core"))
     signal, noise = np.full((2, len(held.keys)), np.nan)
     for i in np.flatnonzero(np.isin(held.names, (MEAN, MEDIAN))):

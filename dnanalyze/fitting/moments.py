@@ -54,8 +54,11 @@ class Moments:
         return self.temporal + self.pattern
 
 
-def moments(readings: Readings, black_level: float | None) -> Moments:
-    """Read the moments off the statistics."""
+def moments(readings: Readings, black_level: float | None, black: Law | None = None) -> Moments:
+    """Read the moments off the statistics.
+
+    ``black``: the black level over temperature, where more than these operating points show it.
+    """
     mean = readings.value("mean")
     frames = readings.frames
     single = readings.value("frame_noise_core") ** 2
@@ -73,7 +76,9 @@ def moments(readings: Readings, black_level: float | None) -> Moments:
     pedestal = pedestal_guess(readings.points, mean, black_level, error)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
     signal = np.maximum(mean - pedestal, least)
-    black = black_over_temperature(readings.points, mean, error)
+    if black is None:
+        medians = readings.value("median"), readings.error("median")
+        black = black_over_temperature(readings.points, *medians)
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
 
 
@@ -96,9 +101,44 @@ def less(m: Moments, effect: Effect) -> Moments:
 
 
 def black_over_temperature(
-    points: list[OperatingPoint], mean: np.ndarray, error: np.ndarray
+    points: list[OperatingPoint], level: np.ndarray, error: np.ndarray
 ) -> TableLaw | None:
-    """Black level over temperature, where exposures of zero, or two of them, show that it moves.
+    """The black level where it is seen to move over temperature; None where it is not."""
+    found = black_level(points, level, error)
+    return found.law if found is not None and found.moves else None
+
+
+@dataclass(frozen=True)
+class BlackLevel:
+    """Black level at temperatures where exposures show it.
+
+    Parameters
+    ----------
+    law : TableLaw
+        DN.
+    errors : ndarray
+        Standard errors of its rows, DN.
+    """
+
+    law: TableLaw
+    errors: np.ndarray
+
+    @property
+    def mean(self) -> float:
+        """Weighted mean of the rows, DN."""
+        return float(np.average(self.law.values, weights=self.errors**-2.0))
+
+    @property
+    def moves(self) -> bool:
+        """Whether the rows differ beyond `CLEAR` standard errors."""
+        away = (np.array(self.law.values) - self.mean) / self.errors
+        return bool(np.sum(away**2) >= CLEAR**2 * max(away.size - 1, 1))
+
+
+def black_level(
+    points: list[OperatingPoint], mean: np.ndarray, error: np.ndarray
+) -> BlackLevel | None:
+    """Black level over temperature, where exposures of zero, or two of them, show it.
 
     A reference voltage and an amplifier have temperature coefficients. With one exposure a
     temperature that is not told from dark current, which then takes it up.
@@ -107,13 +147,13 @@ def black_over_temperature(
     ----------
     points : list of OperatingPoint
     mean, error : ndarray
-        DN, one a point: the mean level and its standard error.
+        DN, one a point: the level and its standard error.
 
     Returns
     -------
-    TableLaw or None
-        The line through the two shortest exposures of a temperature, at exposure 0; None where the
-        levels agree within `CLEAR` standard errors.
+    BlackLevel or None
+        The line through the two shortest exposures of a temperature, at exposure 0; None where no
+        temperature has them, or gains or channels have levels of their own.
     """
     rows: dict[OperatingPoint, tuple[float, float]] = {}
     for kind in dict.fromkeys((p.gain, p.channel) for p in points):
@@ -129,13 +169,10 @@ def black_over_temperature(
             level = _at_zero(sorted(near), mean, error)
             if level is not None:
                 rows[OperatingPoint(at, None, *kind)] = level
-    if len(rows) < 2 or len({(p.gain, p.channel) for p in rows}) > 1:
+    if not rows or len({(p.gain, p.channel) for p in rows}) > 1:
         return None
     level, spread = np.array(list(rows.values())).T
-    away = (level - np.average(level, weights=spread**-2.0)) / spread
-    if np.sum(away**2) < CLEAR**2 * (len(rows) - 1):
-        return None
-    return TableLaw(tuple(rows), tuple(float(v) for v in level))
+    return BlackLevel(TableLaw(tuple(rows), tuple(float(v) for v in level)), spread)
 
 
 def _at_zero(

@@ -15,6 +15,7 @@ from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.level import Level, allowed, dark_signals, level
 from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, room
+from dnanalyze.fitting.ties import Direct, direct
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.fitting.vectors import Target, prediction, target
 from dnanalyze.model.effect import Placing
@@ -47,6 +48,8 @@ class Bench:
     even : bool
         Whether only models are simulated that hold all over the field by the same law: the half
         that is not wanted then need not be.
+    direct : Direct
+        What all operating points tell directly of the parameters.
     limit : TimeLimit
         Of the simulations that fits ask for.
     """
@@ -60,6 +63,7 @@ class Bench:
     helpers: Helpers = field(default_factory=Helpers)
     part: Bench | None = None
     even: bool = False
+    direct: Direct = field(default_factory=Direct)
     limit: TimeLimit = field(default_factory=TimeLimit)
 
     def within(self, limit: TimeLimit) -> Bench:
@@ -150,7 +154,7 @@ class Bench:
     def level(self, train: np.ndarray, test: np.ndarray) -> Level | None:
         """The mean dark level of a model by its differences in floors on train and test."""
         points = [point for point, _ in self.plan.settings]
-        signals = dark_signals(self.measured[0], self.train)
+        signals = dark_signals(self.measured[0], self.train, self.direct.black)
         return level(points, (self.train, self.test), (train, test), signals)
 
     def only(self, settings: list[int]) -> Bench:
@@ -175,18 +179,27 @@ class Bench:
         )
 
 
+def _of_all(plan: Design, measured: Statistics) -> Statistics:
+    """Level and noise of the fitted half at all operating points, also those left out."""
+    if len(plan.everything.settings) == len(plan.captures.settings):
+        return measured
+    return analyze_windows(plan.everything, [plan.train], families=("level", "time"))[0]
+
+
 def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
     """Read the captures once and take the statistics of both halves."""
     plans = [plan] if plan.part is None else [plan, plan.part]
     measured = analyze_windows(plan.captures, [w for p in plans for w in p.windows])
     memo, helpers, predictions = room(), helpers or Helpers(), Memo(PREDICTIONS_BYTES)
+    known = direct(_of_all(plan, measured[0]))
 
     def of(number: int, part: Bench | None = None) -> Bench:
         halves = measured[2 * number : 2 * number + 2]
         train, test = target(halves, 0), target(halves, 1)
-        train = replace(train, allowed=allowed(train, dark_signals(halves[0], train)))
+        signals = dark_signals(halves[0], train, known.black)
+        train = replace(train, allowed=allowed(train, signals))
         return Bench(
-            plans[number], halves, train, test, memo, predictions, helpers, part, even=number > 0
+            plans[number], halves, train, test, memo, predictions, helpers, part, number > 0, known
         )
 
     return of(0, of(1) if plan.part else None)

@@ -19,7 +19,7 @@ from dnanalyze.model.registry import catalogue, described, find
 SCHEMA = "dnanalyze/model/1"
 PATTERN = "pattern_map"  # the effect whose map is a file beside the model
 _AT_25_C = {"temperature_c": 25.0, "exposure_s": 1.0}
-KEYS = {"schema", "pedestal", "reference", "channel_references", "seed", "effects", "fit"}
+KEYS = {"schema", "pedestal", "reference", "channel_references", "seed", "effects", "fit", "unit"}
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,8 @@ class NoiseModel:
     channel_references : tuple of OperatingPoint
         Where those of a readout channel are stated that has a reference of its own (a short
         exposure).
+    unit : float
+        Value in the files of one DN of the model: 16 for 12-bit codes in 16-bit files.
     """
 
     effects: tuple[Effect, ...]
@@ -46,6 +48,7 @@ class NoiseModel:
     reference: OperatingPoint = OperatingPoint(25.0, 1.0, 1.0)
     seed: int = 0
     channel_references: tuple[OperatingPoint, ...] = ()
+    unit: float = 1.0
 
     def __post_init__(self) -> None:
         names = self.names
@@ -140,6 +143,7 @@ class NoiseModel:
             By key; see ``load_model``.
         """
         own = self.channel_references
+        unit = {} if self.unit == 1.0 else {"unit": self.unit}
         more = {"channel_references": [_plain_point(r) for r in own]} if own else {}
         return {
             "schema": SCHEMA,
@@ -148,6 +152,7 @@ class NoiseModel:
             else self.pedestal,
             "reference": _plain_point(self.reference),
             **more,
+            **unit,
             "seed": self.seed,
             "effects": [{e.name: e.to_plain()} for e in self.effects],
         }
@@ -194,7 +199,8 @@ def model_from_plain(
         reference = _point("reference", raw.get("reference", _AT_25_C))
         pedestal = law_from_plain("pedestal", raw.get("pedestal", 0.0))
         own = tuple(_point("channel_references", r) for r in raw.get("channel_references", ()))
-        return NoiseModel(tuple(effects), pedestal, reference, _seed(raw.get("seed", 0)), own)
+        unit = _unit(raw.get("unit", 1.0))
+        return NoiseModel(tuple(effects), pedestal, reference, _seed(raw.get("seed", 0)), own, unit)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     except (TypeError, ValueError, AttributeError, OverflowError, KeyError):
@@ -208,6 +214,12 @@ def _point(key: str, raw: Any) -> OperatingPoint:
         return OperatingPoint(**raw)
     except InputError as error:
         raise InputError(f"{key}: {error}") from None
+
+
+def _unit(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e9:
+        raise InputError(f"unit {value!r}: valid: a number above 0, the value of one DN in files")
+    return float(value)
 
 
 def _seed(raw: Any) -> int:

@@ -9,6 +9,7 @@ from typing import Any
 from dnanalyze.report import words
 from dnanalyze.report.plain import document
 
+PARAMETER = "name", "value", "se", "unit", "determined", "upper"
 Document = dict[str, Any]
 
 
@@ -110,7 +111,8 @@ def fit(where: str, result: Any, output: Path | None) -> Document:
     return document(
         "fit",
         where,
-        parameters=[_fields(p, "name", "value", "se", "unit") for p in result.parameters],
+        parameters=[_fields(p, *PARAMETER) for p in result.parameters],
+        direct=direct(result),
         correlations=result.correlations,
         undetermined=result.undetermined,
         model=output,
@@ -184,6 +186,7 @@ def diagnosis(where: str, result: Any) -> Document:
         detection_limits=result.detection_limits,
         next_capture=result.next_capture,
         law=getattr(result, "law", "") or None,
+        direct=direct(result),
         finished=getattr(result, "finished", True),
         screened=getattr(result, "screened", []),
         **_level(result),
@@ -265,6 +268,8 @@ def refinement(
         headline=headline or words.refine_headline(result),
         unexplained=result.unexplained,
         parameters=parameters(result),
+        undetermined=getattr(result, "undetermined", []),
+        direct=direct(result),
         finished=getattr(result, "finished", True),
         timed_out=getattr(result, "timed_out", False),
         model=output,
@@ -274,10 +279,19 @@ def refinement(
     )
 
 
+def direct(result: Any) -> list[Document]:
+    """Quantities measured directly, beside the model's."""
+    keys = "quantity", "unit", "direct", "error", "model", "sigma", "kept"
+    return [
+        (_point(a.point) if a.point is not None else {}) | _fields(a, *keys)
+        for a in getattr(result, "direct", [])
+    ]
+
+
 def parameters(result: Any) -> list[Document]:
     """The numbers of a model with their standard errors and the effects that they belong to."""
     return [
-        {"effect": p.name.split(".")[0].split("[")[0]} | _fields(p, "name", "value", "se", "unit")
+        {"effect": p.name.split(".")[0].split("[")[0]} | _fields(p, *PARAMETER)
         for p in result.parameters
     ]
 

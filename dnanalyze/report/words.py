@@ -307,7 +307,35 @@ def with_remarks(headline: str, result: Any) -> str:
     more = [sentence(law)] if law else []
     if level is not None and not level.kept:
         more.append(sentence(level_words(level)))
+    more += [sentence(direct_words(a)) for a in getattr(result, "direct", []) if not a.kept]
     return " ".join([headline, *more])
+
+
+def direct_words(found: Any) -> str:
+    """A quantity of the model that is not what the frames show directly."""
+    where = "" if found.point is None else f" at {point_label(found.point)}"
+    return (
+        f"the {found.quantity}{where} is {with_error(found.direct, found.error)} "
+        f"{symbol(found.unit)} by direct measurement and {number(found.model)} in the model"
+    )
+
+
+def direct_rows(result: Any) -> list[tuple[str, ...]]:
+    """Quantity, operating point, direct value, model's value and difference of each."""
+    return [
+        (
+            a.quantity,
+            "" if a.point is None else point_label(a.point),
+            with_error(a.direct, a.error),
+            number(a.model),
+            symbol(a.unit),
+            f"{a.sigma:+.1f} σ" + ("" if a.kept else " (differs)"),
+        )
+        for a in getattr(result, "direct", [])
+    ]
+
+
+DIRECT = "quantity", "at", "direct", "model", "unit", "difference"
 
 
 def level_words(level: Any) -> str:
@@ -432,13 +460,21 @@ def parameter_rows(result: Any) -> tuple[list[tuple[str, str, str, str]], str]:
     rows = [
         (
             p.name,
-            with_error(p.value, p.se),
+            parameter_value(p),
             symbol(p.unit),
             point_label(point, apart) if apart and point is not None else "",
         )
         for p, point in zip(result.parameters, points, strict=True)
     ]
     return rows, point_label(common) if any(v is not None for v in common.values()) else ""
+
+
+def parameter_value(parameter: Any) -> str:
+    """A parameter with its standard error, or that the captures do not determine it."""
+    if getattr(parameter, "determined", True):
+        return with_error(parameter.value, parameter.se)
+    upper = getattr(parameter, "upper", None)
+    return "not determined" if upper is None else f"not determined, < {number(upper, 2)}"
 
 
 def _where(name: str, model: Any) -> OperatingPoint | None:

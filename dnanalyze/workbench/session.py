@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from threading import RLock, Thread
 from typing import Any
 
@@ -14,6 +15,7 @@ from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
@@ -133,6 +135,11 @@ class WorkbenchSession:
             self.tell(str(error))
         except Exception as error:  # an effect of the user's may raise anything
             self.tell(f"internal error: {type(error).__name__}: {error}")
+
+    @cached_property
+    def pictured(self) -> CaptureSet:
+        """The captures in codes, in which models simulate frames."""
+        return in_codes(self.captures, code_unit(self.captures))
 
     def prepare(self) -> None:
         """Take the statistics and set the starting model; takes seconds."""

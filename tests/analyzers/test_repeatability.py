@@ -59,7 +59,7 @@ def test_a_capture_of_two_frames_has_none():
 
 @pytest.mark.parametrize(("frames", "within"), [(6, 1.15), (8, 1.15)])
 def test_products_of_two_frames_count_once(frames, within):
-    """Mean of the variances per pixel: 2 sigma^4 / (pixels (n - 1)), which delete-one overstates."""
+    """Mean of variances: 2 sigma^4 / (pixels (n - 1)); leaving out single frames overstates it."""
     pixels, trials = 200, 200
     rng = np.random.default_rng(5)
     found = []

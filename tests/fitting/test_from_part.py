@@ -125,7 +125,7 @@ def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(held, simulated, s
     first = simulated.index(True)
     assert not any(simulated[:first])  # the part, then the whole, in a step or a few
     assert all(simulated[first:])
-    assert len(simulated) - first < 8
+    assert len(simulated) - first < 16  # a round with derivatives of the part, and one to see
     ended = converge(held, ended)
     # nearer than the truth is chance: the valley is as flat as two simulated sensors differ
     least = max(alone.loss, start(held, begun, knobs).loss)
@@ -175,9 +175,9 @@ def test_derivatives_are_taken_on_the_part_where_every_part_shows_them(held, sim
 
 @pytest.mark.parametrize(
     ("kept", "hopeless", "rounds"),
-    [(0.995, np.inf, 2), (0.9, np.inf, 3), (0.5, np.inf, 6), (0.9, 5.0, 3), (0.9, 1.0, 1)],
+    [(0.9999, np.inf, 2), (0.9, np.inf, 6), (0.9, 5.0, 6), (0.9, 1.0, 1)],
 )
-def test_a_fit_that_falls_steeply_is_given_more_rounds_a_hopeless_one_none(
+def test_a_fit_ends_where_a_round_gains_nothing_a_hopeless_one_after_the_first(
     kept, hopeless, rounds, monkeypatch
 ):
     made = []
@@ -190,35 +190,6 @@ def test_a_fit_that_falls_steeply_is_given_more_rounds_a_hopeless_one_none(
     monkeypatch.setattr(from_part, "derived_anew", lambda _bench, state: state)
     begun = State(None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0)))
     from_part.converge(None, begun, hopeless=hopeless)
-    assert len(made) == rounds
-
-
-@pytest.mark.parametrize(
-    ("known", "own", "true", "rounds"),
-    [
-        (False, False, [True], 1),
-        (False, False, [False, True], 2),
-        (True, False, [True, True], 2),
-        (True, True, [True], 1),
-        (True, True, [False, True], 2),
-    ],
-)
-def test_derivatives_whose_steps_kept_their_promise_are_not_taken_anew(
-    known, own, true, rounds, monkeypatch
-):
-    """Those of another model are taken anew in any case."""
-    made = []
-
-    def lower(_bench, state, *_, **__):
-        made.append(state)
-        return replace(state, train=0.5 * state.train, at_rest=true[len(made) - 1])
-
-    monkeypatch.setattr(from_part, "minimise", lower)
-    monkeypatch.setattr(from_part, "derived_anew", lambda _bench, state: state)
-    begun = State(
-        None, [], np.full(100, 4.0), given(np.zeros(1)), np.full((100, 1), 1.0 if known else np.nan)
-    )
-    from_part.converge(None, begun, own=own)
     assert len(made) == rounds
 
 

@@ -11,6 +11,7 @@ from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.least_squares import given, minimise, start
 from dnanalyze.fitting.level import DarkSignals, level
+from dnanalyze.fitting.ties import Direct
 from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -99,7 +100,8 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
         x = positions(moved, knobs)[0] - here
         return np.concatenate([[30.0 * x], np.full(20, 60.0 * (x - 1.0))])
 
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=SimpleNamespace(bounds=bounds))
+    held = SimpleNamespace(bounds=bounds)
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=held, direct=Direct())
     slope = np.concatenate([[30.0], np.full(20, 60.0)])[:, None]
     ended = minimise(straight, replace(start(straight, model, knobs), jacobian=slope), 12)
     if np.isinf(bound):

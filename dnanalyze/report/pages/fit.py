@@ -7,7 +7,7 @@ from typing import Any
 from dnanalyze.report import capture
 from dnanalyze.report.figures.correlations import correlations
 from dnanalyze.report.page import Page, Section, render
-from dnanalyze.report.pages.model import model_section
+from dnanalyze.report.pages.model import direct_section, model_section
 from dnanalyze.report.words import listing, plural, texts
 
 
@@ -26,6 +26,7 @@ def fit_page(captures: Any, result: Any) -> str:
         headline(result),
         [
             model_section(result.model, result.parameters),
+            *direct_section(result),
             Section(
                 "correlations",
                 "Correlation of the parameters",

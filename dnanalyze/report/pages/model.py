@@ -7,7 +7,16 @@ from typing import Any
 
 from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Section, Table
-from dnanalyze.report.words import is_number, number, plural, point_label, varied, with_error
+from dnanalyze.report.words import (
+    DIRECT,
+    direct_rows,
+    is_number,
+    number,
+    parameter_value,
+    plural,
+    point_label,
+    varied,
+)
 
 FEW = 6  # operating points that stand side by side
 
@@ -69,7 +78,7 @@ def _names(name: str, law: Any) -> list[str]:
 def _value(value: Any, name: str, known: dict[str, Any]) -> str:
     found = known.get(name)
     if found is not None:
-        return with_error(found.value, found.se)
+        return parameter_value(found)
     return number(value) if is_number(value) else str(value)
 
 
@@ -115,3 +124,13 @@ def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) ->
             Table(columns, long, words=3, title=f"{title} ({len(long)} values)", folded=True)
         )
     return tables
+
+
+def direct_section(result: Any) -> list[Section]:
+    """What the frames determine without a model, beside the model's; nothing where they do not."""
+    rows = direct_rows(result)
+    if not rows:
+        return []
+    text = "A difference within 3 standard errors or 10 % is none."
+    made = Table(("quantity", *DIRECT[1:]), rows, words=2)
+    return [Section("direct", "Model and direct measurement", text=[text], tables=[made])]

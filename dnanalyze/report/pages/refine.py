@@ -10,7 +10,7 @@ from dnanalyze.report.figures.waterfall import Stage, stages, waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
 from dnanalyze.report.pages.classifier import classifier_section
-from dnanalyze.report.pages.model import model_section
+from dnanalyze.report.pages.model import direct_section, model_section
 from dnanalyze.report.words import (
     add_headline,
     naming,
@@ -76,6 +76,7 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
                 tables=step_tables(steps),
             ),
             model_section(result.model, result.parameters),
+            *direct_section(result),
             Section("why", "Evidence for each step", points=evidence(steps)),
             *([] if told is None else [classifier_section(told)]),
             *(diagnose.sections(rest) if rest is not None else []),

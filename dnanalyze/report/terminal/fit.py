@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from dnanalyze.report.terminal.common import MOST_FAILURES, points, table, verdict
-from dnanalyze.report.words import parameter_rows
+from dnanalyze.report.words import DIRECT, direct_rows, parameter_rows
 
 
 def fit(console: Console, captures: Any, result: Any) -> None:
@@ -16,6 +16,7 @@ def fit(console: Console, captures: Any, result: Any) -> None:
 
     verdict(console, captures, headline(result))
     parameters(console, "parameter", result)
+    directly(console, result)
     points(console, "Not determined from these captures", list(result.undetermined), MOST_FAILURES)
 
 
@@ -31,3 +32,10 @@ def parameters(console: Console, title: str, result: Any) -> None:
     if rows and common:
         console.print(f"Operating point of the parameters: {common}.", style="dim")
         console.print()
+
+
+def directly(console: Console, result: Any) -> None:
+    """What the frames determine without a model, beside the model's."""
+    rows = direct_rows(result)
+    if rows:
+        table(console, ("direct measurement", *DIRECT[1:]), rows)

@@ -8,9 +8,9 @@ from rich.console import Console
 
 from dnanalyze.report import words
 from dnanalyze.report.terminal.classifier import classifier_line
-from dnanalyze.report.terminal.common import bar, points, table, verdict
+from dnanalyze.report.terminal.common import MOST_FAILURES, bar, points, table, verdict
 from dnanalyze.report.terminal.diagnosis import unexplained
-from dnanalyze.report.terminal.fit import parameters
+from dnanalyze.report.terminal.fit import directly, parameters
 from dnanalyze.report.words import number
 
 
@@ -44,6 +44,9 @@ def refinement(console: Console, captures: Any, result: Any, by_hand: bool | Non
     title = "Evidence" if by_hand else "Evidence for each effect added"
     points(console, title, [_reason(s) for s in why.values()])
     parameters(console, "final model", result)
+    directly(console, result)
+    undetermined = list(getattr(result, "undetermined", []))
+    points(console, "Not determined from these captures", undetermined, MOST_FAILURES)
     unexplained(console, result.unexplained)
     if getattr(result, "classification", None) is not None:
         classifier_line(console, result.classification)

@@ -10,7 +10,7 @@ import panel as pn
 from bokeh.models import BasicTicker, ColumnDataSource, FixedTicker
 from matplotlib.figure import Figure
 
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulate_codes
 from dnanalyze.report.words import celsius
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.page.background import Latest
@@ -89,7 +89,7 @@ class Pixel:
     def show(self, row: int, column: int, setting: int) -> None:
         """Take the values of a pixel and draw them."""
         session, shown = self.context.session, self.context.shown
-        captures = session.captures
+        captures = session.pictured
         self._at, self._setting = (row, column), setting
 
         def work() -> Any:
@@ -98,7 +98,7 @@ class Pixel:
                 most = frames.MOST_FRAMES
                 layout = [(s.point, min(len(s.frames), most)) for s in captures.settings]
                 sensor = captures.sensor
-                made = simulate(shown.model, sensor.shape, layout, "simulation", sensor)
+                made = simulate_codes(shown.model, sensor.shape, layout, "simulation", sensor)
                 found["simulated"] = frames.pixel(made, row, column)
             return found
 

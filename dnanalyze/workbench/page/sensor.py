@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulate_codes
 from dnanalyze.report.words import celsius, number
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
@@ -54,7 +54,7 @@ class Sensor:
     def __init__(self, context: Context) -> None:
         self.context = context
         p = context.palette
-        self.captures = context.session.captures
+        self.captures = context.session.pictured
         self.shape = self.captures.sensor.shape
         self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
         self._latest = Latest(context.back)
@@ -290,7 +290,7 @@ class Sensor:
             captures = self.captures
             if model is not None:
                 layout = [(s.point, len(s.frames)) for s in captures.settings]
-                captures = simulate(model, self.shape, layout, "simulation", captures.sensor)
+                captures = simulate_codes(model, self.shape, layout, "simulation", captures.sensor)
             self._held[key] = frames.image(captures, view)
             while len(self._held) > HELD:
                 self._held.popitem(last=False)

@@ -1,0 +1,148 @@
+"""What the frames tell of a parameter directly: normal constraints of a fit.
+
+A photon transfer, a gain recorded by the camera or given by the user, and the black level that bias
+frames show say more of a parameter than the statistics of single operating points, and say it of
+settings that are not simulated too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.analyzers.statistics import Statistics
+from dnanalyze.emva import evaluate, kinds
+from dnanalyze.fitting.knobs import PEDESTAL, Knob
+from dnanalyze.fitting.moments import BlackLevel, black_level
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.noise_model import NoiseModel
+
+RECORDED = 0.1  # relative error of a gain that the camera states, or the user
+LEAST = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
+GAIN = ("dark_shot_noise", "dn_per_e")
+# Effects by which the temporal noise over the level is not that of shot noise.
+AFTER = ("denoise", "temporal_denoise", "electron_multiplication")
+
+
+@dataclass(frozen=True)
+class Known:
+    """A quantity of the sensor, as the frames or their files tell it.
+
+    Parameters
+    ----------
+    value, error : float
+        In its unit.
+    source : str
+        Such as "photon transfer", "recorded".
+    """
+
+    value: float
+    error: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Direct measurements that bind a fit.
+
+    Parameters
+    ----------
+    gains : tuple of (float or None, Known)
+        Setting of the gain, and system gain there, DN/e-.
+    level : BlackLevel, optional
+        Where bias frames or exposures show it.
+    """
+
+    gains: tuple[tuple[float | None, Known], ...] = ()
+    level: BlackLevel | None = None
+
+    @property
+    def black(self) -> TableLaw | None:
+        """The black level over temperature, DN; None where it is not seen to move."""
+        return self.level.law if self.level is not None and self.level.moves else None
+
+    def ties(self, model: NoiseModel, knobs: Sequence[Knob]) -> tuple[Tie, ...]:
+        """Constraints of the free parameters of a model."""
+        found = []
+        for i, knob in enumerate(knobs):
+            if (knob.effect, knob.parameter) == GAIN and knob.part == "value":
+                found += self._of_gain(i, knob, model)
+            elif knob.effect == PEDESTAL:
+                found += self._of_black(i, knob, model)
+        return tuple(found)
+
+    def _of_gain(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
+        if any(model.get(name) is not None for name in AFTER):
+            return []
+        digital = model.get("digital_gain")
+        times = 1.0 if digital is None else float(digital.value("gain", model.reference))
+        return [
+            Tie(at, knob.position(g.value / times), g.error / g.value if knob.log else g.error)
+            for setting, g in self.gains
+            if setting in (None, model.reference.gain)
+        ]
+
+    def _of_black(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
+        law, level = model.pedestal, self.level
+        if level is None:
+            return []
+        if not isinstance(law, TableLaw):
+            error = float(np.sum(level.errors**-2.0) ** -0.5)
+            return [] if level.moves else [Tie(at, level.mean, error)]
+        point = law.points[int(knob.part)]
+        if point not in level.law.points:
+            return []
+        row = level.law.points.index(point)
+        return [Tie(at, level.law.values[row], float(level.errors[row]))]
+
+
+def direct(statistics: Statistics) -> Direct:
+    """The direct measurements of all operating points.
+
+    Parameters
+    ----------
+    statistics : Statistics
+        The level and time families at least, with errors.
+    """
+    seen = Readings(statistics)
+    level = black_level(seen.points, seen.value("median"), seen.error("median"))
+    gains: list[tuple[float | None, Known]] = []
+    groups = [g for g in evaluate(statistics).groups if g.channel is None]
+    for setting in dict.fromkeys(g.gain for g in groups):
+        own = [g.quantities for g in groups if g.gain == setting]
+        found = [q[kinds.TRANSFER.key] for q in own if kinds.TRANSFER.key in q]
+        told = [(q.value, q.se) for q in found if q.value is not None and q.se is not None]
+        if told and len(told) == len(found):
+            value, se = np.array(told).T
+            mean = float(np.average(value, weights=se**-2.0))
+            error = max(float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, LEAST * mean)
+            gains.append((setting, Known(mean, error, "photon transfer")))
+        recorded = own[0][kinds.GAIN.key].value if kinds.GAIN.key in own[0] else None
+        if recorded is not None:
+            gains.append((setting, Known(recorded, RECORDED * recorded, "recorded")))
+    return Direct(tuple(gains), level)
+
+
+@dataclass(frozen=True)
+class Tie:
+    """A normal constraint of one free parameter.
+
+    Parameters
+    ----------
+    at : int
+        Its number among the free parameters.
+    position, error : float
+        Mean and standard deviation on the parameter's scale.
+    """
+
+    at: int
+    position: float
+    error: float
+
+
+def misfits(ties: Sequence[Tie], here: np.ndarray) -> np.ndarray:
+    """How far parameters lie off their constraints, in standard deviations."""
+    return np.array([(here[t.at] - t.position) / t.error for t in ties])
