@@ -101,7 +101,7 @@ def converge(
     for n in range(2 * rounds):
         before = state.merit
         begun = derived_anew(bench, state) if n else state
-        state = minimise(bench, begun, iterations, tell=tell)
+        state = minimise(bench, begun, iterations, 0.5 / len(state.train), tell)
         settled = n > 0 and before - state.merit < SETTLED * max(1.0, before / len(state.train))
         if settled or state.loss > hopeless * len(state.train):
             break

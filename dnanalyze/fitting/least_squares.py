@@ -252,7 +252,7 @@ def minimise(
     bench: Bench,
     state: State,
     iterations: int = 8,
-    tolerance: float = 0.5,
+    tolerance: float = 0.01,
     tell: Callable[[State], None] = lambda _: None,
     below: float = math.inf,
 ) -> State:
@@ -266,8 +266,7 @@ def minimise(
     iterations : int
         Simulations of whole steps at most.
     tolerance : float
-        Stop when a step is expected to lower the loss by less, per overdispersion: by .5 where the
-        loss is that of an adequate model, when no parameter moves by its standard error.
+        Stop when a step is expected to lower the loss by less than this share of it.
     tell : callable
         Called with every state that is better.
     below : float
@@ -282,7 +281,7 @@ def minimise(
         while expected < 0 and damping < FIRM:  # cut short, it would take a level beyond its bound
             damping *= 8.0
             step, expected = _step(state, damping)
-        if expected < tolerance * max(1.0, state.loss / len(state.train)):
+        if expected < tolerance * state.loss + 0.5:
             return replace(state, at_rest=true)
         if state.loss - HOPE * expected > below:
             break

@@ -112,8 +112,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
     held = SimpleNamespace(bounds=None)
     straight = SimpleNamespace(fitted_z=z, judged_z=z, train=held, direct=Direct())
     begun = least_squares.State(model, knobs, z(model), given(z(model)), -factor * slope, not true)
-    promise = (0.992 if far < 1 else 0.01) * begun.loss
-    ended = minimise(straight, begun, 5, tolerance=promise / max(1.0, begun.loss / 500))
+    ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
     assert ended.loss < 0.5 * begun.loss
     assert ended.at_rest == true
     assert not start(straight, ended.model, knobs, like=ended).at_rest
