@@ -39,7 +39,7 @@ def code_unit(captures: CaptureSet) -> float:
         the number of which all are multiples; for other floats whose noise is below .05 or above
         1,000, a power of two near a sixteenth of their noise.
     """
-    frames = [_sampled(s) for s in captures.settings if s.frames]
+    frames = [_sampled(s, captures.sensor.shape) for s in captures.settings if s.frames]
     if not frames:
         return 1.0
     if all(np.array_equal(y, np.rint(y)) for y in frames):
@@ -76,11 +76,13 @@ def _spacing(values: np.ndarray) -> float | None:
     return spacing if whole and np.abs(codes).max() <= MOST_CODES else None
 
 
-def _sampled(setting: Setting) -> np.ndarray:
-    """Pixels of the first frame of a setting, from rows all over it."""
-    pixels = np.asarray(setting.frames[0].read(), np.float64)
-    step = max(1, pixels.size // SAMPLES)
-    return pixels.ravel()[::step]
+def _sampled(setting: Setting, shape: tuple[int, int]) -> np.ndarray:
+    """Pixels of the first frame of a setting, from its middle rows."""
+    rows, columns = shape
+    count = min(rows, max(1, SAMPLES // columns))
+    top = (rows - count) // 2
+    pixels = setting.frames[0].read(Window(top, top + count, 0, columns))
+    return np.asarray(pixels, np.float64).ravel()
 
 
 def _divided(frames: list[np.ndarray]) -> float:

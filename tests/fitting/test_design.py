@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dnanalyze.demo import VirtualSensor, generate
+from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import ALIGNED, BAND, BUDGET_PIXELS, LARGE, design
-from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
+from dnanalyze.fitting.fit import ordinary_start, with_seed
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.model.simulate import simulate
 
 BAYER = (("R", "G"), ("G", "B"))
 
@@ -80,3 +87,34 @@ def test_a_large_one_has_a_band_in_the_middle_of_either_half(rows, columns, fram
         assert (part.top - whole.top) % ALIGNED == 0  # so that a mosaic keeps its colours
         assert 0 <= whole.shape[0] / 4 - part.shape[0] < ALIGNED
         assert abs((part.top - whole.top) - (whole.bottom - part.bottom)) < 2 * ALIGNED
+
+
+@pytest.mark.parametrize("factor", [16.0, 257.0, 1 / 65535])
+def test_a_fit_sees_stored_codes_as_codes(factor):
+    """The statistics are the same numbers, and a model writes frames in the files' unit."""
+    codes = generate(VirtualSensor(), {}, (64, 64), (40.0, 70.0), frames=3, seed=2)
+
+    def stored(frame: Frame) -> Frame:
+        def load(window: Window | None) -> np.ndarray:
+            kind = np.uint32 if factor > 1 else np.float32
+            return (frame.read(window) * factor).astype(kind)
+
+        return replace(frame, load=load)
+
+    settings = tuple(replace(s, frames=tuple(map(stored, s.frames))) for s in codes.settings)
+    plain, scaled = bench(design(codes)), bench(design(replace(codes, settings=settings)))
+    assert scaled.plan.unit == pytest.approx(factor, rel=1e-6)
+    np.testing.assert_array_equal(plain.train.coordinates, scaled.train.coordinates)
+    np.testing.assert_array_equal(plain.test.stated, scaled.test.stated)
+    model = ordinary_start(scaled)
+    points = [(s.point, 1) for s in codes.settings]
+    made = simulate(model, (64, 64), points).settings[0].frames[0].read()
+    own = simulate(replace(model, unit=1.0), (64, 64), points).settings[0].frames[0].read()
+    np.testing.assert_allclose(made, factor * own, rtol=1e-6)
+
+
+def test_a_model_of_another_unit_is_refused():
+    codes = generate(VirtualSensor(), {}, (64, 64), (40.0, 70.0), frames=3, seed=2)
+    held = bench(design(codes))
+    with pytest.raises(InputError, match="one DN of it is 16 in files"):
+        with_seed(held, replace(ordinary_start(held), unit=16.0), None)

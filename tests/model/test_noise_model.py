@@ -80,3 +80,13 @@ def test_plain_form_is_plain_yaml():
     assert (
         model_from_plain(yaml.safe_load(yaml.safe_dump(ordinary().to_plain())), "x") == ordinary()
     )
+
+
+def test_the_unit_of_the_files_is_kept_where_it_is_not_one():
+    model = NoiseModel((), 64.0, unit=16.0)
+    assert yaml.safe_load(dump_model(model))["unit"] == 16.0
+    assert model_from_plain(model.to_plain(), "m.yaml") == model
+    assert "unit" not in NoiseModel((), 64.0).to_plain()
+    for bad in (0, -1, "x", True, float("nan")):
+        with pytest.raises(InputError, match="unit"):
+            model_from_plain(model.to_plain() | {"unit": bad}, "m.yaml")

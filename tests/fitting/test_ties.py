@@ -1,0 +1,105 @@
+"""Direct measurements as constraints of a fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dnanalyze.analyzers.analyze import analyze
+from dnanalyze.demo import VirtualSensor, generate
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.knobs import knobs_of, positions
+from dnanalyze.fitting.least_squares import start
+from dnanalyze.fitting.moments import BlackLevel
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.ties import Direct, Known, Tie, direct, misfits
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.registry import catalogue
+
+SENSOR = VirtualSensor(gain_dn_e=0.5, temperatures_c=(40.0, 60.0, 80.0))
+
+
+def with_bias() -> CaptureSet:
+    """Dark frames over temperature, each beside bias frames."""
+    dark = generate(SENSOR, {}, (96, 96), frames=4, seed=2)
+    bias = generate(replace(SENSOR, exposure_s=0.0), {}, (96, 96), frames=4, seed=2, first=50)
+    settings = sorted((*dark.settings, *bias.settings), key=lambda s: s.point.sort_key())
+    return replace(dark, settings=tuple(settings))
+
+
+def test_frames_tell_the_gain_and_the_black_level():
+    found = direct(analyze(with_bias(), workers=1))
+    ((setting, gain),) = found.gains
+    assert setting == 1.0
+    assert gain.source == "photon transfer"
+    assert abs(gain.value - 0.5) < 3 * gain.error
+    assert found.black is None  # it does not move
+    assert found.level is not None
+    assert abs(found.level.mean - SENSOR.pedestal_dn) < 0.5
+
+
+def test_a_recorded_gain_is_good_to_a_tenth():
+    made = with_bias()
+    made = replace(made, sensor=replace(made.sensor, system_gain_dn_e=0.6))
+    known = {g.source: g for _, g in direct(analyze(made, workers=1)).gains}
+    assert known["recorded"] == Known(0.6, pytest.approx(0.06), "recorded")
+
+
+def knobs_and_model():
+    held = bench(design(with_bias()))
+    model = ordinary_start(held)
+    return held, model, knobs_of(model)
+
+
+def test_a_gain_binds_the_parameter_less_a_digital_gain():
+    _, model, knobs = knobs_and_model()
+    known = Direct(((1.0, Known(0.9, 0.09, "photon transfer")), (4.0, Known(9.0, 1.0, "recorded"))))
+    (tie,) = known.ties(model, knobs)
+    assert knobs[tie.at].name == "dark_shot_noise.dn_per_e"
+    assert (tie.position, tie.error) == (pytest.approx(np.log(0.9)), pytest.approx(0.1))
+    times = model.with_effect(catalogue()["digital_gain"](gain=1.5))
+    (tie,) = known.ties(times, knobs_of(times))
+    assert tie.position == pytest.approx(np.log(0.6))
+
+
+def test_none_where_a_filter_lowers_the_noise():
+    _, model, _ = knobs_and_model()
+    smoothed = model.with_effect(catalogue()["denoise"]())
+    known = Direct(((None, Known(0.9, 0.09, "recorded")),))
+    assert not known.ties(smoothed, knobs_of(smoothed))
+
+
+def test_rows_of_the_black_level_are_bound_at_their_temperatures():
+    _, model, _ = knobs_and_model()
+    points = tuple(OperatingPoint(t, None, 1.0) for t in (40.0, 80.0))
+    level = BlackLevel(TableLaw(points, (60.0, 70.0)), np.array([0.1, 0.2]))
+    moving = replace(model, pedestal=level.law)
+    ties = Direct(level=level).ties(moving, knobs_of(moving))
+    assert [(t.position, t.error) for t in ties] == [(60.0, 0.1), (70.0, 0.2)]
+    assert Direct(level=level).ties(model, knobs_of(model)) == ()  # one level for all
+
+
+def test_misfits_are_in_standard_errors():
+    ties = (Tie(1, 2.0, 0.5), Tie(0, 1.0, 2.0))
+    np.testing.assert_allclose(misfits(ties, np.array([5.0, 1.0])), [-2.0, 2.0])
+
+
+@pytest.mark.parametrize("factor", [1 / 30, 30.0])
+def test_a_fit_ends_at_the_gain_wherever_it_begins(factor):
+    held, model, knobs = knobs_and_model()
+    shot = model.get("dark_shot_noise")
+    off = model.with_effect(replace(shot, dn_per_e=shot.dn_per_e * factor))
+    ended = converge(held, start(held, off, knobs))
+    assert ended.model.get("dark_shot_noise").dn_per_e == pytest.approx(0.5, rel=0.1)
+
+
+def test_the_merit_counts_what_the_ties_are_off():
+    held, model, knobs = knobs_and_model()
+    state = start(held, model, knobs)
+    off = misfits(state.ties, positions(model, knobs))
+    assert state.merit == pytest.approx(replace(state, ties=()).merit + float(off @ off))
