@@ -16,24 +16,26 @@ import numpy as np
 from scipy.special import digamma, polygamma
 from scipy.stats import chi2
 
+from dnanalyze.analyzers.catalogue import catalogue as infos
+from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.noise_model import NoiseModel
 
 REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
-# Families of extremes, of counts and shares of few pixels or lines: their laws are skewed, and
-# their stated errors grow with the value; a few replicates say nothing of a large one. Without this
-# the scatter of row_periodic_2 is up to 3.9 times the yardstick (benchmarks/yardstick.py).
+# Families of extremes and of shares of few pixels or lines; counts are skewed too. Their stated
+# errors grow with the value: a few replicates with small ones say nothing of a large one. Without
+# this the scatter of row_periodic_2 is up to 3.9 times the yardstick (benchmarks/yardstick.py).
 SKEWED = ("lines", "tails")
-LOWEST = 0.05  # of the stated error: values that all replicates share have no scatter to go by
+LOWEST = 0.05  # of the stated error: less is none, of values that all replicates share
 
 
 def by_design(held: Bench, model: NoiseModel) -> Bench:
     """The captures by the yardstick of a model: what two sensors of its design differ by."""
     drawn = [held.replicate(model, r) for r in range(REPLICATES)]
     train, test = (np.array(half) for half in zip(*drawn, strict=True))
-    return held.scaled(*scales(held.train, held.test, train, test))
+    return held.scaled(*scales((held.train, held.test), (train, test), held.stated(model)))
 
 
 def measured_by(held: Bench, state: State) -> tuple[Bench, State]:
@@ -45,34 +47,42 @@ def measured_by(held: Bench, state: State) -> tuple[Bench, State]:
     return there, expressed(state, held, there)
 
 
-def scales(
-    fitted: Target, judged: Target, train: np.ndarray, test: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Factors of the stated reproducibility of each statistic.
+Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half
 
-    The scatter of the replicates over what is stated, both halves together, drawn to that of the
-    statistic at all operating points, and this to that of its family (see `_drawn_together`). Below
-    1 the stated error holds structure that every sensor of the design has; above 1 the model draws
-    few defects, tracks or phases a sensor, which one sensor does not show as scatter.
+
+def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
+    """Factors by which stated errors are off, for each statistic.
+
+    The scatter of the replicates over what their own frames state, both halves together, drawn to
+    that of the statistic at all operating points, and this to that of its family (see
+    `_drawn_together`). Below 1 the stated errors hold structure that every sensor of the design
+    has; above 1 the model draws few defects, tracks or phases a sensor, which one sensor does not
+    show as scatter. What the model lacks is in neither: then the factor is near 1, and the error
+    that the measured frames state stands.
 
     Parameters
     ----------
-    fitted, judged : Target
-        The two halves.
-    train, test : ndarray
+    halves : (Target, Target)
+        The fitted and the judged half.
+    drawn : (ndarray, ndarray)
         Coordinates of replicates on either, (replicates, statistics); NaN where one lacks it.
+    stated : (ndarray, ndarray)
+        What frames of a replicate state of the difference of two sensors; NaN where they do not.
     """
-    both = (fitted, judged)
-    ratio = np.concatenate([_ratio(half, z) for half, z in ((fitted, train), (judged, test))])
-    keys = [str(k) for half in both for k in half.keys]
+    ratio = np.concatenate([_ratio(z, e) for z, e in zip(drawn, stated, strict=True)])
+    keys = [str(k) for half in halves for k in half.keys]
     _, first, which = np.unique(keys, return_index=True, return_inverse=True)
     own = np.sqrt(np.bincount(which, ratio) / np.bincount(which))
+    own = np.where(own > LOWEST, own, 1.0)
     names, families = (
-        np.concatenate([getattr(half, of) for half in both]) for of in ("names", "families")
+        np.concatenate([getattr(half, of) for half in halves]) for of in ("names", "families")
     )
-    found = _drawn_together(own, names[first], families[first], 2 * (len(train) - 1))[which]
-    found = np.maximum(found, np.where(np.isin(families, SKEWED), 1.0, LOWEST))
-    return found[: len(fitted.keys)], found[len(fitted.keys) :]
+    found = _drawn_together(own, names[first], families[first], 2 * (len(drawn[0]) - 1))[which]
+    known = infos()
+    counts = np.array([known[str(n)].scale is Scale.ROOT for n in names])
+    found = np.maximum(found, np.where(np.isin(families, SKEWED) | counts, 1.0, LOWEST))
+    count = len(halves[0].keys)
+    return found[:count], found[count:]
 
 
 def _drawn_together(
@@ -114,15 +124,15 @@ def _drawn(mean: np.ndarray, middle: float, real: float, error: np.ndarray) -> n
     return np.clip(drawn, mean - np.sqrt(error), mean + np.sqrt(error))
 
 
-def _ratio(half: Target, drawn: np.ndarray) -> np.ndarray:
+def _ratio(drawn: np.ndarray, stated: np.ndarray) -> np.ndarray:
     """Variance of a difference of two replicates over that stated; 1 where they do not tell."""
     seen = np.isfinite(drawn)
     count = seen.sum(axis=0)
     mean = np.where(seen, drawn, 0.0).sum(axis=0) / np.maximum(count, 1)
     square = np.where(seen, drawn - mean, 0.0) ** 2
     variance = 2.0 * square.sum(axis=0) / np.maximum(count - 1, 1)
-    told = (count == len(drawn)) & (variance > 0.0)
-    return np.where(told, variance / half.stated**2, 1.0)
+    told = (count == len(drawn)) & np.isfinite(stated)
+    return np.where(told, variance / np.where(told, stated, 1.0) ** 2, 1.0)
 
 
 def expressed(state: State, there: Bench, here: Bench) -> State:
