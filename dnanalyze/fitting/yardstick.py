@@ -53,12 +53,12 @@ Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half
 def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
     """Factors by which stated errors are off, for each statistic.
 
-    The scatter of the replicates over what their own frames state, both halves together, drawn to
-    that of the statistic at all operating points, and this to that of its family (see
-    `_drawn_together`). Below 1 the stated errors hold structure that every sensor of the design
-    has; above 1 the model draws few defects, tracks or phases a sensor, which one sensor does not
-    show as scatter. What the model lacks is in neither: then the factor is near 1, and the error
-    that the measured frames state stands.
+    The scatter of the replicates over what is stated, both halves together, drawn to that of the
+    statistic at all operating points, and this to that of its family (see `_drawn_together`). Below
+    1 the stated errors hold structure that every sensor of the design has; above 1 the model draws
+    few defects, tracks or phases a sensor, which one sensor does not show as scatter. Where
+    measured frames state more than those of a replicate do, the model lacks what makes its blocks
+    scatter: a factor below 1 grows by as much, up to 1, where the error of the frames stands.
 
     Parameters
     ----------
@@ -69,7 +69,8 @@ def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
     stated : (ndarray, ndarray)
         What frames of a replicate state of the difference of two sensors; NaN where they do not.
     """
-    ratio = np.concatenate([_ratio(z, e) for z, e in zip(drawn, stated, strict=True)])
+    measured = [half.stated for half in halves]
+    ratio = np.concatenate([_ratio(z, e) for z, e in zip(drawn, measured, strict=True)])
     keys = [str(k) for half in halves for k in half.keys]
     _, first, which = np.unique(keys, return_index=True, return_inverse=True)
     own = np.sqrt(np.bincount(which, ratio) / np.bincount(which))
@@ -78,6 +79,8 @@ def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
         np.concatenate([getattr(half, of) for half in halves]) for of in ("names", "families")
     )
     found = _drawn_together(own, names[first], families[first], 2 * (len(drawn[0]) - 1))[which]
+    more = np.maximum(_geometric(np.concatenate(measured) / np.concatenate(stated), names), 1.0)
+    found = np.minimum(found * more, np.maximum(found, 1.0))
     known = infos()
     counts = np.array([known[str(n)].scale is Scale.ROOT for n in names])
     found = np.maximum(found, np.where(np.isin(families, SKEWED) | counts, 1.0, LOWEST))
@@ -124,6 +127,14 @@ def _drawn(mean: np.ndarray, middle: float, real: float, error: np.ndarray) -> n
     return np.clip(drawn, mean - np.sqrt(error), mean + np.sqrt(error))
 
 
+def _geometric(ratio: np.ndarray, names: np.ndarray) -> np.ndarray:
+    """Geometric mean of a ratio over the numbers of each statistic; 1 where none is known."""
+    _, which = np.unique(names, return_inverse=True)
+    known = np.isfinite(ratio)
+    logs = np.bincount(which, np.where(known, np.log(np.where(known, ratio, 1.0)), 0.0))
+    return np.asarray(np.exp(logs / np.maximum(np.bincount(which, known), 1))[which])
+
+
 def _ratio(drawn: np.ndarray, stated: np.ndarray) -> np.ndarray:
     """Variance of a difference of two replicates over that stated; 1 where they do not tell."""
     seen = np.isfinite(drawn)
@@ -131,8 +142,8 @@ def _ratio(drawn: np.ndarray, stated: np.ndarray) -> np.ndarray:
     mean = np.where(seen, drawn, 0.0).sum(axis=0) / np.maximum(count, 1)
     square = np.where(seen, drawn - mean, 0.0) ** 2
     variance = 2.0 * square.sum(axis=0) / np.maximum(count - 1, 1)
-    told = (count == len(drawn)) & np.isfinite(stated)
-    return np.where(told, variance / np.where(told, stated, 1.0) ** 2, 1.0)
+    told = (count == len(drawn)) & (variance > 0.0)
+    return np.where(told, variance / stated**2, 1.0)
 
 
 def expressed(state: State, there: Bench, here: Bench) -> State:
