@@ -225,7 +225,8 @@ def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
     found = at_a_glance(held)
-    made = ordinary_model(found if beside is None else less(found, beside), bits, serial)
+    gain = held.direct.gain(found.reference.gain)
+    made = ordinary_model(found if beside is None else less(found, beside), bits, serial, gain)
     return replace(made, unit=held.plan.unit)
 
 

@@ -127,7 +127,7 @@ def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None
     """Simulate a model; take over derivatives from a like model where knobs agree."""
     train = bench.fitted_z(model)
     blank = np.full((len(train), len(knobs)), np.nan)
-    ties = bench.direct.ties(model, knobs)
+    ties = bench.direct.ties(model, knobs, loss(train) / len(train))
     begun = State(model, knobs, train, unseen(bench, model), blank, False, bench.train.bounds, ties)
     return begun if like is None else with_derivatives_of(begun, like)
 
@@ -274,7 +274,8 @@ def minimise(
     """
     if not state.knobs:
         return replace(state, at_rest=True)
-    state = replace(derive(bench, state), at_rest=False)
+    ties = bench.direct.ties(state.model, state.knobs, state.loss / len(state.train))
+    state = replace(derive(bench, state), at_rest=False, ties=ties)
     damping, stale, true = DAMPING, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)

@@ -65,14 +65,18 @@ def _paper(m: Moments) -> NoiseModel:
 
 
 def ordinary_model(
-    m: Moments, bits: int = 16, serial: tuple[float, float] = (0.0, 0.0)
+    m: Moments,
+    bits: int = 16,
+    serial: tuple[float, float] = (0.0, 0.0),
+    gain: float | None = None,
 ) -> NoiseModel:
     """The paper's seed with the four effects that every sensor has, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
     read noise are slope and intercept of temporal variance over signal, pixel offsets what remains
     of the pattern where there is no signal. ``bits`` are the converter's, ``serial`` the
-    correlations of the noise of a pixel with the one read before, and the one before that.
+    correlations of the noise of a pixel with the one read before, and the one before that; ``gain``
+    is that of photon transfer, DN/e-, where the frames tell it.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
@@ -82,6 +86,9 @@ def ordinary_model(
     (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
     brightest = int(np.argmax(m.signal))
     slope = max(slope, min(SEEN * m.temporal[brightest] / m.signal[brightest], FAINT))
+    if gain is not None:
+        slope = gain
+        floor = float(np.average(np.maximum(m.temporal - slope * m.signal, 0.0), weights=weight))
     (offsets, relative), _ = nnls(
         _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
     )

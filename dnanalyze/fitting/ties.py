@@ -8,7 +8,7 @@ settings that are not simulated too.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 RECORDED = 0.1  # relative error of a gain that the camera states, or the user
 LEAST = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
+TRANSFER = "photon transfer"
 GAIN = ("dark_shot_noise", "dn_per_e")
 # Effects by which the temporal noise over the level is not that of shot noise.
 AFTER = ("denoise", "temporal_denoise", "electron_multiplication")
@@ -64,15 +65,27 @@ class Direct:
         """The black level over temperature, DN; None where it is not seen to move."""
         return self.level.law if self.level is not None and self.level.moves else None
 
-    def ties(self, model: NoiseModel, knobs: Sequence[Knob]) -> tuple[Tie, ...]:
-        """Constraints of the free parameters of a model."""
+    def gain(self, setting: float | None) -> float | None:
+        """System gain by photon transfer at a setting of the gain, DN/e-; None: not determined."""
+        told = [k.value for at, k in self.gains if at in (None, setting) and k.source == TRANSFER]
+        return told[0] if told else None
+
+    def ties(
+        self, model: NoiseModel, knobs: Sequence[Knob], overdispersion: float = 1.0
+    ) -> tuple[Tie, ...]:
+        """Constraints of the free parameters of a model.
+
+        ``overdispersion``: loss a statistic. What is wrong with a model pulls at its parameters by
+        as much more; the errors of the constraints are divided by its root.
+        """
         found = []
         for i, knob in enumerate(knobs):
             if (knob.effect, knob.parameter) == GAIN and knob.part == "value":
                 found += self._of_gain(i, knob, model)
             elif knob.effect == PEDESTAL:
                 found += self._of_black(i, knob, model)
-        return tuple(found)
+        sharper = max(overdispersion, 1.0) ** 0.5
+        return tuple(replace(t, error=t.error / sharper) for t in found)
 
     def _of_gain(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
         if any(model.get(name) is not None for name in AFTER):
@@ -119,7 +132,7 @@ def direct(statistics: Statistics) -> Direct:
             value, se = np.array(told).T
             mean = float(np.average(value, weights=se**-2.0))
             error = max(float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, LEAST * mean)
-            gains.append((setting, Known(mean, error, "photon transfer")))
+            gains.append((setting, Known(mean, error, TRANSFER)))
         recorded = own[0][kinds.GAIN.key].value if kinds.GAIN.key in own[0] else None
         if recorded is not None:
             gains.append((setting, Known(recorded, RECORDED * recorded, "recorded")))

@@ -89,7 +89,7 @@ def test_misfits_are_in_standard_errors():
     np.testing.assert_allclose(misfits(ties, np.array([5.0, 1.0])), [-2.0, 2.0])
 
 
-@pytest.mark.parametrize("factor", [1 / 30, 30.0])
+@pytest.mark.parametrize("factor", [1 / 30, 5.0])
 def test_a_fit_ends_at_the_gain_wherever_it_begins(factor):
     held, model, knobs = knobs_and_model()
     shot = model.get("dark_shot_noise")
