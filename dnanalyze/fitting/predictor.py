@@ -157,17 +157,6 @@ class Bench:
         signals = dark_signals(self.measured[0], self.train, self.direct.black)
         return level(points, (self.train, self.test), (train, test), signals)
 
-    def stated(self, model: NoiseModel) -> tuple[np.ndarray, np.ndarray]:
-        """As `Target.stated`, of another sensor of the model's design; NaN where it lacks one."""
-        other = replace(model, seed=model.seed + 1)
-        bench = replace(self, memo=Memo(0))
-
-        def taken() -> tuple[np.ndarray, np.ndarray]:
-            made = bench.statistics(other, errors=True)
-            return errors_of(self.train, made, 0), errors_of(self.test, made, 1)
-
-        return self.predictions.get(("stated errors", self._key(other)), taken)
-
     def only(self, settings: list[int]) -> Bench:
         """The same bench with some of its settings."""
         chosen = tuple(self.plan.captures.settings[i] for i in settings)
@@ -188,16 +177,6 @@ class Bench:
         return self.predictions.get(
             ("both halves", self._key(other)), partial(bench.coordinates, other)
         )
-
-
-def errors_of(held: Target, made: list[Statistics], part: int) -> np.ndarray:
-    """What simulated frames state of two sensors' difference, in the order of ``held``; else NaN.
-
-    ``made``: statistics of the simulated halves, with errors.
-    """
-    found = target(made, part)
-    rows = found.rows_of(held)
-    return np.where(rows >= 0, found.stated[rows], np.nan)
 
 
 def _of_all(plan: Design, measured: Statistics) -> Statistics:

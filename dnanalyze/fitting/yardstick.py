@@ -35,7 +35,7 @@ def by_design(held: Bench, model: NoiseModel) -> Bench:
     """The captures by the yardstick of a model: what two sensors of its design differ by."""
     drawn = [held.replicate(model, r) for r in range(REPLICATES)]
     train, test = (np.array(half) for half in zip(*drawn, strict=True))
-    return held.scaled(*scales((held.train, held.test), (train, test), held.stated(model)))
+    return held.scaled(*scales((held.train, held.test), (train, test)))
 
 
 def measured_by(held: Bench, state: State) -> tuple[Bench, State]:
@@ -50,15 +50,13 @@ def measured_by(held: Bench, state: State) -> tuple[Bench, State]:
 Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half
 
 
-def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
+def scales(halves: tuple[Target, Target], drawn: Pair) -> Pair:
     """Factors by which stated errors are off, for each statistic.
 
     The scatter of the replicates over what is stated, both halves together, drawn to that of the
     statistic at all operating points, and this to that of its family (see `_drawn_together`). Below
     1 the stated errors hold structure that every sensor of the design has; above 1 the model draws
-    few defects, tracks or phases a sensor, which one sensor does not show as scatter. Where
-    measured frames state more than those of a replicate do, the model lacks what makes its blocks
-    scatter: a factor below 1 grows by as much, up to 1, where the error of the frames stands.
+    few defects, tracks or phases a sensor, which one sensor does not show as scatter.
 
     Parameters
     ----------
@@ -66,11 +64,8 @@ def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
         The fitted and the judged half.
     drawn : (ndarray, ndarray)
         Coordinates of replicates on either, (replicates, statistics); NaN where one lacks it.
-    stated : (ndarray, ndarray)
-        What frames of a replicate state of the difference of two sensors; NaN where they do not.
     """
-    measured = [half.stated for half in halves]
-    ratio = np.concatenate([_ratio(z, e) for z, e in zip(drawn, measured, strict=True)])
+    ratio = np.concatenate([_ratio(half, z) for half, z in zip(halves, drawn, strict=True)])
     keys = [str(k) for half in halves for k in half.keys]
     _, first, which = np.unique(keys, return_index=True, return_inverse=True)
     own = np.sqrt(np.bincount(which, ratio) / np.bincount(which))
@@ -79,8 +74,6 @@ def scales(halves: tuple[Target, Target], drawn: Pair, stated: Pair) -> Pair:
         np.concatenate([getattr(half, of) for half in halves]) for of in ("names", "families")
     )
     found = _drawn_together(own, names[first], families[first], 2 * (len(drawn[0]) - 1))[which]
-    more = np.maximum(_geometric(np.concatenate(measured) / np.concatenate(stated), names), 1.0)
-    found = np.minimum(found * more, np.maximum(found, 1.0))
     known = infos()
     counts = np.array([known[str(n)].scale is Scale.ROOT for n in names])
     found = np.maximum(found, np.where(np.isin(families, SKEWED) | counts, 1.0, LOWEST))
@@ -127,15 +120,7 @@ def _drawn(mean: np.ndarray, middle: float, real: float, error: np.ndarray) -> n
     return np.clip(drawn, mean - np.sqrt(error), mean + np.sqrt(error))
 
 
-def _geometric(ratio: np.ndarray, names: np.ndarray) -> np.ndarray:
-    """Geometric mean of a ratio over the numbers of each statistic; 1 where none is known."""
-    _, which = np.unique(names, return_inverse=True)
-    known = np.isfinite(ratio)
-    logs = np.bincount(which, np.where(known, np.log(np.where(known, ratio, 1.0)), 0.0))
-    return np.asarray(np.exp(logs / np.maximum(np.bincount(which, known), 1))[which])
-
-
-def _ratio(drawn: np.ndarray, stated: np.ndarray) -> np.ndarray:
+def _ratio(half: Target, drawn: np.ndarray) -> np.ndarray:
     """Variance of a difference of two replicates over that stated; 1 where they do not tell."""
     seen = np.isfinite(drawn)
     count = seen.sum(axis=0)
@@ -143,7 +128,7 @@ def _ratio(drawn: np.ndarray, stated: np.ndarray) -> np.ndarray:
     square = np.where(seen, drawn - mean, 0.0) ** 2
     variance = 2.0 * square.sum(axis=0) / np.maximum(count - 1, 1)
     told = (count == len(drawn)) & (variance > 0.0)
-    return np.where(told, variance / stated**2, 1.0)
+    return np.where(told, variance / half.stated**2, 1.0)
 
 
 def expressed(state: State, there: Bench, here: Bench) -> State:

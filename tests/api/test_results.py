@@ -6,6 +6,7 @@ import re
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -70,7 +71,8 @@ def refinement(by_hand=False):
         NAME, steps, plain.effects, plain.verdict, plain.model, diagnosis(),
         Held(fakes.captures()), None, by_hand, capture_set=fakes.captures(),
     )  # fmt: skip
-    vars(made)["parameters"] = plain.parameters  # which it would simulate for
+    fitted = SimpleNamespace(parameters=plain.parameters, undetermined=[])
+    vars(made)["_fitted"] = fitted  # which it would simulate for
     return made
 
 

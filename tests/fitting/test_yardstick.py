@@ -70,8 +70,7 @@ def target(stated: float, *names: str) -> Target:
 
 
 def scaled(halves, train, test):
-    """Where simulated frames state what the measured ones do."""
-    return scales(halves, (train, test), tuple(half.stated for half in halves))
+    return scales(halves, (train, test))
 
 
 def drawn(rng: np.random.Generator, sd: float) -> np.ndarray:
@@ -148,16 +147,3 @@ def test_a_statistic_that_the_model_lacks_is_a_misfit_by_any_yardstick():
     assert z[0] == MISSING
     assert held.expressed(z, held.scaled(np.array([2.0, 2.0])))[0] == MISSING
     np.testing.assert_array_equal(held.predicted(z), [np.nan, 0.5])
-
-
-def test_what_the_model_lacks_leaves_the_error_of_the_frames():
-    """Measured blocks scatter ten times as much as simulated ones, replicates as these state."""
-    rng = np.random.default_rng(8)
-    half = target(10.0 * np.sqrt(2.0), *NAMES)
-    replicates = tuple(rng.standard_normal((2, REPLICATES, 40)))
-    simulated = np.full(40, np.sqrt(2.0))
-    train, _ = scales((half, half), replicates, (simulated, simulated))
-    assert np.abs(np.log(train)).max() < 0.5
-    nothing = np.full(40, np.nan)
-    alone, _ = scales((half, half), replicates, (nothing, nothing))
-    np.testing.assert_allclose(np.minimum(10.0 * alone, 1.0), train)
