@@ -80,7 +80,7 @@ def classify(
     if where is None:
         least = BANDS * SIDE[1]
         return replace(empty, reason=f"a colour plane has fewer than {least} rows or columns")
-    judge = Judge(_chosen(captures), model, where, _learner(network), seed)
+    judge = Judge(_chosen(captures, model.unit), model, where, _learner(network), seed)
     with one_thread():
         judged, finished = _all(judge, limit or TimeLimit())
         judged = _confirmed(judge, judged)
@@ -109,9 +109,9 @@ def _learner(network: bool) -> Learner:
     return convolutional
 
 
-def _chosen(captures: CaptureSet) -> CaptureSet:
+def _chosen(captures: CaptureSet, unit: float) -> CaptureSet:
     """Operating points far apart and their first frames, without the saturated ones."""
-    few = unsaturated(design(captures, UNLIMITED, MOST_POINTS).captures)[0]
+    few = unsaturated(design(captures, UNLIMITED, MOST_POINTS, unit).captures)[0]
     return replace(
         few, settings=tuple(Setting(s.point, s.frames[:MOST_FRAMES]) for s in few.settings)
     )

@@ -118,7 +118,7 @@ def compare(
     >>> sorted(comparison.baselines)
     ['gaussian', 'paper']
     """
-    held = held or bench(design(captures))
+    held = held or bench(design(captures, unit=None if model is None else model.unit))
     begun = None if model is not None else with_seed(held, None, seed)
     model = None if model is None else with_seed(held, model, seed)
     paper = fit(captures, begun, held=held, replicates=0, tell=tell).state

@@ -199,7 +199,7 @@ def describe(
         raise InputError(
             "model: it already has the effect 'composite'; describe requires a model without it"
         )
-    held = held or bench(design(captures))
+    held = held or bench(design(captures, unit=None if model is None else model.unit))
     if model is None:
         from dnanalyze.fitting.fit import ordinary_start
 

@@ -113,7 +113,7 @@ def diagnose(
     ('missing', 'column_fpn')
     """
     limit = TimeLimit.after(budget)
-    held = held or bench(design(captures))
+    held = held or bench(design(captures, unit=None if model is None else model.unit))
     limited = held.within(limit)
     model = located(held, with_seed(held, model, seed) or paper_start(held))
     known = known_effects(effects, known)

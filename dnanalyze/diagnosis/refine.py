@@ -109,7 +109,7 @@ def refine(
     True
     """
     limit = TimeLimit.after(budget)
-    unlimited = held or bench(design(captures))
+    unlimited = held or bench(design(captures, unit=None if model is None else model.unit))
     held = unlimited.within(limit)
     known = known_effects(effects, known)
     most = most_effects if max_effects is None else max_effects
@@ -223,7 +223,7 @@ def add(
     kind = find(name, known)
     if model is not None and model.get(name) is not None:
         raise InputError(f"{name}: it is already in the model; `dnanalyze fit --model` refits it")
-    held = held or bench(design(captures))
+    held = held or bench(design(captures, unit=None if model is None else model.unit))
     model = with_seed(held, model, seed)
     if model is None:
         model = fit(captures, replicates=0, held=held, tell=tell).model

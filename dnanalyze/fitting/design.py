@@ -67,7 +67,10 @@ class Design:
 
 
 def design(
-    captures: CaptureSet, budget: int = BUDGET_PIXELS, most_settings: int = MOST_SETTINGS
+    captures: CaptureSet,
+    budget: int = BUDGET_PIXELS,
+    most_settings: int = MOST_SETTINGS,
+    unit: float | None = None,
 ) -> Design:
     """Choose settings, frames and halves within a budget of pixels.
 
@@ -78,8 +81,11 @@ def design(
         Pixels over all frames; large captures are thinned: settings first, then frames, then area.
     most_settings : int
         Settings kept, spread over the operating points.
+    unit : float, optional
+        Value of a code in the files: that of a model, where one is given; by default as the frames
+        tell it.
     """
-    unit = code_unit(captures)
+    unit = code_unit(captures) if unit is None else unit
     captures = in_codes(captures, unit)
     chosen = _spread(captures.settings, most_settings)
     rows, cols = captures.sensor.shape

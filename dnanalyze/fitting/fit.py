@@ -173,7 +173,7 @@ def fit(
     >>> found.parameters[0].name, found.parameters[0].unit
     ('pedestal', 'DN')
     """
-    held = held or bench(design(captures))
+    held = held or bench(design(captures, unit=None if model is None else model.unit))
     model = with_seed(held, model, seed) or paper_start(held)
     _check(frozen, model)
     model = located(held, model, frozen)
