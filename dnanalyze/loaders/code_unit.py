@@ -21,7 +21,8 @@ EXACT = 0.02  # of a code that a float32 of 16 bits may be off a multiple
 SMALL, LARGE = 0.05, 1000.0  # noise, as recorded, beyond which bounds in codes do not fit
 FINE = 16.0  # units of the noise of values that are no codes: rounding to these adds .02 % to it
 MOST_CODES = 65_536.0  # of floats: a float32 has seven digits
-SAMPLES = 200_000  # pixels of a frame that are looked at
+STRIP = 8  # rows of a frame that are looked at
+FEWEST = 4  # different values, without which a common divisor is that of one or two levels
 
 
 def code_unit(captures: CaptureSet) -> float:
@@ -41,6 +42,8 @@ def code_unit(captures: CaptureSet) -> float:
     """
     frames = [_sampled(s, captures.sensor.shape) for s in captures.settings if s.frames]
     if not frames:
+        return 1.0
+    if np.unique(np.concatenate(frames)).size < FEWEST:
         return 1.0
     if all(np.array_equal(y, np.rint(y)) for y in frames):
         return _divided(frames)
@@ -79,7 +82,7 @@ def _spacing(values: np.ndarray) -> float | None:
 def _sampled(setting: Setting, shape: tuple[int, int]) -> np.ndarray:
     """Pixels of the first frame of a setting, from its middle rows."""
     rows, columns = shape
-    count = min(rows, max(1, SAMPLES // columns))
+    count = min(rows, STRIP)
     top = (rows - count) // 2
     pixels = setting.frames[0].read(Window(top, top + count, 0, columns))
     return np.asarray(pixels, np.float64).ravel()

@@ -70,5 +70,10 @@ def test_a_multiple_of_the_unit_is_a_whole_code(code, unit):
     assert divided(np.array([stored]), unit)[0] == code
 
 
+def test_frames_of_one_or_two_levels_tell_no_factor():
+    assert code_unit(captures(np.full((64, 64), 64.0))) == 1.0
+    assert code_unit(captures(np.where(CODES > 230, 64.0, 128.0))) == 1.0
+
+
 def test_no_frames_have_no_unit():
     assert code_unit(replace(captures(CODES), settings=())) == 1.0
