@@ -58,7 +58,7 @@ def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null):
     # a trial that is not far ahead is judged by the mean of nine sensors instead of one
     expected = pytest.approx((found.gain, found.fitted_gain), rel=0.1)
     assert (again.gain, again.fitted_gain) == expected
-    assert found.falls.sum() == pytest.approx(found.gain + found.fitted_gain)
+    assert again.falls.sum() == pytest.approx(again.gain + again.fitted_gain)
     assert judged(null, "column_fpn", null.state).evidence == 0.0
 
 
