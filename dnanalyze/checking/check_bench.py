@@ -16,7 +16,7 @@ from dnanalyze.fitting.vectors import prediction, target
 from dnanalyze.loaders.captures import CaptureSet, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 
 BUDGET_PIXELS = 24_000_000
 
@@ -57,8 +57,13 @@ class CheckBench:
 
     def drawn(self, model: NoiseModel) -> list[Statistics]:
         """Statistics of a model's frames in the three windows."""
-        made = simulate_codes(
-            model, self.plan.shape, self.plan.settings, "simulation", self.captures.sensor, Memo(0)
+        made = simulate(
+            model.in_codes,
+            self.plan.shape,
+            self.plan.settings,
+            "simulation",
+            self.captures.sensor,
+            Memo(0),
         )
         return analyze_windows(made, self.windows, progress=self.progress)
 

@@ -14,7 +14,7 @@ from dnanalyze.classifier.training import Halves, Learner, Tested, cross_fit
 from dnanalyze.classifier.views import VIEWS, Cuts, View, cut, cuts
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 
 APART = 7919  # between the seeds of simulated sensors: replicates of a fit are numbered from 1 on
 
@@ -103,7 +103,7 @@ class Judge:
         settings = [(s.point, len(s.frames)) for s in self.captures.settings]
         model = replace(self.model, seed=self.model.seed + APART * (self.seed + number + 1))
         sensor = self.captures.sensor
-        return simulate_codes(model, sensor.shape, settings, sensor=sensor)
+        return simulate(model.in_codes, sensor.shape, settings, sensor=sensor)
 
     def cells(self) -> Iterator[Judged]:
         """Operating point by operating point."""

@@ -14,12 +14,10 @@ from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit, with_seed
+from dnanalyze.fitting.fit import at_a_glance, fit, with_seed
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
-from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench, bench
-from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.fitting.yardstick import by_design
@@ -123,7 +121,7 @@ def compare(
     model = None if model is None else with_seed(held, model, seed)
     paper = fit(captures, begun, held=held, replicates=0, tell=tell).state
     held = by_design(held, model or paper.model)
-    m = moments(Readings(held.measured[0]), captures.sensor.black_level)
+    m = at_a_glance(held)
     plain = held.statistics(gaussian_model(m), errors=True)
     made = held.statistics(model or paper.model, errors=True)
     z = held.test.z(prediction(made, 1, held.test))

@@ -13,7 +13,7 @@ from dnanalyze.fitting.design import Design
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 
 HOT = 6.0  # robust standard deviations of a variance: of six frames .06 % lie beyond
 CLIP = 4.0  # robust standard deviations: of white noise .006 % lie beyond, hot pixels all
@@ -192,7 +192,7 @@ def layers(plan: Design, model: NoiseModel) -> Layers:
 
 def chance(plan: Design, model: NoiseModel) -> Layers:
     """The same of a simulated sensor of the model: what a word finds there is chance."""
-    made = simulate_codes(model, plan.shape, plan.settings, sensor=plan.captures.sensor)
+    made = simulate(model.in_codes, plan.shape, plan.settings, sensor=plan.captures.sensor)
     return _of(made, plan, model)
 
 

@@ -22,7 +22,7 @@ from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 from dnanalyze.result import Result
 
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
@@ -308,7 +308,7 @@ def _other(captures: CaptureSet, model: NoiseModel, replicate: int) -> CaptureSe
     """Another sensor of the model's make, of the same layout."""
     layout = [(s.point, len(s.frames)) for s in captures.settings]
     other = replace(model, seed=model.seed + 1 + replicate)
-    return simulate_codes(other, captures.sensor.shape, layout, sensor=captures.sensor)
+    return simulate(other.in_codes, captures.sensor.shape, layout, sensor=captures.sensor)
 
 
 def _learned(

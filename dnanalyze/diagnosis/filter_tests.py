@@ -10,7 +10,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 
 FILTERS = ("dpc", "denoise", "temporal_denoise")
 DENIED = "the tests of `detect` find no sign of a filter in these captures"
@@ -28,7 +28,7 @@ def denied(held: Bench, model: NoiseModel, rivals: bool) -> bool:
     if rivals:
         return True
     plan = held.plan
-    made = simulate_codes(model, plan.shape, plan.settings, "simulation", plan.captures.sensor)
+    made = simulate(model.in_codes, plan.shape, plan.settings, "simulation", plan.captures.sensor)
     return _filtered(made) == _YES
 
 

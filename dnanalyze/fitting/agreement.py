@@ -12,14 +12,14 @@ from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.estimators.arrhenius import KELVIN, arrhenius_laws
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.ties import AFTER, GAIN
+from dnanalyze.fitting.ties import GAIN, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.laws import value_at
 
 SIGMA, SHARE = 3.0, 0.1  # a difference within either is none
 NOISE = 0.05  # of the temporal noise of a pixel: as much of a level, see `fitting.level`
-ENERGY_EV = 0.03  # eV: a thermometer that is off by .2 C over 10 C
+ENERGY_EV = 0.03  # of 1 eV, where thermometer readings are good to .2 C over 10 C: sqrt(2) .2 / 10
 SEEN = 5.0  # standard errors from which a dark signal tells its growth
 
 
@@ -79,16 +79,12 @@ def agreements(held: Bench, state: State) -> list[Agreement]:
 def _gains(held: Bench, state: State) -> list[Agreement]:
     """System gain of the model, the digital one included."""
     effect = state.model.get(GAIN[0])
-    if effect is None or any(state.model.get(name) is not None for name in AFTER):
+    if effect is None:
         return []
-    reference = state.model.reference
-    digital = state.model.get("digital_gain")
-    times = 1.0 if digital is None else digital.value("gain", reference)
-    own = times * effect.value(GAIN[1], reference)
+    own = digital_gain(state.model) * effect.value(GAIN[1], state.model.reference)
     return [
         Agreement(f"system gain, {known.source}", None, "DN/e-", known.value, known.error, own)
-        for setting, known in held.direct.gains
-        if setting in (None, reference.gain)
+        for known in held.direct.gains_of(state.model)
     ]
 
 
@@ -101,9 +97,10 @@ def _dark_signals(held: Bench, state: State) -> list[Agreement]:
     scale = catalogue()["median"].scale
     found = []
     for s, (point, _) in enumerate(held.plan.settings):
-        black, error = _black(held, point)
-        if black is None or not point.exposure_s:
+        known = level.at(point.temperature_c)
+        if known is None or not point.exposure_s:
             continue
+        black, error = known
         measured, predicted, errors = [], [], []
         for half, z in halves:
             at = (half.names == "median") & (half.setting == s)
@@ -129,23 +126,6 @@ def _dark_signals(held: Bench, state: State) -> list[Agreement]:
             )
         )  # fmt: skip
     return found
-
-
-def _black(held: Bench, point: OperatingPoint) -> tuple[float | None, float]:
-    """Measured black level at an operating point and its standard error."""
-    level = held.direct.level
-    assert level is not None
-    if not level.moves:
-        return level.mean, float(np.sum(level.errors**-2.0) ** -0.5)
-    celsius = point.temperature_c
-    if celsius is None:
-        return None, 0.0
-    near = [
-        (v, e)
-        for p, v, e in zip(level.law.points, level.law.values, level.errors, strict=True)
-        if p.temperature_c is not None and abs(p.temperature_c - celsius) < 1.0
-    ]
-    return (near[0][0], float(near[0][1])) if near else (None, 0.0)
 
 
 def _energy(signals: Sequence[Agreement]) -> list[Agreement]:

@@ -37,7 +37,7 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
-from dnanalyze.fitting.ties import misfits
+from dnanalyze.fitting.ties import TRANSFER, misfits
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
@@ -225,7 +225,8 @@ def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
     seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
     bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
     found = at_a_glance(held)
-    gain = held.direct.gain(found.reference.gain)
+    known = held.direct.gains_at(found.reference.gain)
+    gain = next((k.value for k in known if k.source == TRANSFER), None)
     made = ordinary_model(found if beside is None else less(found, beside), bits, serial, gain)
     return replace(made, unit=held.plan.unit)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.analyzers.statistics import Statistics
-from dnanalyze.fitting.moments import black_over_temperature, pedestal_guess
+from dnanalyze.fitting.moments import pedestal_guess
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.loaders.captures import OperatingPoint
@@ -82,11 +82,9 @@ def dark_signals(statistics: Statistics, held: Target, black: Law | None = None)
     """The levels above the measured black level.
 
     Not above the model's pedestal: a fit that moved that down would be allowed more. ``black``: the
-    black level over temperature, where more than these operating points show it.
+    black level over temperature, where all operating points show that it moves.
     """
     seen = Readings(statistics)
-    if black is None:
-        black = black_over_temperature(seen.points, seen.value(MEDIAN), seen.error(MEDIAN))
     if black is None:
         series = seen.points, seen.value(MEAN)
         black = pedestal_guess(*series, statistics.sensor.black_level, seen.error(MEAN))

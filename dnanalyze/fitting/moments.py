@@ -57,7 +57,7 @@ class Moments:
 def moments(readings: Readings, black_level: float | None, black: Law | None = None) -> Moments:
     """Read the moments off the statistics.
 
-    ``black``: the black level over temperature, where more than these operating points show it.
+    ``black``: the black level over temperature, where all operating points show that it moves.
     """
     mean = readings.value("mean")
     frames = readings.frames
@@ -76,9 +76,6 @@ def moments(readings: Readings, black_level: float | None, black: Law | None = N
     pedestal = pedestal_guess(readings.points, mean, black_level, error)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
     signal = np.maximum(mean - pedestal, least)
-    if black is None:
-        medians = readings.value("median"), readings.error("median")
-        black = black_over_temperature(readings.points, *medians)
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
 
 
@@ -100,14 +97,6 @@ def less(m: Moments, effect: Effect) -> Moments:
     return replace(m, signal=rest, temporal=temporal, pattern=pattern)
 
 
-def black_over_temperature(
-    points: list[OperatingPoint], level: np.ndarray, error: np.ndarray
-) -> TableLaw | None:
-    """The black level where it is seen to move over temperature; None where it is not."""
-    found = black_level(points, level, error)
-    return found.law if found is not None and found.moves else None
-
-
 @dataclass(frozen=True)
 class BlackLevel:
     """Black level at temperatures where exposures show it.
@@ -127,6 +116,22 @@ class BlackLevel:
     def mean(self) -> float:
         """Weighted mean of the rows, DN."""
         return float(np.average(self.law.values, weights=self.errors**-2.0))
+
+    @property
+    def error(self) -> float:
+        """Standard error of that mean, DN."""
+        return float(np.sum(self.errors**-2.0) ** -0.5)
+
+    def at(self, celsius: float | None) -> tuple[float, float] | None:
+        """Black level at a temperature and its standard error, DN; None where none is measured."""
+        if not self.moves:
+            return self.mean, self.error
+        if celsius is None:
+            return None
+        for point, level, error in zip(self.law.points, self.law.values, self.errors, strict=True):
+            if point.temperature_c is not None and abs(point.temperature_c - celsius) < SAME_C:
+                return level, float(error)
+        return None
 
     @property
     def moves(self) -> bool:

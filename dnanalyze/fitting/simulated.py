@@ -11,7 +11,7 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 
 THREADS = 2  # parts taken at a time
 FIELD_BYTES = 1 << 30
@@ -73,8 +73,8 @@ class Job:
         self, parts: Iterable[Part], memo: Memo, threads: int = 1
     ) -> list[list[SettingStatistics]]:
         """Of each part, the statistics of its planes."""
-        made = simulate_codes(
-            self.model, self.sensor.shape, self.settings, "simulation", self.sensor, memo
+        made = simulate(
+            self.model.in_codes, self.sensor.shape, self.settings, "simulation", self.sensor, memo
         )
 
         def one(part: Part) -> list[SettingStatistics]:

@@ -65,10 +65,15 @@ class Direct:
         """The black level over temperature, DN; None where it is not seen to move."""
         return self.level.law if self.level is not None and self.level.moves else None
 
-    def gain(self, setting: float | None) -> float | None:
-        """System gain by photon transfer at a setting of the gain, DN/e-; None: not determined."""
-        told = [k.value for at, k in self.gains if at in (None, setting) and k.source == TRANSFER]
-        return told[0] if told else None
+    def gains_at(self, setting: float | None) -> list[Known]:
+        """System gains at a setting of the gain, DN/e-; that of photon transfer first."""
+        return [known for at, known in self.gains if at in (None, setting)]
+
+    def gains_of(self, model: NoiseModel) -> list[Known]:
+        """Those that a model's gain stands for; none where a filter follows the shot noise."""
+        if any(model.get(name) is not None for name in AFTER):
+            return []
+        return self.gains_at(model.reference.gain)
 
     def ties(
         self, model: NoiseModel, knobs: Sequence[Knob], overdispersion: float = 1.0
@@ -88,14 +93,10 @@ class Direct:
         return tuple(replace(t, error=t.error / sharper) for t in found)
 
     def _of_gain(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
-        if any(model.get(name) is not None for name in AFTER):
-            return []
-        digital = model.get("digital_gain")
-        times = 1.0 if digital is None else float(digital.value("gain", model.reference))
+        times = digital_gain(model)
         return [
             Tie(at, knob.position(g.value / times), g.error / g.value if knob.log else g.error)
-            for setting, g in self.gains
-            if setting in (None, model.reference.gain)
+            for g in self.gains_of(model)
         ]
 
     def _of_black(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
@@ -103,13 +104,18 @@ class Direct:
         if level is None:
             return []
         if not isinstance(law, TableLaw):
-            error = float(np.sum(level.errors**-2.0) ** -0.5)
-            return [] if level.moves else [Tie(at, level.mean, error)]
+            return [] if level.moves else [Tie(at, level.mean, level.error)]
         point = law.points[int(knob.part)]
         if point not in level.law.points:
             return []
         row = level.law.points.index(point)
         return [Tie(at, level.law.values[row], float(level.errors[row]))]
+
+
+def digital_gain(model: NoiseModel) -> float:
+    """Factor of the codes after the converter; 1 without one."""
+    effect = model.get("digital_gain")
+    return 1.0 if effect is None else float(effect.value("gain", model.reference))
 
 
 def direct(statistics: Statistics) -> Direct:

@@ -86,6 +86,11 @@ class NoiseModel:
         """Effects in the order in which the signal passes them."""
         return sorted(self.effects, key=lambda e: e.stage)
 
+    @property
+    def in_codes(self) -> NoiseModel:
+        """The same model, whose frames are in its own DN whatever the unit of files."""
+        return replace(self, unit=1.0)
+
     def get(self, name: str) -> Effect | None:
         """Return the effect of that name.
 

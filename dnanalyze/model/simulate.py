@@ -69,21 +69,6 @@ def simulate(
     >>> bool(abs(frame.std() - 2.0) < 0.1)
     True
     """
-    made = simulate_codes(model, shape, settings, name, sensor, memo, threads, device)
-    return made if model.unit == 1.0 else _in_files(made, model.unit)
-
-
-def simulate_codes(
-    model: NoiseModel,
-    shape: tuple[int, int],
-    settings: Sequence[tuple[OperatingPoint, int]],
-    name: str = "simulation",
-    sensor: Sensor | None = None,
-    memo: Memo | None = None,
-    threads: int = 1,
-    device: str = "cpu",
-) -> CaptureSet:
-    """`simulate` in DN of the model, whatever the unit of its files."""
     draw = (
         _drawn_by_threads(model, shape, memo or Memo(), threads)
         if device == "cpu"
@@ -100,7 +85,8 @@ def simulate_codes(
     made = tuple(
         Setting(point, tuple(frame(point, n) for n in range(count))) for point, count in settings
     )
-    return CaptureSet(name, sensor or Sensor(shape), made)
+    captures = CaptureSet(name, sensor or Sensor(shape), made)
+    return captures if model.unit == 1.0 else _in_files(captures, model.unit)
 
 
 def _in_files(made: CaptureSet, unit: float) -> CaptureSet:
@@ -189,10 +175,9 @@ def simulate_frames(
         The device is unknown or not to be had.
     """
     if model.unit != 1.0:
-        own = replace(model, unit=1.0)
         more = {"threads": threads, "rows": rows, "bits": bits, "device": device, "batch": batch}
         unit = int(model.unit) if model.unit.is_integer() else np.float32(model.unit)
-        codes = simulate_frames(own, shape, point, numbers, **more)  # type: ignore[arg-type]
+        codes = simulate_frames(model.in_codes, shape, point, numbers, **more)  # type: ignore[arg-type]
         return (frame * unit for frame in codes)
     if device != "cpu":
         from dnanalyze.model.gpu.device import named

@@ -24,7 +24,7 @@ from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 
 SIDE = 128  # pixels of a preview's window; 3 frames of 5 operating points take about .09 s of CPU
 FRAMES = 3  # of each operating point; 2 at least for temporal noise, 3 for its correlation
@@ -131,7 +131,7 @@ class Preview:
 
     def _statistics(self, model: NoiseModel) -> Statistics:
         sensor = self.bench.plan.captures.sensor
-        made = simulate_codes(model, sensor.shape, self.settings, "preview", sensor, self._memo)
+        made = simulate(model.in_codes, sensor.shape, self.settings, "preview", sensor, self._memo)
         told = [name for name in NAMES if name != WHOLE_FIELD]
         return analyze_windows(made, [self.window], workers=1, errors=False, families=told)[0]
 

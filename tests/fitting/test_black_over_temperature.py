@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dnanalyze.fitting.moments import Moments, black_over_temperature
+from dnanalyze.fitting.moments import Moments, black_level
 from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import arrhenius, value_at
@@ -22,19 +22,31 @@ def series(black, exposures):
 @pytest.mark.parametrize("exposures", [(0.0, 60.0), (10.0, 60.0)])
 def test_level_at_exposure_zero_of_each_temperature(exposures):
     points, mean = series({COLD: 100.0, WARM: 130.0}, exposures)
-    law = black_over_temperature(points, mean, np.full(mean.size, 0.1))
+    found = black_level(points, mean, np.full(mean.size, 0.1))
+    assert found.moves
+    law = found.law
     for t, level in ((COLD, 100.0), (WARM, 130.0)):
         assert value_at(law, OperatingPoint(t, 60.0)) == pytest.approx(level, abs=1e-6)
 
 
 def test_levels_that_agree_within_their_errors_are_one():
     points, mean = series({COLD: 100.0, WARM: 100.4}, (0.0, 60.0))
-    assert black_over_temperature(points, mean, np.full(mean.size, 0.1)) is None
+    found = black_level(points, mean, np.full(mean.size, 0.1))
+    assert not found.moves
+    assert found.at(20.0) == (pytest.approx(100.2), pytest.approx(0.1 / np.sqrt(2)))
+
+
+def test_a_level_that_moves_is_known_where_it_was_measured():
+    points, mean = series({COLD: 100.0, WARM: 130.0}, (0.0, 60.0))
+    found = black_level(points, mean, np.full(mean.size, 0.1))
+    assert found.at(WARM) == (130.0, 0.1)
+    assert found.at(-20.0) is None
+    assert found.at(None) is None
 
 
 def test_one_exposure_a_temperature_tells_nothing():
     points, mean = series({COLD: 100.0, WARM: 130.0}, (60.0,))
-    assert black_over_temperature(points, mean, np.full(mean.size, 0.1)) is None
+    assert black_level(points, mean, np.full(mean.size, 0.1)) is None
 
 
 def test_temperatures_beside_one_another_share_a_row():

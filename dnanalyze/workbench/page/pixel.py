@@ -10,7 +10,7 @@ import panel as pn
 from bokeh.models import BasicTicker, ColumnDataSource, FixedTicker
 from matplotlib.figure import Figure
 
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 from dnanalyze.report.words import celsius
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.page.background import Latest
@@ -98,7 +98,7 @@ class Pixel:
                 most = frames.MOST_FRAMES
                 layout = [(s.point, min(len(s.frames), most)) for s in captures.settings]
                 sensor = captures.sensor
-                made = simulate_codes(shown.model, sensor.shape, layout, "simulation", sensor)
+                made = simulate(shown.model.in_codes, sensor.shape, layout, "simulation", sensor)
                 found["simulated"] = frames.pixel(made, row, column)
             return found
 

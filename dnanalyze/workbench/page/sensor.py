@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate_codes
+from dnanalyze.model.simulate import simulate
 from dnanalyze.report.words import celsius, number
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
@@ -290,7 +290,9 @@ class Sensor:
             captures = self.captures
             if model is not None:
                 layout = [(s.point, len(s.frames)) for s in captures.settings]
-                captures = simulate_codes(model, self.shape, layout, "simulation", captures.sensor)
+                captures = simulate(
+                    model.in_codes, self.shape, layout, "simulation", captures.sensor
+                )
             self._held[key] = frames.image(captures, view)
             while len(self._held) > HELD:
                 self._held.popitem(last=False)
