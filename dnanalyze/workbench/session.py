@@ -215,11 +215,14 @@ class WorkbenchSession:
 
     def adopt(self, model: NoiseModel, action: str) -> None:
         """A model that was set by hand as a new node."""
-        with self._lock:
-            history = self._history()
-            self.history = history.grown(action, model)
-        self.changed("history")
+        self._put(model, action)
         self._measure()
+
+    def _put(self, model: NoiseModel, action: str) -> None:
+        """A new node whose error is not known yet."""
+        with self._lock:
+            self.history = self._history().grown(action, model)
+        self.changed("history")
 
     def remove(self, effect: str) -> None:
         """The model without an effect; `restore` puts it back with the same numbers.
@@ -357,15 +360,20 @@ class WorkbenchSession:
         if base.model.get(effect) is not None:
             raise InputError(f"{effect}: it is already in the model")
         self._idle()
-        if (completed := self._completed()) is not None and effect not in completed.names:
+        completed = self._completed()
+        between = completed is not None and effect not in completed.names
+        if completed is not None and between:
             new = [name for name in completed.names if base.model.get(name) is None]
-            self.adopt(completed, f"add baseline effects {', '.join(new)}")
+            self._put(completed, f"add baseline effects {', '.join(new)}")
             base = self.present
 
         def done(found: dict[str, Any]) -> None:
             self._grow(base, f"add {effect}", found["model"], ("add", effect))
 
-        return self._run(Task("add", base.model.to_plain(), effect=effect), done)
+        job = self._run(Task("add", base.model.to_plain(), effect=effect), done)
+        if between:  # once the task is under way: its error is not the last one
+            self._measure()
+        return job
 
     def standard_errors(self) -> Job:
         """Standard errors of the present model's parameters, from simulated replicates."""

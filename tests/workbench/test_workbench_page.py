@@ -151,7 +151,7 @@ def test_the_frames_show_before_the_statistics_are_taken(bench):
 
 def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
     title = bench.page.locator(".statistic div").first
-    for pane, across, down in ((".families", 0.5, 0.5), (".matrix", 0.9, 0.06)):
+    for pane, across, down in ((".families", 0.5, 0.5), (".matrix", 0.95, 0.06)):
         before = title.inner_text()
         box = bench.page.locator(pane).first.bounding_box()
         bench.page.mouse.click(box["x"] + across * box["width"], box["y"] + down * box["height"])
