@@ -39,8 +39,8 @@ class Reading:
     variance, variance_error : float
         Mean temporal variance of the pixels without the drift of whole frames, DN^2, and its
         standard error; NaN for one frame.
-    typical_level, typical_variance, typical_error : float
-        Median, DN; squared robust noise of the differences between frames, DN^2, and its error.
+    typical_variance, typical_error : float
+        Squared robust noise of the differences between frames, DN^2, and its error.
     """
 
     point: OperatingPoint
@@ -49,7 +49,6 @@ class Reading:
     drift: float
     variance: float
     variance_error: float
-    typical_level: float
     typical_variance: float
     typical_error: float
 
@@ -67,7 +66,7 @@ def reading(setting: SettingStatistics) -> Reading:
     core_error = 2 * core * values["temporal_noise_core"].se if core > 0 else math.nan
     return Reading(
         setting.point, setting.frames, value("mean"), drift, variance, _variance_error(setting),
-        value("median"), core, core_error,
+        core, core_error,
     )  # fmt: skip
 
 

@@ -17,6 +17,13 @@ from dnanalyze.emva.fit import AGREES, SURE, alike, common_slope
 from dnanalyze.emva.quantity import Line, Quantity, known, unknown
 
 TOLD = 5.0  # standard errors that the slope stands above 0
+# Columns of the points of a curve: abscissa, ordinate, their errors; numbers of what may have an
+# intercept of its own; whether of typical pixels; pixels; exposure.
+LEVEL, VARIANCE, ERROR, LEVEL_ERROR, ALL, EXPOSED, POINT, TYPICAL, PIXELS, EXPOSURE = range(10)
+FEWEST = 3  # points: a line and a check of it
+STEADY = 0.5  # of the squared level, see `_of_charge`
+GROWN = 2.0  # over the least level of hot pixels, see `_of_charge`
+FAR = 4.0  # robust standard deviations from which a level is left out
 
 
 def photon_transfer(
@@ -50,9 +57,9 @@ def photon_transfer(
     if len(points) < FEWEST:
         return unknown(kind, "too few operating points of two frames for photon transfer"), None
     together = EXPOSED if _exposed(points) else ALL
-    typical = _line_of(points[points[:, TYPICAL] == 1], together)
+    typical = _plain_line(points[points[:, TYPICAL] == 1], together)
     points = points[_of_charge(points)]
-    within = _fitted(points, POINT)
+    within = _robust_line(points, POINT)
     found = {"operating points": typical, "hot pixels": within}
     clear = {k: f for k, f in found.items() if f is not None and _stands_out(f)}
     bent = [k for k, f in clear.items() if _curvature(f) > 2.0 * AGREES]
@@ -81,17 +88,8 @@ def photon_transfer(
             "the signal"
         )
         return unknown(kind, text), None
-    both = _fitted(points, together) or typical
+    both = _robust_line(points, together) or typical
     return known(kind, both.slope, "photon transfer over operating points and hot pixels"), both
-
-
-# Columns of the points: abscissa, ordinate, their errors; numbers of what may have an intercept of
-# its own; whether of typical pixels; pixels; exposure.
-LEVEL, VARIANCE, ERROR, LEVEL_ERROR, ALL, EXPOSED, POINT, TYPICAL, PIXELS, EXPOSURE = range(10)
-FEWEST = 3  # points: a line and a check of it
-STEADY = 0.5  # of the squared level, see `_of_charge`
-GROWN = 2.0
-FAR = 4.0  # robust standard deviations from which a level is left out
 
 
 def _points(
@@ -169,7 +167,7 @@ def _stands_out(line: Line) -> bool:
     return line.slope.value > TOLD * line.slope.se
 
 
-def _fitted(points: np.ndarray, by: int) -> Line | None:
+def _robust_line(points: np.ndarray, by: int) -> Line | None:
     """Line through levels, all groups shifted to the intercept of the first.
 
     Levels that lie off by 4 robust standard deviations are left out, while half of them stay.
@@ -192,7 +190,7 @@ def _fitted(points: np.ndarray, by: int) -> Line | None:
     return found
 
 
-def _line_of(points: np.ndarray, by: int) -> Line | None:
+def _plain_line(points: np.ndarray, by: int) -> Line | None:
     """Line through all of the points, with one that checks it."""
     group = np.unique(points[:, by], return_inverse=True)[1]
     enough = len(points) >= int(group.max(initial=0)) + FEWEST

@@ -177,8 +177,9 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
             )
     _noise_at(acc, variance, out)
     if acc.plan.errors:
-        law_of = acc.pattern_centre, acc.pattern_sigma, acc.frames
-        out.curves["photon_transfer"] = transfer_points(acc.pattern, variance, *law_of)
+        out.curves["photon_transfer"] = transfer_points(
+            acc.pattern, variance, acc.pattern_centre, acc.pattern_sigma, acc.frames
+        )
 
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:
