@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,9 +10,9 @@ import numpy as np
 from dnanalyze.classifier.descriptors import random_filters
 from dnanalyze.classifier.pictures import around_zero, code_step, compact_frames
 from dnanalyze.classifier.places import Places
-from dnanalyze.classifier.training import Halves, Learner, Tested, cross_fit
+from dnanalyze.classifier.training import Halves, Learner, Tested, cross_fit, one_thread
 from dnanalyze.classifier.views import VIEWS, Cuts, View, cut, cuts
-from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
@@ -80,15 +80,17 @@ class Judge:
 
     Parameters
     ----------
-    captures : CaptureSet
-        With the operating points and frames that are judged.
+    sensor : Sensor
+    settings : sequence of (OperatingPoint, int)
+        Operating points that are judged, with their number of frames.
     model : NoiseModel
     places : Places
     learn : callable
     seed : int
     """
 
-    captures: CaptureSet
+    sensor: Sensor
+    settings: Sequence[tuple[OperatingPoint, int]]
     model: NoiseModel
     places: Places
     learn: Learner
@@ -98,32 +100,34 @@ class Judge:
     def __post_init__(self) -> None:
         object.__setattr__(self, "filters", random_filters(np.random.default_rng(self.seed)))
 
-    def sensor(self, number: int) -> CaptureSet:
+    def simulated(self, number: int) -> CaptureSet:
         """A simulated sensor by its number; 0 is held against the measured one."""
-        settings = [(s.point, len(s.frames)) for s in self.captures.settings]
         model = replace(self.model, seed=self.model.seed + APART * (self.seed + number + 1))
-        sensor = self.captures.sensor
-        return simulate(model.in_codes, sensor.shape, settings, sensor=sensor)
+        return simulate(model.in_codes, self.sensor.shape, self.settings, sensor=self.sensor)
 
-    def cells(self) -> Iterator[Judged]:
-        """Operating point by operating point."""
-        simulated, control = self.sensor(0), self.sensor(1)
-        for number, setting in enumerate(self.captures.settings):
-            sets = self.captures, simulated, control
-            values = [compact_frames(c, c.settings[number], self.places) for c in sets]
-            step = max(map(code_step, values))
-            stacks = [self._around_zero(v, step, number, n) for n, v in enumerate(values)]
-            for view in VIEWS:
-                if len(setting.frames) >= view.frames:
-                    yield self._judged(number, view, step, stacks)
+    def cells(self, setting: int, measured: np.ndarray) -> list[Judged]:
+        """Every view of one operating point.
 
-    def with_control(self, judged: Judged, number: int) -> Judged:
-        """The same with the area of one more simulated sensor."""
-        made = self.sensor(number)
-        values = compact_frames(made, made.settings[judged.setting], self.places)
+        ``measured``: values of the places, (planes, frames, rows, columns), DN.
+        """
+        values = [measured, *(self._values(setting, number) for number in (0, 1))]
+        step = max(map(code_step, values))
+        stacks = [self._around_zero(v, step, setting, n) for n, v in enumerate(values)]
+        frames = self.settings[setting][1]
+        with one_thread():
+            return [self._judged(setting, v, step, stacks) for v in VIEWS if frames >= v.frames]
+
+    def control(self, judged: Judged, number: int) -> float:
+        """Area of one more simulated sensor against the simulated one."""
+        values = self._values(judged.setting, number)
         stack = self._around_zero(values, judged.step, judged.setting, number + 1)
         control = cut(judged.view, stack, self.places, judged.cuts, self.filters)
-        return replace(judged, controls=(*judged.controls, self._test(control, judged).area.value))
+        with one_thread():
+            return self._test(control, judged).area.value
+
+    def _values(self, setting: int, number: int) -> np.ndarray:
+        made = self.simulated(number)
+        return compact_frames(made, made.settings[setting], self.places)
 
     def _around_zero(
         self, values: np.ndarray, step: float, setting: int, sensor: int
@@ -140,7 +144,7 @@ class Judge:
         tested = cross_fit(measured, simulated, where.grid, self.learn, self.seed)
         other = cross_fit(control, simulated, where.grid, self.learn, self.seed)
         return Judged(
-            setting, self.captures.settings[setting].point, view, where, step, measured, simulated,
+            setting, self.settings[setting][0], view, where, step, measured, simulated,
             tested, (other.area.value,),
         )  # fmt: skip
 

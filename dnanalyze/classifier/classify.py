@@ -10,10 +10,12 @@ from scipy.special import stdtrit
 
 from dnanalyze.analyzers.saturated_settings import unsaturated
 from dnanalyze.classifier.cells import Judge, Judged
+from dnanalyze.classifier.pictures import compact_frames
 from dnanalyze.classifier.places import BANDS, FOLDS, SIDE, places
 from dnanalyze.classifier.result import Cell, Classification, Told
 from dnanalyze.classifier.training import Halves, Learner, boosting, one_thread, went_by
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.processes import Helpers, travels
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.loaders.captures import CaptureSet, Setting
 from dnanalyze.loaders.mosaic import planes
@@ -36,6 +38,7 @@ def classify(
     seed: int = 0,
     network: bool = False,
     limit: TimeLimit | None = None,
+    helpers: Helpers | None = None,
 ) -> Classification:
     """Ask whether a trained classifier can tell a model's frames from measured ones.
 
@@ -52,6 +55,8 @@ def classify(
         takes several times as long.
     limit : TimeLimit, optional
         The operating points that were judged before it are given.
+    helpers : Helpers, optional
+        Processes that take their share of the operating points.
 
     Returns
     -------
@@ -80,24 +85,35 @@ def classify(
     if where is None:
         least = BANDS * SIDE[1]
         return replace(empty, reason=f"a colour plane has fewer than {least} rows or columns")
-    judge = Judge(_chosen(captures, model.unit), model, where, _learner(network), seed)
-    with one_thread():
-        judged, finished = _all(judge, limit or TimeLimit())
-        judged = _confirmed(judge, judged)
-        cells = _cells(judged)
-        found = replace(empty, cells=cells, finished=finished)
-        best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
-        telling = _telling(best, seed) if found.tells else []
+    chosen = _chosen(captures, model.unit)
+    settings = [(s.point, len(s.frames)) for s in chosen.settings]
+    judge = Judge(chosen.sensor, settings, model, where, _learner(network), seed)
+    shared = helpers is not None and travels(model) and not network
+    crew = helpers if helpers is not None and shared else Helpers()
+    judged, finished = _all(judge, chosen, crew, limit or TimeLimit())
+    judged = _confirmed(judge, judged, crew)
+    cells = _cells(judged)
+    found = replace(empty, cells=cells, finished=finished)
+    best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
+    telling = _telling(best, seed) if found.tells else []
     return replace(found, telling=telling, patches=_patches(best, telling))
 
 
-def _all(judge: Judge, limit: TimeLimit) -> tuple[list[Judged], bool]:
-    """The cells that were judged before the time was up, one at the least; whether all were."""
-    judged = []
-    for made in judge.cells():
-        judged.append(made)
+def _all(
+    judge: Judge, captures: CaptureSet, helpers: Helpers, limit: TimeLimit
+) -> tuple[list[Judged], bool]:
+    """The cells that were judged before the time was up, and whether all were.
+
+    Those of one operating point a process at the least.
+    """
+    judged: list[Judged] = []
+    numbers, step = range(len(captures.settings)), helpers.count + 1
+    for some in (numbers[n : n + step] for n in numbers[::step]):
+        values = [compact_frames(captures, captures.settings[n], judge.places) for n in some]
+        for cells in helpers.each(judge.cells, list(zip(some, values, strict=True))):
+            judged += cells
         if limit.over:
-            return judged, False
+            return judged, some[-1] == numbers[-1]
     return judged, True
 
 
@@ -117,7 +133,7 @@ def _chosen(captures: CaptureSet, unit: float) -> CaptureSet:
     )
 
 
-def _confirmed(judge: Judge, judged: list[Judged]) -> list[Judged]:
+def _confirmed(judge: Judge, judged: list[Judged], helpers: Helpers) -> list[Judged]:
     """With more controls for the cells that seem to tell, the clearest first, until one does."""
     done = list(judged)
     for _ in range(TRIED):
@@ -126,8 +142,9 @@ def _confirmed(judge: Judge, judged: list[Judged]) -> list[Judged]:
         if not seem or any(c.tells for c in cells):
             break
         first = max(seem, key=lambda n: cells[n].low)
-        for number in range(2, CONTROLS + 1):
-            done[first] = judge.with_control(done[first], number)
+        more = [(done[first], number) for number in range(2, CONTROLS + 1)]
+        controls = (*done[first].controls, *helpers.each(judge.control, more))
+        done[first] = replace(done[first], controls=controls)
     return done
 
 
@@ -145,7 +162,8 @@ def _cells(judged: list[Judged]) -> list[Cell]:
 
 def _telling(judged: Judged, seed: int) -> list[str]:
     """Words of the descriptors that tell most, with the picture that they are of."""
-    falls = went_by(judged.measured, judged.simulated, judged.cuts.grid, seed)
+    with one_thread():
+        falls = went_by(judged.measured, judged.simulated, judged.cuts.grid, seed)
     least = NAMED * falls[0][1]
     return [words for words, fall in falls if fall >= least and fall > 0][:WORDS]
 

@@ -21,11 +21,11 @@ Learner = Callable[[Samples, Samples, int], Score]
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Trees and networks this small cost more to share among threads than they take."""
+    """Trees and products this small cost more to share among threads than they take."""
     import sklearn.ensemble  # noqa: F401  its thread pool has to exist to be limited
     from threadpoolctl import threadpool_limits
 
-    with threadpool_limits(1, "openmp"):
+    with threadpool_limits(1):
         yield
 
 

@@ -135,7 +135,8 @@ def refine(
         found = replace(found, verdict="missing")  # nothing was asked of what is left
     told = None
     if classifier and not limit.over:
-        told = classify(captures, path.state.model, seed=path.state.model.seed, limit=limit)
+        final = path.state.model
+        told = classify(captures, final, seed=final.seed, limit=limit, helpers=held.helpers)
         if told.tells and found.verdict == "adequate":
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)

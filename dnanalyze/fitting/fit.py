@@ -13,11 +13,10 @@ from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.from_part import converge, derived_anew
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import (
     State,
-    derive,
     longest,
     loss,
     start,
@@ -292,14 +291,14 @@ def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np
     groups = len({k.group for k in state.knobs})
     several = min(replicates, max(6, round(DERIVATIVES / groups)))
     drawn = [held.replicate(state.model, r)[0] for r in range(several, replicates)]
-    jacobian, blank = np.zeros_like(state.jacobian), np.full_like(state.jacobian, np.nan)
+    jacobian = np.zeros_like(state.jacobian)
     for number in range(several):
-        other = replace(held, memo=room())
+        other = held.with_memo(room())
         model = replace(state.model, seed=state.model.seed + 1 + number)
         train = other.fitted_coordinates(model)
         drawn.append(train)
-        begun = replace(state, model=model, train=held.train.z(train), jacobian=blank)
-        jacobian += derive(other, begun, smallest=CLEAR).jacobian / several
+        begun = replace(state, model=model, train=held.train.z(train))
+        jacobian += derived_anew(other, begun, smallest=CLEAR).jacobian / several
     return np.array(drawn), jacobian
 
 

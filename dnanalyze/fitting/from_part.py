@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -73,12 +73,15 @@ def carried(state: State, there: Bench, here: Bench) -> State:
     return replace(begun, jacobian=_derivatives(state, there, here))
 
 
-def derived_anew(bench: Bench, state: State) -> State:
-    """The state with all derivatives taken anew, on the part where they may be."""
+def derived_anew(bench: Bench, state: State, smallest: float = SMALLEST) -> State:
+    """The state with all derivatives taken anew, on the part where they may be.
+
+    ``smallest``: see `derive`.
+    """
     part = part_for(bench, state.model)
     if part is None:
-        return derive(bench, state, anew=True)
-    near = derive(part, carried(state, bench, part), anew=True)
+        return derive(bench, state, smallest=smallest, anew=True)
+    near = derive(part, carried(state, bench, part), smallest=smallest, anew=True)
     return replace(state, jacobian=_derivatives(near, part, bench))
 
 

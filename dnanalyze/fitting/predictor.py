@@ -71,6 +71,11 @@ class Bench:
         part = None if self.part is None else self.part.within(limit)
         return replace(self, limit=limit, part=part)
 
+    def with_memo(self, memo: Memo) -> Bench:
+        """This bench with other room for fields, which its part shares."""
+        part = None if self.part is None else self.part.with_memo(memo)
+        return replace(self, memo=memo, part=part)
+
     def scaled(self, train: np.ndarray, test: np.ndarray) -> Bench:
         """This bench by another yardstick: factors of the stated errors of either half."""
         return replace(self, train=self.train.scaled(train), test=self.test.scaled(test))
@@ -173,7 +178,7 @@ class Bench:
         """Predicted coordinates of another sensor of the same design."""
         other = replace(model, seed=model.seed + 1 + number)
         # Its fields are drawn once, and would only push the useful ones out of the memo.
-        bench = replace(self, memo=Memo(0))
+        bench = self.with_memo(Memo(0))
         return self.predictions.get(
             ("both halves", self._key(other)), partial(bench.coordinates, other)
         )

@@ -1,4 +1,4 @@
-"""Processes that simulate beside this one.
+"""Processes that work beside this one.
 
 Many of the statistics are small sums, of which two threads of one process seldom take two at a
 time. A helper keeps the fields of its own parts from one simulation to the next, and only models
@@ -12,11 +12,14 @@ import os
 import signal
 import warnings
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
-from typing import Any
+from typing import Any, TypeVar
+
+from threadpoolctl import threadpool_limits
 
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.fitting.simulated import THREADS, Job, Part, room, shared
@@ -28,11 +31,40 @@ from dnanalyze.model.registry import built_in
 MOST = 7  # helpers
 PATIENCE_S = 5.0  # with a helper at the end
 WARM = 64, 64  # pixels of what a helper simulates before it is asked
-WORTH = 3_000_000  # pixels of a simulation from which a helper is worth its start
+WORTH = 500_000  # pixels of a simulation from which `compare` alone is worth a helper's start
+
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class _Share:
+    """Some parts of each of several jobs, with fields of theirs kept or not."""
+
+    jobs: Sequence[Job]
+    parts: Sequence[Sequence[Part]]
+    kept: bool
+
+    def __call__(self, memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
+        return _taken(self.jobs, self.parts, memo if self.kept else Memo(0))
+
+
+@dataclass(frozen=True)
+class _Calls:
+    """Calls of a function with several arguments."""
+
+    function: Callable[..., Any]
+    arguments: Sequence[tuple[Any, ...]]
+
+    def __call__(self, memo: Memo) -> list[Any]:
+        return [self.function(*a) for a in self.arguments]
+
+
+_Task = _Share | _Calls
 
 
 class Helpers:
-    """Processes that take their share of simulations; they end with this object.
+    """Processes that take their share of the work; they end with this object.
 
     Parameters
     ----------
@@ -53,34 +85,66 @@ class Helpers:
             self.workers.append(worker)
         self.close = weakref.finalize(self, _close, self._pipes, self.workers)
 
+    @property
+    def count(self) -> int:
+        """Of them."""
+        return len(self._pipes)
+
     def statistics(
         self, jobs: Sequence[Job], memo: Memo
     ) -> list[dict[Part, list[SettingStatistics]]]:
         """All parts of some jobs; those of a helper that failed, or is no more, are taken here."""
-        away = [bool(self._pipes) and _travels(job.model) for job in jobs]
+        away = [self.count > 0 and travels(job.model) for job in jobs]
         dealt = iter(self._dealt([j for j, goes in zip(jobs, away, strict=True) if goes], memo))
         return [
             next(dealt) if goes else _taken([job], [job.parts()], memo, THREADS)[0]
             for job, goes in zip(jobs, away, strict=True)
         ]
 
+    def each(
+        self, function: Callable[..., Found], arguments: Sequence[tuple[Any, ...]]
+    ) -> list[Found]:
+        """A function of each tuple of arguments, in turn by this process and the helpers.
+
+        ``function``, its arguments and what it returns must be known to another process.
+        """
+        step = self.count + 1
+        own, *others = [_Calls(function, arguments[n::step]) for n in range(step)]
+        mine, *theirs = self._together(own, others, Memo(0))
+        found: list[Any] = [None] * len(arguments)
+        for n, share in enumerate((mine, *theirs)):
+            found[n::step] = share
+        return found
+
     def _dealt(self, jobs: Sequence[Job], memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
         """Jobs of which every process has its share."""
         if not jobs:
             return []
-        *shares, own = shared(jobs, len(self._pipes) + 1)
-        for pipe, share in zip(self._pipes, shares, strict=True):
+        *others, own = (
+            _Share(jobs, parts, memo.limit_bytes > 0) for parts in shared(jobs, self.count + 1)
+        )
+        found, *more = self._together(own, others, memo)
+        for share in more:
+            for all_of_it, some in zip(found, share, strict=True):
+                all_of_it |= some
+        return list(found)
+
+    def _together(self, own: _Task, others: Sequence[_Task], memo: Memo) -> list[Any]:
+        """What this process finds and what each helper does, whose share is taken here if need be.
+
+        Raises
+        ------
+        Exception
+            What a task here raises.
+        """
+        for pipe, task in zip(self._pipes, others, strict=True):
             with suppress(OSError):
-                pipe.send((jobs, share, memo.limit_bytes > 0))
+                pipe.send(task)
         try:
-            found = _taken(jobs, own, memo)
-        finally:  # what is not taken now would be taken for the next jobs'
+            mine = own(memo)
+        finally:  # what is not taken now would be taken for the next tasks'
             answers = [self._answer(pipe) for pipe in list(self._pipes)]
-        for answer, share in zip(answers, shares, strict=True):
-            taken = _taken(jobs, share, memo) if answer is None else answer
-            for all_of_it, more in zip(found, taken, strict=True):
-                all_of_it |= more
-        return found
+        return [mine, *(t(memo) if a is None else a for a, t in zip(answers, others, strict=True))]
 
     def _answer(self, pipe: Connection) -> Any:
         """What a helper found; None where it failed, and no more of it where it is no more."""
@@ -107,7 +171,7 @@ def _taken(
     ]
 
 
-def _travels(model: NoiseModel) -> bool:
+def travels(model: NoiseModel) -> bool:
     """Whether another process knows all of its effects; one from a user's file it does not."""
     known = built_in()
     return all(known.get(effect.name) is type(effect) for effect in model.effects)
@@ -117,14 +181,15 @@ def _serve(pipe: Connection, shares: int) -> None:
     """What a helper does until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom it helps decides
     warnings.simplefilter("ignore")  # the process that asked simulates the same model, and tells
+    threadpool_limits(1)  # the other processors have helpers of their own
     memo = room(shares)
     with suppress(Exception):  # an effect of another package may fail; when asked for, it is told
         _warm()
     with suppress(EOFError, OSError):
         while True:
-            jobs, share, kept = pipe.recv()
+            task = pipe.recv()
             try:
-                found = _taken(jobs, share, memo if kept else Memo(0))
+                found = task(memo)
             except Exception:  # met again, and told, by the process that asked
                 found = None
             pipe.send(found)

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze import NoiseModel, OperatingPoint, catalogue, classify, simulate
+from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.loaders.captures import CaptureSet, Frame, Sensor
 
 KNOWN = catalogue()
-POINT = OperatingPoint(25.0, 0.1, 1.0)
+POINT, WARM = OperatingPoint(25.0, 0.1), OperatingPoint(60.0, 0.1)
 PLAIN = NoiseModel(
     (
         KNOWN["read_noise"](sigma=2.0),
@@ -79,9 +80,20 @@ def test_a_small_field_gives_the_reason():
 
 
 def test_a_time_limit_ends_it_early():
-    found = classify(_captures(PLAIN), PLAIN, limit=TimeLimit(0.0))
-    assert len(found.cells) == 1
+    captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 3), (WARM, 3)])
+    found = classify(captures, PLAIN, limit=TimeLimit(0.0))
+    assert {c.point for c in found.cells} == {POINT}
     assert not found.finished
+
+
+def test_a_helper_takes_operating_points_of_its_own_and_finds_the_same():
+    captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 2), (WARM, 2)])
+    helpers = Helpers(1)
+    try:
+        assert classify(captures, PLAIN, helpers=helpers).cells == classify(captures, PLAIN).cells
+        assert helpers.count == 1
+    finally:
+        helpers.close()
 
 
 def test_codes_with_a_step_and_a_mosaic():

@@ -41,7 +41,8 @@ def compare(
             from dnanalyze.classifier.classify import classify
 
             progress.now("Training the classifier")
-            judged = classify(found, comparison.model, seed=options.seed or 0)
+            model, seed = comparison.model, options.seed or 0
+            judged = classify(found, model, seed=seed, helpers=held.helpers)
     show(session.console, found, comparison)
     if judged is not None:
         classifier_line(session.console, judged)
