@@ -159,13 +159,13 @@ def by_channel(captures: CaptureSet) -> list[CaptureSet]:
 
 
 def unique_names(folders: Sequence[str]) -> list[str]:
-    """The last part of each folder's path; as many parts as it takes to tell them apart."""
+    """The last part of each folder's path, or as many parts as tell them apart; else numbered."""
     parts = [Path(f.rstrip("/")).parts or (f,) for f in folders]
     for count in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(p[-count:]) for p in parts]
+        names = [str(Path(*p[-count:])) for p in parts]
         if len(set(names)) == len(names):
             return names
-    return [f"{name} ({i})" for i, name in enumerate(names, 1)]
+    return [f"{p[-1]} ({i})" for i, p in enumerate(parts, 1)]
 
 
 def side_by_side(

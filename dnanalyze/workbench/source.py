@@ -27,6 +27,10 @@ class CaptureSource:
         HDR readout channel; all by default.
     effects : tuple of Path
         Files of the user's own effects.
+    keep_outliers : bool
+        Whether frames unlike the others of their operating point are kept.
+    mask : Path, optional
+        File of the pixels to leave out.
     """
 
     folder: Path
@@ -34,6 +38,8 @@ class CaptureSource:
     tolerance_c: float | None = None
     channel: str | None = None
     effects: tuple[Path, ...] = ()
+    keep_outliers: bool = False
+    mask: Path | None = None
 
     def captures(self) -> CaptureSet:
         """The frames, read lazily; statistics of unchanged frames come from the cache.
@@ -43,7 +49,13 @@ class CaptureSource:
         InputError
             A folder without frames, or frames that cannot be read.
         """
-        found = load(str(self.folder), config=self.config, tolerance_c=self.tolerance_c)
+        found = load(
+            str(self.folder),
+            config=self.config,
+            tolerance_c=self.tolerance_c,
+            keep_outliers=self.keep_outliers,
+            mask=self.mask,
+        )
         if self.channel is not None:
             found = found.channel(self.channel)
         return found.cached(str(kept)) if (kept := default_folder()) else found

@@ -13,6 +13,7 @@ from dnanalyze_cli.options import (
     Csv,
     Json,
     KeepOutliers,
+    Mask,
     NoCache,
     Quiet,
     Report,
@@ -43,6 +44,7 @@ def benchmark(
     config: Config = None,
     tolerance_c: Tolerance = None,
     keep_outliers: KeepOutliers = False,
+    mask: Mask = None,
     channel: Channel = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
@@ -57,7 +59,10 @@ def benchmark(
         Session("benchmark", f, json, report, csv, quiet=quiet, cache=not no_cache) for f in folders
     ]
     session = sessions[0]
-    found = [s.load(config, tolerance_c, channel, keep_outliers=keep_outliers) for s in sessions]
+    found = [
+        s.load(config, tolerance_c, channel, keep_outliers=keep_outliers, mask=mask)
+        for s in sessions
+    ]
     with session.progress("Measuring the sensors") as progress:
         result = run(found, at=temperatures, quick=quick, tell=progress.now)
     show(session.console, result)

@@ -8,6 +8,7 @@ from dnanalyze_cli.options import (
     EffectFiles,
     Json,
     KeepOutliers,
+    Mask,
     Model,
     ModelOut,
     Quiet,
@@ -26,6 +27,7 @@ def channels(
     config: Config = None,
     tolerance_c: Tolerance = None,
     keep_outliers: KeepOutliers = False,
+    mask: Mask = None,
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
@@ -44,7 +46,7 @@ def channels(
     )
     known = session.known()
     own = session.model(model)
-    found = session.load(config, tolerance_c, keep_outliers=keep_outliers)
+    found = session.load(config, tolerance_c, keep_outliers=keep_outliers, mask=mask)
     by_channel(found)  # refuses captures without
     over_channels.refine(
         session, found, lambda tell: refine_channels(found, own, known=known, tell=tell)

@@ -14,6 +14,7 @@ from dnanalyze_cli.options import (
     EffectFiles,
     Json,
     KeepOutliers,
+    Mask,
     NoCache,
     Quiet,
     Seed,
@@ -84,6 +85,7 @@ def check(
     config: Config = None,
     tolerance_c: Tolerance = None,
     keep_outliers: KeepOutliers = False,
+    mask: Mask = None,
     channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
@@ -120,7 +122,7 @@ def check(
             check_output(path, captures)
     limits = load_targets(targets) if targets is not None else None
     own = session.model(model, seed)
-    found = session.load(config, tolerance_c, channel, keep_outliers=keep_outliers)
+    found = session.load(config, tolerance_c, channel, keep_outliers=keep_outliers, mask=mask)
     if own is not None:
         require(own, found.channels)
     if limits is not None and channel is not None:
@@ -139,7 +141,9 @@ def check(
             raise InputError(
                 "check: with --model CAPTURES are the measurement; leave out --measured"
             )
-        other = load(measured, config=config, tolerance_c=tolerance_c, keep_outliers=keep_outliers)
+        other = load(
+            measured, config=config, tolerance_c=tolerance_c, keep_outliers=keep_outliers, mask=mask
+        )
     with session.progress("Checking") as progress:
         result = run(found, limits, own, measured=other, progress=progress)
     show(session.console, found, result)

@@ -15,6 +15,7 @@ from dnanalyze_cli.options import (
     EffectFiles,
     Json,
     KeepOutliers,
+    Mask,
     Quiet,
     Seed,
     Tolerance,
@@ -54,6 +55,7 @@ def hdr(
     config: Config = None,
     tolerance_c: Tolerance = None,
     keep_outliers: KeepOutliers = False,
+    mask: Mask = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     quiet: Quiet = False,
@@ -81,7 +83,7 @@ def hdr(
             f"{', '.join(how.names)}; give a model of all channels, as `channels -o` writes it"
         )
     require(own, how.names)
-    found = session.load(config, tolerance_c, keep_outliers=keep_outliers)
+    found = session.load(config, tolerance_c, keep_outliers=keep_outliers, mask=mask)
     with session.progress("Combining"):
         result = compare_combined(found, own, how, light)
         first = found.settings[0].point

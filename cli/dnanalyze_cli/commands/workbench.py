@@ -4,13 +4,26 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import Channel, Config, EffectFiles, Model, Quiet, Seed, Tolerance
+from dnanalyze_cli.options import (
+    Channel,
+    Config,
+    EffectFiles,
+    KeepOutliers,
+    Mask,
+    Model,
+    Quiet,
+    Seed,
+    Tolerance,
+)
 from dnanalyze_cli.session import Session
+
+if TYPE_CHECKING:
+    from dnanalyze.workbench.source import CaptureSource
 
 
 def workbench(
@@ -37,6 +50,8 @@ def workbench(
     config: Config = None,
     tolerance_c: Tolerance = None,
     channel: Channel = None,
+    keep_outliers: KeepOutliers = False,
+    mask: Mask = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     quiet: Quiet = False,
@@ -44,39 +59,37 @@ def workbench(
     """Live page: discrepancies of the model, missing effects, the model error at each step."""
     if demo == (captures is not None):
         raise InputError("workbench: give a folder of dark frames, or --demo without one")
+    from dnanalyze.workbench.source import CaptureSource
+
+    own = tuple(effects or ())
     if demo:
         with tempfile.TemporaryDirectory(prefix="dnanalyze-") as temporary:
             folder = _virtual_sensor(Path(temporary) / "demo")
-            _serve(str(folder), model, port, host, no_browser, None, None, None, effects, seed)
+            source = CaptureSource(folder, effects=own)
+            _serve(source, model, port, host, no_browser, seed)
         return
     assert captures is not None
-    _serve(
-        captures, model, port, host, no_browser, config, tolerance_c, channel, effects, seed, quiet
+    source = CaptureSource(
+        Path(captures), config, tolerance_c, channel, own, keep_outliers=keep_outliers, mask=mask
     )
+    _serve(source, model, port, host, no_browser, seed, quiet)
 
 
 def _serve(
-    captures: str,
+    source: CaptureSource,
     model: Path | None,
     port: int,
     host: str,
     no_browser: bool,
-    config: Path | None,
-    tolerance_c: float | None,
-    channel: str | None,
-    effects: list[Path] | None,
     seed: int | None,
     quiet: bool = False,
 ) -> None:
     from dnanalyze.workbench.server import serve
-    from dnanalyze.workbench.source import CaptureSource
 
-    session = Session("workbench", captures, effects=tuple(effects or ()), quiet=quiet)
-    begun = session.model(model, seed)
-    source = CaptureSource(Path(captures), config, tolerance_c, channel, tuple(effects or ()))
+    session = Session("workbench", str(source.folder), effects=source.effects, quiet=quiet)
     serve(
         source,
-        begun,
+        session.model(model, seed),
         port=port,
         host=host,
         browser=not no_browser,
