@@ -42,6 +42,23 @@ class Scale(StrEnum):
             return math.expm1(min(coordinate, 700.0))
         return max((max(coordinate, 0.0) / 2.0) ** 2 - 0.375, 0.0)
 
+    def plain_error(self, value: float, error: float) -> float:
+        """A standard error on this scale in plain units, to first order; NaN without a place."""
+        if self is Scale.LINEAR:
+            return error
+        if self is Scale.LOG:
+            return value * error if value > 0 else math.nan
+        if self is Scale.RATIO:
+            return (1.0 + value) * error if value > -1 else math.nan
+        return math.sqrt(value + 0.375) * error if value > -0.375 else math.nan
+
+    def ends(self, value: float, error: float, reach: float) -> tuple[float, float]:
+        """The value less and plus ``reach`` standard errors of this scale, in plain units."""
+        here = self.coordinate(value)
+        if not math.isfinite(here) or not math.isfinite(error):
+            return value, value
+        return self.plain(here - reach * error), self.plain(here + reach * error)
+
 
 @dataclass(frozen=True)
 class StatisticInfo:

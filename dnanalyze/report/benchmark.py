@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from dnanalyze.report.plain import document as made
+from dnanalyze.report.plain import estimate
 from dnanalyze.report.words import celsius, is_number, listing, symbol
 
 if TYPE_CHECKING:
@@ -21,8 +22,7 @@ def rows(result: Any) -> list[dict[str, Any]]:
             "unit": r.unit,
             "temperature_c": r.temperature_c,
             "sensor": p.sensor,
-            "value": p.figure.value,
-            "se": p.figure.se,
+            **estimate(p.figure.value, p.figure.se),
             "rank": p.rank,
             "not_distinguishable_from": " ".join(p.alike),
             "note": p.figure.note,
@@ -59,8 +59,7 @@ def document(folders: Sequence[str], result: Any) -> dict[str, Any]:
                         "sensor": p.sensor,
                         "rank": p.rank,
                         "not_distinguishable_from": p.alike,
-                        "value": p.figure.value,
-                        "se": p.figure.se,
+                        **estimate(p.figure.value, p.figure.se),
                         "note": p.figure.note,
                     }
                     for p in r.places
@@ -80,8 +79,7 @@ def _sensor(sensor: Any) -> dict[str, Any]:
         "pixel_pitch_um": sensor.sensor.pixel_pitch_um,
         "temperatures_c": sensor.temperatures,
         "dn_per_e": {
-            "value": sensor.dn_per_e.value,
-            "se": sensor.dn_per_e.se,
+            **estimate(sensor.dn_per_e.value, sensor.dn_per_e.se),
             "note": sensor.dn_per_e.note,
         },
         "errors": sensor.errors,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dnanalyze.report import words
-from dnanalyze.report.plain import document
+from dnanalyze.report.plain import document, estimate
 
 PARAMETER = "name", "value", "se", "unit", "determined", "upper"
 Document = dict[str, Any]
@@ -25,7 +25,7 @@ def inspection(where: str, found: dict[str, Any]) -> Document:
 def statistics(where: str, measured: Any, quantities: Any = None) -> Document:
     """Every statistic with its standard error; the EMVA 1288 quantities under "emva"."""
     from dnanalyze.analyzers.families.trends import channel_trends, law_doubts
-    from dnanalyze.report.tables import info
+    from dnanalyze.report.tables import info, measured_value
 
     rows = []
     for setting in measured.settings:
@@ -35,9 +35,7 @@ def statistics(where: str, measured: Any, quantities: Any = None) -> Document:
                 "family": info(name).family,
                 "unit": info(name).unit,
                 "scale": info(name).scale,
-                "value": value.value,
-                "se": value.se,
-                **_repeated(value),
+                **measured_value(info(name).scale, value),
             }
             for name, value in setting.values.items()
         ]
@@ -65,11 +63,6 @@ def statistics(where: str, measured: Any, quantities: Any = None) -> Document:
         doubts=law_doubts(measured),
         **more,
     )
-
-
-def _repeated(value: Any) -> Document:
-    """The repeatability, where it was asked for."""
-    return {} if value.repeatability is None else {"repeatability": value.repeatability}
 
 
 def emva_group(group: Any) -> Document:
@@ -103,7 +96,7 @@ def _quantities(items: Any) -> list[Document]:
 
 
 def _values(named: Mapping[str, Any]) -> Document:
-    return {k: {"value": v.value, "se": v.se} for k, v in named.items()}
+    return {k: estimate(v.value, v.se) for k, v in named.items()}
 
 
 def fit(where: str, result: Any, output: Path | None) -> Document:
@@ -370,5 +363,11 @@ def effect(kind: Any) -> Document:
 
 
 def _fields(item: Any, *keys: str) -> Document:
-    """These attributes of an object; what it lacks is left out."""
-    return {k: getattr(item, k) for k in keys if hasattr(item, k)}
+    """These attributes of an object; what it lacks is left out.
+
+    A value with a standard error has the ends of its interval beside it.
+    """
+    found = {k: getattr(item, k) for k in keys if hasattr(item, k)}
+    if {"value", "se"} <= found.keys():
+        found |= estimate(found["value"], found["se"])
+    return found

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+NORMAL_95 = 1.96  # standard errors of an interval of 95 %
+
 
 def plain(value: Any) -> Any:
     """Dictionaries, lists, text, finite numbers, booleans, None; NaN and infinity become None."""
@@ -34,6 +36,14 @@ def plain(value: Any) -> Any:
     if isinstance(value, (list, tuple, set, frozenset)):
         return [plain(v) for v in value]
     raise TypeError(f"{type(value).__name__} has no plain form")
+
+
+def estimate(value: float | None, se: float | None) -> dict[str, float | None]:
+    """A number with its standard error and its interval of 95 %, in one unit."""
+    if value is None or se is None:
+        return {"value": value, "se": se, "low": None, "high": None}
+    half = NORMAL_95 * se
+    return {"value": value, "se": se, "low": value - half, "high": value + half}
 
 
 def document(command: str, captures: str | None, **body: Any) -> dict[str, Any]:

@@ -6,7 +6,8 @@ from collections.abc import Collection
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze.analyzers.statistics import StatisticInfo
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo
+from dnanalyze.report.plain import NORMAL_95, estimate
 from dnanalyze.report.words import is_number, point_label, varied
 
 if TYPE_CHECKING:
@@ -38,6 +39,28 @@ def operating_points(captures: Any) -> pd.DataFrame:
     return _frame([_point(s.point) | {"frames": len(s.frames)} for s in captures.settings])
 
 
+def measured_value(scale: Scale, value: Any, repeated: bool = False) -> dict[str, float | None]:
+    """A statistic with its errors in its own unit, and its standard error on its scale.
+
+    ``low``, ``high``: interval of 95 %, symmetric on the scale. ``repeated``: whether the column of
+    the repeatability is there also where this value has none.
+    """
+    again = value.repeatability
+    low, high = scale.ends(value.value, value.se, NORMAL_95)
+    return {
+        "value": value.value,
+        "se": scale.plain_error(value.value, value.se),
+        "low": low,
+        "high": high,
+        "se_scaled": value.se,
+        **(
+            {"repeatability": None if again is None else scale.plain_error(value.value, again)}
+            if repeated or again is not None
+            else {}
+        ),
+    }
+
+
 def statistics(measured: Any) -> pd.DataFrame:
     """One row a statistic, operating point and colour plane; with the repeatability if known."""
     values = [v for s in measured.settings for v in s.values.values()]
@@ -45,10 +68,8 @@ def statistics(measured: Any) -> pd.DataFrame:
     rows = [
         _point(setting.point)
         | {"plane": setting.plane, "name": name, "family": info(name).family}
+        | measured_value(info(name).scale, value, known)
         | {
-            "value": value.value,
-            "se": value.se,
-            **({"repeatability": value.repeatability} if known else {}),
             "unit": info(name).unit,
             "scale": info(name).scale.value,
         }
@@ -65,8 +86,9 @@ def comparison(result: Any) -> pd.DataFrame:
 
 def parameters(result: Any) -> pd.DataFrame:
     """The fitted parameters."""
-    keys = ("name", "value", "se", "unit")
-    return _frame([{k: getattr(p, k) for k in keys} for p in result.parameters])
+    return _frame(
+        [{"name": p.name} | estimate(p.value, p.se) | {"unit": p.unit} for p in result.parameters]
+    )
 
 
 def candidates(result: Any) -> pd.DataFrame:
@@ -86,8 +108,12 @@ def candidates(result: Any) -> pd.DataFrame:
 
 def description(result: Any) -> pd.DataFrame:
     """The numbers of a description."""
-    keys = ("name", "value", "se", "unit", "in_model")
-    return _frame([{k: getattr(n, k) for k in keys} for n in result.numbers])
+    return _frame(
+        [
+            {"name": n.name} | estimate(n.value, n.se) | {"unit": n.unit, "in_model": n.in_model}
+            for n in result.numbers
+        ]
+    )
 
 
 def laws(

@@ -77,7 +77,8 @@ def test_the_keys_are_those_of_the_contract():
         for step in refine["steps"]
     )
     assert refine["parameters"][1] == {
-        "effect": "pedestal", "name": "pedestal", "value": 64.0, "se": None, "unit": "DN",
+        "effect": "pedestal", "name": "pedestal", "value": 64.0, "se": None,
+        "low": None, "high": None, "unit": "DN",
     }  # fmt: skip
     assert refine["model"] == "m.yaml"
     detect = MADE["detect"]()
@@ -145,3 +146,19 @@ def test_the_classifier_stands_where_a_model_is_judged_by_it():
             "at 105 °C by the upper tail and the excess kurtosis of the mean" in found["sentence"]
         )
     assert "classifier" not in documents.comparison("f", fakes.comparison())
+
+
+def test_errors_of_statistics_are_in_the_unit_of_the_value():
+    """Of a logarithmic scale se is relative; of the value it is an error bar."""
+    measured = fakes.statistics()
+    document = documents.statistics("captures", measured)
+    table = tables.statistics(measured)
+    rows = [row for s in document["settings"] for row in s["statistics"]]
+    logs = [r for r in rows if r["scale"] == "log" and r["value"] > 0 and r["se_scaled"]]
+    assert logs
+    for row in logs:
+        assert row["se"] == pytest.approx(row["value"] * row["se_scaled"])
+        assert row["low"] * row["high"] == pytest.approx(row["value"] ** 2)
+    assert list(table["se"].dropna()) == pytest.approx(
+        [r["se"] for r in rows if r["se"] is not None]
+    )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import report_fakes as fakes
 
-from dnanalyze.analyzers.statistics import Scale, Statistics, Value
+from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.report.figures import (
@@ -213,16 +213,6 @@ def test_white_noise_pools_to_its_variance_and_its_modes_to_the_plane():
     assert np.all(np.diff(radius) > 0)
     z = (power / 9.0 - 1) * np.sqrt(held)
     assert np.abs(z).max() < 5  # 5 sigma of the pooled exponentials
-
-
-def test_bands_are_taken_on_the_scale_of_the_statistic():
-    low, high = over_temperature.ends_of(Value(4.0, 0.1), Scale.LOG)
-    assert (low, high) == pytest.approx((4 * np.exp(-0.2), 4 * np.exp(0.2)))
-    low, high = over_temperature.ends_of(Value(0.0, 1.0), Scale.ROOT)
-    assert low == 0.0
-    assert high == pytest.approx(((2 * 0.375**0.5 + 2) / 2) ** 2 - 0.375)
-    assert over_temperature.ends_of(Value(1.0, 0.5), Scale.LINEAR) == (0.0, 2.0)
-    assert over_temperature.ends_of(Value(1.0, np.nan), Scale.LOG) == (1.0, 1.0)
 
 
 def test_a_missing_code_shows_as_zero_and_a_smooth_histogram_as_one():

@@ -26,6 +26,7 @@ from dnanalyze.report.figures.style import (
 from dnanalyze.report.tables import info
 from dnanalyze.report.words import varied
 
+BAND = 2.0  # standard errors that the line through a measured value reaches
 WIDE = 100.0  # ratio of the ends of an exposure axis from which it is logarithmic
 
 
@@ -58,7 +59,10 @@ def draw_statistic(ax: Any, drawn: Sequence[Layer], name: str) -> Any:
                 ax.plot(x[seen], y[seen], marker="o", markersize=size, **look)
         if layer.band:
             ends = np.array(
-                [ends_of(v, about.scale) if _finite(v) else (math.nan,) * 2 for v in values]
+                [
+                    (math.nan, math.nan) if v is None else about.scale.ends(v.value, v.se, BAND)
+                    for v in values
+                ]
             )
             ax.vlines(x, ends[:, 0], ends[:, 1], color=INK, alpha=0.35, linewidth=3.2)
     if about.scale is Scale.LOG and plain and min(plain) > 0 and max(plain) / min(plain) > 3:
@@ -124,16 +128,3 @@ def _finite(value: Value | None) -> bool:
 def _title(text: str) -> str:
     """On two lines at most."""
     return "\n".join(textwrap.wrap(text, 30, max_lines=2, placeholder=" …"))
-
-
-def ends_of(value: Any, scale: Scale, reach: float = 2.0) -> tuple[float, float]:
-    """The value less and plus ``reach`` standard errors, taken on the statistic's own scale."""
-    v, e = value.value, reach * value.se
-    if not math.isfinite(e):
-        return v, v
-    if scale is Scale.LOG:
-        return v * math.exp(-min(e, 50)), v * math.exp(min(e, 50))
-    if scale is Scale.ROOT:
-        root = 2 * math.sqrt(max(v, 0) + 0.375)
-        return max(0.0, (max(root - e, 0) / 2) ** 2 - 0.375), ((root + e) / 2) ** 2 - 0.375
-    return v - e, v + e

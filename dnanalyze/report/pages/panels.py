@@ -276,5 +276,4 @@ def _value(setting: Any, name: str) -> str:
     found = setting.values.get(name)
     if found is None:
         return "–"
-    low, high = over_temperature.ends_of(found, info(name).scale, 1.0)
-    return with_error(found.value, (high - low) / 2)
+    return with_error(found.value, info(name).scale.plain_error(found.value, found.se))
