@@ -42,7 +42,7 @@ from dnanalyze_cli.warned import Told
 app = typer.Typer(
     name="dnanalyze",
     help="Compare a noise model with dark frames and identify the missing physical effect.",
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode="rich",
     epilog="Start with [bold]dnanalyze demo[/bold] or [bold]dnanalyze compare FOLDER[/bold].",
 )
@@ -108,6 +108,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return _reader_gone()
     except SystemExit as leave:
+        if leave.code == 0:  # the shell was told how to complete a word
+            return 0
         if leave.code == TERMINATED:
             return _fail(f"terminated; {NOTHING_HALF}", TERMINATED)
         if isinstance(leave.__context__, BrokenPipeError):  # Typer's answer to it is exit code 1
@@ -121,6 +123,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run() -> None:
     """The ``dnanalyze`` command."""
     end_on_sigterm()
+    for stream in (sys.stdout, sys.stderr):  # one of another encoding lacks ° or σ
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
     warnings.showwarning = Told()
     code = main()
     try:

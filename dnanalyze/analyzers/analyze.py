@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -22,6 +21,7 @@ from dnanalyze.analyzers.streaming import cache
 from dnanalyze.analyzers.streaming.accumulation import Accumulation, make_plan, read_ahead
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.processors import cpu_count
 
 Progress = Callable[[int, int], None]
 SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
@@ -208,7 +208,7 @@ def _pool(workers: int | None, outer: Window, stack: ExitStack) -> ThreadPoolExe
     rows, columns = outer.shape
     if workers == 1 or rows * columns <= SMALL:
         return None
-    return stack.enter_context(ThreadPoolExecutor(workers or len(os.sched_getaffinity(0))))
+    return stack.enter_context(ThreadPoolExecutor(workers or cpu_count()))
 
 
 def _placed(window: Window | None, sensor: Sensor) -> Window:

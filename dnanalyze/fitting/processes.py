@@ -8,7 +8,6 @@ and statistics travel.
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 import warnings
 import weakref
@@ -27,6 +26,7 @@ from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
+from dnanalyze.processors import cpu_count
 
 MOST = 7  # helpers
 PATIENCE_S = 5.0  # with a helper at the end
@@ -158,7 +158,7 @@ class Helpers:
 
 def helpers_for(pixels: int) -> Helpers:
     """One for each further processor, where simulations of so many pixels are worth its start."""
-    return Helpers(min(len(os.sched_getaffinity(0)) - 1, MOST) if pixels >= WORTH else 0)
+    return Helpers(min(cpu_count() - 1, MOST) if pixels >= WORTH else 0)
 
 
 def _taken(

@@ -7,7 +7,6 @@ what the strips make suspect of equality is confirmed on the full frames.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -23,6 +22,7 @@ from dnanalyze.loaders.odd_frames import FEWEST, Peers, Seen, odd_frames, reason
 from dnanalyze.loaders.recording import FrameReader
 from dnanalyze.loaders.taps import Step, find_steps
 from dnanalyze.loaders.taps import words as taps_words
+from dnanalyze.processors import cpu_count
 
 SAMPLE = 1 << 16  # pixels: a mean level to .006 of the noise, a difference of frames to .3 %
 STRIPS = 16  # all over the frame, so that noise of long range averages out as in the frame
@@ -295,7 +295,7 @@ def _most_frames(settings: Sequence[Setting]) -> int:
 
 def _samples(frames: Sequence[Frame]) -> Iterator[tuple[Frame, np.ndarray]]:
     """Frames with their samples, several read at once; without those that cannot be read."""
-    with ThreadPoolExecutor(min(AT_ONCE, len(os.sched_getaffinity(0)))) as pool:
+    with ThreadPoolExecutor(min(AT_ONCE, cpu_count())) as pool:
         for begin in range(0, len(frames), AT_ONCE):
             some = frames[begin : begin + AT_ONCE]
             for frame, sample in zip(some, pool.map(_sample, some), strict=True):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -14,6 +13,7 @@ from dnanalyze.model import bands
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulator import Simulator, room
+from dnanalyze.processors import cpu_count
 
 
 def simulate(
@@ -186,6 +186,6 @@ def simulate_frames(
         return Renderer(model, shape, named(device), bits).stream(point, numbers, batch)
     size = room(model, shape)
     simulator = Simulator(model, shape, Memo(size), Memo(size))
-    threads = threads or len(os.sched_getaffinity(0))
+    threads = threads or cpu_count()
     rows = rows or bands.band_rows(model, shape[1])
     return bands.stream(simulator, point, numbers, threads, rows, bits)

@@ -109,12 +109,12 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Simulate frames of a model; writes a new folder with a manifest."""
-    import os
     from dataclasses import replace
 
     from dnanalyze.loaders import write_captures
     from dnanalyze.model.channel_models import require
     from dnanalyze.model.simulate import simulate as run
+    from dnanalyze.processors import cpu_count
     from dnanalyze.report import documents
     from dnanalyze.report.files import atomic_folder
     from dnanalyze.report.terminal.simulation import written
@@ -136,7 +136,7 @@ def simulate(
     points = _points(own, pattern, temperatures, exposure, gain, channels, frames)
     _check_size(size, sum(count for _, count in points))
     sensor = replace(pattern.sensor, shape=size) if pattern else None
-    threads = os.cpu_count() or 1
+    threads = cpu_count()
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
     with atomic_folder(out) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
