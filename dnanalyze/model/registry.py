@@ -8,6 +8,7 @@ import inspect
 import pkgutil
 import sys
 from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -18,6 +19,7 @@ from dnanalyze.model.own_effects import guarded, own_error
 
 EVERYDAY = ("read_noise", "pixel_fpn", "dark_shot_noise", "quantization")
 BASE = "convolved_lognormal"
+MEANT = 3  # names that a wrong one may stand for
 
 
 @cache
@@ -98,10 +100,13 @@ def find(name: str, known: dict[str, type[Effect]]) -> type[Effect]:
     Raises
     ------
     InputError
-        Unknown; the message lists the valid names.
+        Unknown; the message lists the valid names, those like it first.
     """
     if name not in known:
-        raise InputError(f"unknown effect {name!r}; valid names: {', '.join(sorted(known))}")
+        like = [n for n in sorted(known) if name and name in n]
+        like = like or get_close_matches(name, known, 1)
+        meant = f"did you mean {' or '.join(like)}? " if 0 < len(like) <= MEANT else ""
+        raise InputError(f"unknown effect {name!r}; {meant}valid names: {', '.join(sorted(known))}")
     return known[name]
 
 
