@@ -22,6 +22,7 @@ SLOW = {
     "add": ("dnanalyze.diagnosis.refine.add", fakes.refinement),
     "refine": ("dnanalyze.diagnosis.refine.refine", fakes.refinement),
 }
+HELPERS = object()
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def calls(monkeypatch):
     for command, (path, result) in SLOW.items():
         module, name = path.rsplit(".", 1)
         monkeypatch.setattr(import_module(module), name, stand_in(command, result))
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: SimpleNamespace(helpers=HELPERS))
     plan = SimpleNamespace(pixels=0)
     monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: plan)
     return seen
@@ -53,15 +54,15 @@ def calls(monkeypatch):
 def test_compare_tells_what_a_classifier_can_tell(folder, calls, tmp_path, capsys, monkeypatch):
     seen = []
 
-    def classify(captures, model, *, seed):
-        seen.append(seed)
+    def classify(captures, model, *, seed, helpers):
+        seen.append((seed, helpers))
         return fakes.classification()
 
     monkeypatch.setattr("dnanalyze.classifier.classify.classify", classify)
     out, page = tmp_path / "out.json", tmp_path / "out.html"
     more = ["--classifier", "--json", str(out), "--report", str(page), "-q"]
     assert main(["compare", str(folder), *more]) == 0
-    assert seen == [0]
+    assert seen == [(0, HELPERS)]
     assert json.loads(out.read_text())["classifier"]["auc"] == 0.76
     assert "A classifier tells the simulated frames" in capsys.readouterr().out
     assert "Classifier two-sample test" in page.read_text()
