@@ -45,7 +45,8 @@ def calls(monkeypatch):
     for command, (path, result) in SLOW.items():
         module, name = path.rsplit(".", 1)
         monkeypatch.setattr(import_module(module), name, stand_in(command, result))
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: SimpleNamespace(helpers=HELPERS))
+    held = SimpleNamespace(helpers=HELPERS)
+    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: held)
     plan = SimpleNamespace(pixels=0)
     monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: plan)
     return seen
