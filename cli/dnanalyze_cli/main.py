@@ -11,6 +11,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
 
 import typer
@@ -66,6 +67,7 @@ for panel, commands in {
 # The base of every usage error; Typer carries its own copy of Click, so it is found through Typer.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 BAD_INPUT, INTERNAL, BROKEN_PIPE = 2, 3, 141
+COMPLETION = "_DNANALYZE_COMPLETE"  # by which a shell asks how a word goes on
 NOTHING_HALF = "nothing was left half-written"
 
 
@@ -108,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return _reader_gone()
     except SystemExit as leave:
-        if leave.code == 0:  # the shell was told how to complete a word
+        if leave.code == 0 and COMPLETION in os.environ:  # the shell has its answer
             return 0
         if leave.code == TERMINATED:
             return _fail(f"terminated; {NOTHING_HALF}", TERMINATED)
@@ -123,8 +125,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run() -> None:
     """The ``dnanalyze`` command."""
     end_on_sigterm()
-    for stream in (sys.stdout, sys.stderr):  # one of another encoding lacks ° or σ
-        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # its encoding may lack ° or σ
+            stream.reconfigure(errors="replace")
     warnings.showwarning = Told()
     code = main()
     try:

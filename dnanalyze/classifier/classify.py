@@ -88,10 +88,10 @@ def classify(
     chosen = _chosen(captures, model.unit)
     settings = [(s.point, len(s.frames)) for s in chosen.settings]
     judge = Judge(chosen.sensor, settings, model, where, _learner(network), seed)
-    shared = helpers is not None and travels(model) and not network
-    crew = helpers if helpers is not None and shared else Helpers()
-    judged, finished = _all(judge, chosen, crew, limit or TimeLimit())
-    judged = _confirmed(judge, judged, crew)
+    if helpers is None or network or not travels(model):
+        helpers = Helpers()
+    judged, finished = _all(judge, chosen, helpers, limit or TimeLimit())
+    judged = _confirmed(judge, judged, helpers)
     cells = _cells(judged)
     found = replace(empty, cells=cells, finished=finished)
     best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
@@ -104,7 +104,7 @@ def _all(
 ) -> tuple[list[Judged], bool]:
     """The cells that were judged before the time was up, and whether all were.
 
-    Those of one operating point a process at the least.
+    Each process judges one operating point before the time is asked for.
     """
     judged: list[Judged] = []
     numbers, step = range(len(captures.settings)), helpers.count + 1

@@ -31,7 +31,9 @@ from dnanalyze.processors import cpu_count
 MOST = 7  # helpers
 PATIENCE_S = 5.0  # with a helper at the end
 WARM = 64, 64  # pixels of what a helper simulates before it is asked
-WORTH = 500_000  # pixels of a simulation from which `compare` alone is worth a helper's start
+# Pixels of a simulation from which a helper is worth its start. With one, `compare` is 0.2 s slower
+# at 37,000 pixels and 2 s faster at 2 million.
+WORTH = 500_000
 
 
 Found = TypeVar("Found")
@@ -87,7 +89,7 @@ class Helpers:
 
     @property
     def count(self) -> int:
-        """Of them."""
+        """Number of helpers that still work."""
         return len(self._pipes)
 
     def statistics(

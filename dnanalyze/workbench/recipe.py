@@ -52,6 +52,8 @@ def python(source: CaptureSource, path: Sequence[Node]) -> str:
         for key, value in (
             ("config", source.config and str(source.config)),
             ("tolerance_c", source.tolerance_c),
+            ("keep_outliers", source.keep_outliers or None),
+            ("mask", source.mask and str(source.mask)),
         )
         if value is not None
     ]
@@ -97,6 +99,10 @@ def _reading(source: CaptureSource) -> str:
         words += f" --config {shlex.quote(str(source.config))}"
     if source.tolerance_c is not None:
         words += f" --tolerance-c {source.tolerance_c:g}"
+    if source.keep_outliers:
+        words += " --keep-outliers"
+    if source.mask is not None:
+        words += f" --mask {shlex.quote(str(source.mask))}"
     if source.channel is not None:
         words += f" --channel {shlex.quote(source.channel)}"
     for path in source.effects:

@@ -213,3 +213,25 @@ def test_a_reader_that_is_gone_is_no_failed_check(unbuffered):
     shown = process.stderr.read().decode()
     process.stderr.close()
     assert (process.wait(60), shown) == (141, "")
+
+
+def test_a_shell_is_told_how_a_word_goes_on(capsys, monkeypatch):
+    monkeypatch.setenv("_DNANALYZE_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", "dnanalyze ref")
+    monkeypatch.setenv("COMP_CWORD", "1")
+    assert main([]) == 0
+    assert capsys.readouterr().out.split() == ["refine"]
+
+
+def test_an_exit_without_a_shell_that_asks_is_an_internal_error(monkeypatch, capsys):
+    """Whatever it is, `check` did not pass."""
+    monkeypatch.setattr("dnanalyze.loaders.load", lambda *_, **__: sys.exit(0))
+    assert main(["inspect", "."]) == 3
+    assert "internal error" in capsys.readouterr().err
+
+
+def test_the_short_option_helps_as_the_long_one(capsys):
+    assert main(["compare", "-h"]) == 0
+    short = capsys.readouterr().out
+    assert main(["compare", "--help"]) == 0
+    assert short == capsys.readouterr().out != ""

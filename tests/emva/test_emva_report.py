@@ -38,7 +38,9 @@ def test_json_keeps_its_keys_and_gains_emva(measured):
     assert {"temporal_dark_noise_dn", "dsnu_row_dn", "dsnu_col_dn", "dsnu_pixel_dn"} <= keys
     for quantity in group["operating_points"][0]["quantities"]:
         assert (quantity["value"] is None) == bool(quantity["reason"])
-        assert {"key", "symbol", "name", "unit", "value", "se", "reason", "note"} <= set(quantity)
+        assert set(quantity) == {
+            "key", "symbol", "name", "unit", "value", "se", "low", "high", "reason", "note",
+        }  # fmt: skip
 
 
 def test_page_begins_with_maps_and_quantities(captures, measured):

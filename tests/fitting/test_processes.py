@@ -17,6 +17,7 @@ from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.registry import built_in
+from dnanalyze.processors import cpu_count
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +131,6 @@ def test_helpers_are_started_only_where_there_is_much_to_do():
     assert not helpers_for(WORTH - 1).workers
     many = helpers_for(WORTH)
     try:
-        assert len(many.workers) == min(MOST, len(os.sched_getaffinity(0)) - 1)
+        assert len(many.workers) == min(MOST, cpu_count() - 1)
     finally:
         many.close()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def draw_statistic(ax: Any, drawn: Sequence[Layer], name: str) -> Any:
         if layer.band:
             ends = np.array(
                 [
-                    (math.nan, math.nan) if v is None else about.scale.ends(v.value, v.se, BAND)
+                    about.scale.ends(v.value, v.se, BAND) if _finite(v) else (math.nan, math.nan)
                     for v in values
                 ]
             )
@@ -121,7 +121,7 @@ def tells(drawn: Sequence[Layer], name: str) -> bool:
     return len({v for v in found if math.isfinite(v)}) > 1
 
 
-def _finite(value: Value | None) -> bool:
+def _finite(value: Value | None) -> TypeGuard[Value]:
     return value is not None and math.isfinite(value.value)
 
 
