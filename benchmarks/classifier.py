@@ -116,13 +116,13 @@ def missing(task: tuple[str, str, int], size: int) -> dict[str, Any]:
 
 def row(case: str, found: dnanalyze.Classification) -> dict[str, Any]:
     """What is counted."""
-    joint = NormalDist().inv_cdf(1 - 0.025 / len(found.cells))
+    joint = NormalDist().inv_cdf(1 - 0.025 / len((*found.cells, *found.together)))
     single = NormalDist().inv_cdf(0.975) / joint
     z = [single * (c.auc - c.low) for c in found.cells]
     return {
         "case": case,
         "tells": found.tells,
-        "above": any(c.low > 0.5 for c in found.cells),
+        "above": any(c.low > 0.5 for c in (*found.cells, *found.together)),
         "cells above": sum(c.auc - h > 0.5 for c, h in zip(found.cells, z, strict=True)),
         "cells below": sum(c.auc + h < 0.5 for c, h in zip(found.cells, z, strict=True)),
         "cells": len(found.cells),

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from statistics import fmean
 
 import numpy as np
 
+from dnanalyze.classifier.curve import Area, mean_area
 from dnanalyze.classifier.descriptors import random_filters
 from dnanalyze.classifier.pictures import around_zero, code_step, compact_frames
 from dnanalyze.classifier.places import Places
@@ -19,7 +21,7 @@ from dnanalyze.model.simulate import simulate
 APART = 7919  # between the seeds of simulated sensors: replicates of a fit are numbered from 1 on
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Judged:
     """One operating point and view, with a simulated sensor and a second one as the control.
 
@@ -50,15 +52,30 @@ class Judged:
     tested: Tested
     controls: tuple[float, ...]
 
-    @property
-    def auc(self) -> float:
-        """Area under the ROC curve."""
-        return self.tested.area.value
+
+@dataclass(frozen=True)
+class Pool:
+    """One view at one operating point, or at all of them together.
+
+    Together they show what no operating point shows by itself, such as a few defects.
+
+    Parameters
+    ----------
+    parts : tuple of Judged
+        One for each operating point.
+    """
+
+    parts: tuple[Judged, ...]
 
     @property
-    def control(self) -> float:
-        """Mean area of the controls."""
-        return float(np.mean(self.controls))
+    def area(self) -> Area:
+        """Mean over the operating points; what a place has at all of them, it moves once."""
+        return mean_area([p.tested.area for p in self.parts])
+
+    @property
+    def controls(self) -> tuple[float, ...]:
+        """Areas of the controls that all operating points have."""
+        return tuple(map(fmean, zip(*(p.controls for p in self.parts), strict=False)))
 
     @property
     def se(self) -> float:
@@ -67,11 +84,20 @@ class Judged:
         A pattern that one sensor or one frame has once all over the field (a phase, a cloud) makes
         two sensors of one design differ at every place alike, which no place can tell.
         """
-        own = self.tested.area.se
-        if len(self.controls) < 2:
+        own, controls = self.area.se, self.controls
+        if len(controls) < 2:
             return own
-        scatter = np.var(self.controls, ddof=1) * (1.0 + 1.0 / len(self.controls))
+        scatter = np.var(controls, ddof=1) * (1.0 + 1.0 / len(controls))
         return max(own, float(np.sqrt(scatter)))
+
+
+def pools(judged: Sequence[Judged]) -> list[Pool]:
+    """Every operating point and view, then every view at all operating points together."""
+    by_view: dict[str, list[Judged]] = {}
+    for one in judged:
+        by_view.setdefault(one.view.key, []).append(one)
+    together = [Pool(tuple(parts)) for parts in by_view.values() if len(parts) > 1]
+    return [*(Pool((one,)) for one in judged), *together]
 
 
 @dataclass(frozen=True)

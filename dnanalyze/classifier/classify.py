@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from statistics import fmean
 
 import numpy as np
 from scipy.special import stdtrit
 
 from dnanalyze.analyzers.saturated_settings import unsaturated
-from dnanalyze.classifier.cells import Judge, Judged
+from dnanalyze.classifier.cells import Judge, Judged, Pool, pools
 from dnanalyze.classifier.pictures import compact_frames
 from dnanalyze.classifier.places import BANDS, FOLDS, SIDE, places
 from dnanalyze.classifier.result import Cell, Classification, Told
@@ -37,6 +38,7 @@ def classify(
     *,
     seed: int = 0,
     network: bool = False,
+    points: int = MOST_POINTS,
     limit: TimeLimit | None = None,
     helpers: Helpers | None = None,
 ) -> Classification:
@@ -53,6 +55,8 @@ def classify(
     network : bool
         Train a small convolutional network in place of gradient boosting (extra ``torch``); it
         takes several times as long.
+    points : int
+        Operating points at most, far apart in temperature and exposure.
     limit : TimeLimit, optional
         The operating points that were judged before it are given.
     helpers : Helpers, optional
@@ -85,16 +89,22 @@ def classify(
     if where is None:
         least = BANDS * SIDE[1]
         return replace(empty, reason=f"a colour plane has fewer than {least} rows or columns")
-    chosen = _chosen(captures, model.unit)
+    chosen = _chosen(captures, points, model.unit)
     settings = [(s.point, len(s.frames)) for s in chosen.settings]
     judge = Judge(chosen.sensor, settings, model, where, _learner(network), seed)
     if helpers is None or network or not travels(model):
         helpers = Helpers()
     judged, finished = _all(judge, chosen, helpers, limit or TimeLimit())
-    judged = _confirmed(judge, judged, helpers)
-    cells = _cells(judged)
-    found = replace(empty, cells=cells, finished=finished)
-    best = judged[max(range(len(cells)), key=lambda n: (cells[n].tells, cells[n].low))]
+    every = pools(_confirmed(judge, judged, helpers))
+    cells = _cells(every)
+    found = replace(
+        empty,
+        cells=[c for c in cells if c.point is not None],
+        together=[c for c in cells if c.point is None],
+        finished=finished,
+    )
+    first = max(zip(cells, every, strict=True), key=lambda pair: (pair[0].tells, pair[0].low))[1]
+    best = max(first.parts, key=lambda part: part.tested.area.value)
     telling = _telling(best, seed) if found.tells else []
     return replace(found, telling=telling, patches=_patches(best, telling))
 
@@ -125,9 +135,9 @@ def _learner(network: bool) -> Learner:
     return convolutional
 
 
-def _chosen(captures: CaptureSet, unit: float) -> CaptureSet:
+def _chosen(captures: CaptureSet, points: int, unit: float) -> CaptureSet:
     """Operating points far apart and their first frames, without the saturated ones."""
-    few = unsaturated(design(captures, UNLIMITED, MOST_POINTS, unit).captures)[0]
+    few = unsaturated(design(captures, UNLIMITED, points, unit).captures)[0]
     return replace(
         few, settings=tuple(Setting(s.point, s.frames[:MOST_FRAMES]) for s in few.settings)
     )
@@ -137,26 +147,40 @@ def _confirmed(judge: Judge, judged: list[Judged], helpers: Helpers) -> list[Jud
     """With more controls for the cells that seem to tell, the clearest first, until one does."""
     done = list(judged)
     for _ in range(TRIED):
-        cells = _cells(done)
-        seem = [n for n, c in enumerate(cells) if c.above and len(done[n].controls) < CONTROLS]
+        every = pools(done)
+        cells = _cells(every)
+        seem = [n for n, c in enumerate(cells) if c.above and not c.confirmed]
         if not seem or any(c.tells for c in cells):
             break
-        first = max(seem, key=lambda n: cells[n].low)
-        more = [(done[first], number) for number in range(2, CONTROLS + 1)]
-        controls = (*done[first].controls, *helpers.each(judge.control, more))
-        done[first] = replace(done[first], controls=controls)
+        parts = every[max(seem, key=lambda n: cells[n].low)].parts
+        short = [n for n, j in enumerate(done) if j in parts and len(j.controls) < CONTROLS]
+        more = [(done[n], number) for n in short for number in range(2, CONTROLS + 1)]
+        areas = iter(helpers.each(judge.control, more))
+        for n in short:
+            added = [next(areas) for _ in range(2, CONTROLS + 1)]
+            done[n] = replace(done[n], controls=(*done[n].controls, *added))
     return done
 
 
-def _cells(judged: list[Judged]) -> list[Cell]:
+def _cells(every: list[Pool]) -> list[Cell]:
     """With intervals that hold for all cells together (Bonferroni)."""
     made = []
-    for j in judged:
+    for pool in every:
+        first, auc = pool.parts[0], pool.area.value
         # Rows or columns of patches are few: Student's t (Cameron, Gelbach and Miller 2011).
-        half = j.se * float(stdtrit(max(j.cuts.grid) - 1, 1 - 0.025 / len(judged)))
-        low, high = max(0.0, j.auc - half), min(1.0, j.auc + half)
-        confirmed = len(j.controls) >= CONTROLS
-        made.append(Cell(j.point, j.view.key, j.view.name, j.auc, low, high, j.control, confirmed))
+        half = pool.se * float(stdtrit(max(first.cuts.grid) - 1, 1 - 0.025 / len(every)))
+        made.append(
+            Cell(
+                first.point if len(pool.parts) == 1 else None,
+                first.view.key,
+                first.view.name,
+                auc,
+                max(0.0, auc - half),
+                min(1.0, auc + half),
+                fmean(pool.controls),
+                len(pool.controls) >= CONTROLS,
+            )
+        )
     return made
 
 
@@ -174,6 +198,7 @@ def _patches(judged: Judged, telling: list[str]) -> Told:
     picture = next((n for n in names if telling and telling[0].endswith(n)), names[0])
     scores = judged.tested.scores
     return Told(
+        judged.point,
         picture,
         _extreme(judged.measured, {f: s[0] for f, s in scores.items()}, picture),
         _extreme(judged.simulated, {f: -s[1] for f, s in scores.items()}, picture),

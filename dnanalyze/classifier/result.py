@@ -20,7 +20,8 @@ class Cell:
 
     Parameters
     ----------
-    point : OperatingPoint
+    point : OperatingPoint or None
+        None: all operating points together.
     view : str
         "frame", "pair", "mean", "tall" or "wide".
     name : str
@@ -33,7 +34,7 @@ class Cell:
         Whether there were several controls, whose scatter is in the interval.
     """
 
-    point: OperatingPoint
+    point: OperatingPoint | None
     view: str
     name: str
     auc: float
@@ -55,16 +56,18 @@ class Cell:
 
 @dataclass(frozen=True)
 class Told:
-    """Patches that tell most, of one cell.
+    """Patches that tell most, of one operating point.
 
     Parameters
     ----------
+    point : OperatingPoint
     picture : str
         What they show, in words.
     measured, simulated : ndarray
         (patches, rows, columns), DN around the level of the frame.
     """
 
+    point: OperatingPoint
     picture: str
     measured: np.ndarray
     simulated: np.ndarray
@@ -82,6 +85,8 @@ class Classification(Result):
         The model that was simulated.
     cells : list of Cell
         By operating point and kind of picture.
+    together : list of Cell
+        By kind of picture, the mean over all operating points; empty where there is one.
     telling : list of str
         The descriptors that tell most, in words; empty where nothing is told.
     patches : Told, optional
@@ -97,6 +102,7 @@ class Classification(Result):
     captures: str
     model: NoiseModel
     cells: list[Cell]
+    together: list[Cell] = field(default_factory=list)
     telling: list[str] = field(default_factory=list)
     patches: Told | None = None
     reason: str = ""
@@ -106,7 +112,8 @@ class Classification(Result):
     @property
     def best(self) -> Cell | None:
         """The cell that tells most: by the lower end of its interval, those that tell first."""
-        return max(self.cells, key=lambda c: (c.tells, c.low), default=None)
+        every = (*self.cells, *self.together)
+        return max(every, key=lambda c: (c.tells, c.low), default=None)
 
     @property
     def auc(self) -> float | None:
@@ -134,7 +141,7 @@ class Classification(Result):
     @property
     def tells(self) -> bool:
         """Whether simulated frames can be told: in any cell, above chance and above its control."""
-        return any(c.tells for c in self.cells)
+        return any(c.tells for c in (*self.cells, *self.together))
 
     def sentence(self) -> str:
         """Return the verdict in one sentence.

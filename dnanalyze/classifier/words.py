@@ -32,8 +32,10 @@ def sentence(result: Any) -> str:
     )
 
 
-def where(points: Sequence[OperatingPoint], point: OperatingPoint) -> str:
+def where(points: Sequence[OperatingPoint], point: OperatingPoint | None) -> str:
     """What sets an operating point apart, such as " at 50 °C"; empty where it is the only one."""
+    if point is None:
+        return " at all operating points together"
     same = {f.name: None for f in fields(point) if len({getattr(p, f.name) for p in points}) == 1}
     return "" if len(set(points)) == 1 else f" at {replace(point, **same).label()}"
 

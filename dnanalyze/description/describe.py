@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from dnanalyze.classifier.classify import classify
+from dnanalyze.classifier.result import Classification
 from dnanalyze.description.advice import more_captures
 from dnanalyze.description.found import Estimate
 from dnanalyze.description.layers import Layers, chance, layers
@@ -92,6 +94,9 @@ class Description(Result):
         What the figure shows.
     finished : bool
         False where the time limit ended the refits.
+    classification : Classification, optional
+        Whether a classifier tells the frames of `model` from the measured ones: a model whose
+        frames it tells is not adequate. None where the time limit came first.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -113,6 +118,7 @@ class Description(Result):
     model: NoiseModel
     look: Look | None = None
     finished: bool = True
+    classification: Classification | None = None
     capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
@@ -208,10 +214,18 @@ def describe(
     tell("fitting the model")
     state = fitted_in_time(held.within(limit), begun)
     found = described(captures, held, state, known_effects(effects, known), limit, tell)
-    if found.effect is None and Null.of(held, state).adequate:
-        text = "Nothing to describe: no residual of the model exceeds chance in these captures."
-        return replace(found, verdict="adequate", text=text, after="adequate")
-    return found
+    if limit.over:
+        return found
+    tell("training a classifier")
+    final = found.model
+    told = classify(captures, final, seed=final.seed, limit=limit, helpers=held.helpers)
+    found = replace(found, classification=told)
+    if found.effect is not None:
+        return replace(found, after="unexplained") if told.tells else found
+    if told.tells or not Null.of(held, state).adequate:
+        return found
+    text = "Nothing to describe: no residual of the model exceeds chance in these captures."
+    return replace(found, verdict="adequate", text=text, after="adequate")
 
 
 def described(
@@ -314,7 +328,7 @@ def _judged(
         ended.model if certain else state.model,
         look(best, seen),
         finished,
-        captures,
+        capture_set=captures,
     )
 
 

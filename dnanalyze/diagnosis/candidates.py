@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.filter_tests import FILTERS, denied
+from dnanalyze.diagnosis.classifier_test import told_apart
+from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
@@ -90,7 +91,8 @@ def trials(
         so_far.trials.append(found[-1])
     promises = {name: own[0].promise for name, own in guesses.items()}
     made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
-    return by_standing([_tested(null.held, t, made) for t in made])
+    tested = by_standing([_tested(null.held, t, made) for t in made])
+    return by_standing(told_apart(null.held, tested))
 
 
 def _tested(bench: Bench, found: Trial, trials: Sequence[Trial]) -> Trial:
@@ -99,7 +101,8 @@ def _tested(bench: Bench, found: Trial, trials: Sequence[Trial]) -> Trial:
         return found
     rivals = [t for t in trials if t.effect in competitors(found, trials)]
     other = any(t.effect not in FILTERS and significant(t) for t in rivals)
-    return replace(found, denied=denied(bench, found.state.model, other))
+    against = denied(bench, found.state.model, other)
+    return replace(found, denied=DENIED if against else "")
 
 
 def _shown(bench: Bench, found: Trial) -> bool:

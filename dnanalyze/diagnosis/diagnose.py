@@ -17,7 +17,6 @@ from dnanalyze.diagnosis.baseline import (
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, trials
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
-from dnanalyze.diagnosis.filter_tests import DENIED
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
@@ -240,7 +239,7 @@ def _candidate(
         _explained(null.error, found.error),
         confidence_of(found, tried),
         competitors(found, tried),
-        [*why, DENIED] if found.denied else why,
+        [*why, found.denied] if found.denied else why,
     )
 
 

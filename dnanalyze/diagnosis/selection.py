@@ -38,7 +38,7 @@ OUTSIDE = 0.05
 STANDS_IN = 0.5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """The model with one more effect, refitted.
 
@@ -60,8 +60,9 @@ class Trial:
         Other guesses of the effect, not refitted.
     falls : ndarray
         Fall of the deviance of each statistic, of either half.
-    denied : bool
-        Whether other tests of the captures exclude the effect (see `filter_tests`).
+    denied : str
+        The test of the captures that excludes the effect (`filter_tests`, `classifier_test`), in
+        words; empty where none does.
     """
 
     effect: str
@@ -73,7 +74,7 @@ class Trial:
     spread: float = 1.0
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
-    denied: bool = False
+    denied: str = ""
 
     @property
     def evidence(self) -> float:

@@ -148,6 +148,7 @@ def classifier(result: Any) -> Document:
         "sentence": result.sentence(),
         "reason": result.reason or None,
         "points": [_point(c.point) | _fields(c, *keys) for c in result.cells],
+        "together": [_fields(c, *keys) for c in result.together],
     }
 
 
@@ -215,6 +216,7 @@ def description(
         effects=result.model.names,
         model=output,
         fitted=result.model.to_plain(),
+        **_classified(result),
         **({} if pattern is None else {"pattern": _pattern(pattern)}),
     )
 
@@ -240,7 +242,7 @@ def _pattern(pattern: Any) -> Document:
 
 
 def _classified(result: Any) -> Document:
-    """The classifier two-sample test of the final model, where it was made."""
+    """The classifier two-sample test of the model, where it was made."""
     told = getattr(result, "classification", None)
     return {} if told is None else {"classifier": classifier(told)}
 

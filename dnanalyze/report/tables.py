@@ -175,9 +175,16 @@ def checks(result: Any) -> pd.DataFrame:
 
 
 def classifier(result: Any) -> pd.DataFrame:
-    """The area under the ROC curve by operating point and kind of picture."""
+    """The area under the ROC curve by operating point and kind of picture.
+
+    Rows without an operating point are of all operating points together.
+    """
     keys = ("view", "auc", "low", "high", "control")
-    return _frame([_point(c.point) | {k: getattr(c, k) for k in keys} for c in result.cells])
+    every = (*result.cells, *result.together)
+    places = [dict.fromkeys(POINT) if c.point is None else _point(c.point) for c in every]
+    return _frame(
+        [p | {k: getattr(c, k) for k in keys} for p, c in zip(places, every, strict=True)]
+    )
 
 
 def classifier_rows(result: Any) -> list[tuple[str, ...]]:
@@ -185,13 +192,13 @@ def classifier_rows(result: Any) -> list[tuple[str, ...]]:
     parts = varied(vars(c.point) for c in result.cells)
     return [
         (
-            point_label(c.point, parts),
+            "all together" if c.point is None else point_label(c.point, parts),
             c.name,
             f"{c.auc:.2f}",
             f"{c.low:.2f} to {c.high:.2f}",
             f"{c.control:.2f}",
         )
-        for c in result.cells
+        for c in (*result.cells, *result.together)
     ]
 
 

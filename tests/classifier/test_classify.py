@@ -3,6 +3,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from dnanalyze import NoiseModel, OperatingPoint, catalogue, classify, simulate
 from dnanalyze.fitting.processes import Helpers
@@ -103,3 +104,20 @@ def test_codes_with_a_step_and_a_mosaic():
     model = NoiseModel((*wide, effects[3]), 1024.0)
     sensor = Sensor((160, 160), cfa=(("R", "G"), ("G", "B")))
     assert not classify(_captures(model, frames=2, sensor=sensor), model).tells
+
+
+def test_all_operating_points_together_are_a_cell_of_each_view():
+    captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 2), (WARM, 2)])
+    found = classify(captures, PLAIN)
+    assert {c.view for c in found.together} == {c.view for c in found.cells}
+    for together in found.together:
+        areas = [c.auc for c in found.cells if c.view == together.view]
+        assert together.auc == pytest.approx(np.mean(areas))
+        assert together.point is None
+    assert classify(_captures(PLAIN, frames=1), PLAIN).together == []
+
+
+def test_fewer_operating_points_may_be_asked_for():
+    points = [(POINT, 2), (replace(POINT, temperature_c=40.0), 2), (WARM, 2)]
+    captures = simulate(replace(PLAIN, seed=99), (128, 128), points)
+    assert {c.point for c in classify(captures, PLAIN, points=2).cells} == {POINT, WARM}

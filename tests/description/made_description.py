@@ -26,5 +26,5 @@ def description(captures=None, verdict="described"):
     return Description(
         "folder", verdict, "Fixed rings, period 9.000 ± 0.020 px: known.", 2.1, 0.9, 0.99,
         "adequate", EFFECT, numbers, ["something is right"], near, ["flicker_fpn"],
-        ["More frames."], ["Another."], model, shown, True, captures,
+        ["More frames."], ["Another."], model, shown, capture_set=captures,
     )  # fmt: skip

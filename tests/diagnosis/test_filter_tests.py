@@ -56,7 +56,7 @@ def test_a_denied_candidate_is_never_named(plain):
     found = Trial("denoise", state, 900.0, 900.0, 1.0, 1.0, falls=np.array([900.0, 900.0]))
     other = Trial("crosstalk", state, 800.0, 800.0, 1.0, 1.0, falls=np.array([800.0, 800.0]))
     assert significant(found)
-    gone = replace(found, denied=True)
+    gone = replace(found, denied="a test")
     assert not significant(gone)
     assert confidence_of(gone, [gone, other]) == 0.0
     assert confidence_of(other, [gone, other]) > 0.9

@@ -192,8 +192,9 @@ def classification() -> Classification:
     ]
     told = ["upper tail of the mean frame", "excess kurtosis of the mean frame"]
     patches = np.random.default_rng(3).standard_normal((2, 6, 16, 16))
-    shown = Told("mean frame", *patches)
-    return Classification("folder/<sensor> & co", model(), cells, told, shown)
+    shown = Told(POINTS[2], "mean frame", *patches)
+    together = [Cell(None, "mean", "mean frame", 0.6, 0.51, 0.69, 0.5)]
+    return Classification("folder/<sensor> & co", model(), cells, together, told, shown)
 
 
 def detection(filtered: bool = True) -> Detection:

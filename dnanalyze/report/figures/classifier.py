@@ -31,7 +31,7 @@ def classifier_patches(result: Any) -> Picture | None:
 
     cells = [cell("measured", told.measured), cell("simulated", told.simulated)]
     height = max(c.height for c in cells)
-    at = result.best.point.label()
+    at = told.point.label()
     return panels(
         [*cells, bar_cell("value − level [DN]", -limit, limit, COLOURS, height)],
         f"Patches of the {told.picture} at {at} for which the classifier is most certain: measured "

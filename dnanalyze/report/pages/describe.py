@@ -7,6 +7,7 @@ from typing import Any
 from dnanalyze.report import capture
 from dnanalyze.report.figures.description import description
 from dnanalyze.report.page import Page, Section, Table, render
+from dnanalyze.report.pages.classifier import classifier_section
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.pages.pattern import pattern_section
 from dnanalyze.report.terminal.description import nearest_rows, number_rows
@@ -32,6 +33,7 @@ def sections(result: Any) -> list[Section]:
         Section(
             "nearest", "Nearest effects", tables=[Table(rivals, near, words=3)] if near else []
         ),
+        *([] if result.classification is None else [classifier_section(result.classification)]),
         Section("others", "Further structures", points=result.others),
         Section("next", "Recommended captures", points=result.next_capture),
     ]

@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from dnanalyze.report import words
+from dnanalyze.report.terminal.classifier import classifier_line
 from dnanalyze.report.terminal.common import points, table, verdict
 from dnanalyze.report.words import number, symbol, with_error
 
@@ -14,6 +15,8 @@ from dnanalyze.report.words import number, symbol, with_error
 def description(console: Console, captures: Any, result: Any) -> None:
     """The sentence, the numbers, the evidence, the nearest effects, the recommended captures."""
     verdict(console, captures, words.describe_headline(result))
+    if result.classification is not None:
+        classifier_line(console, result.classification)
     table(console, ("structure", "value", "unit", "in the model"), number_rows(result))
     table(console, ("nearest effect", "error after", "why it fails"), nearest_rows(result))
     points(console, "Evidence", list(result.evidence))

@@ -1,0 +1,44 @@
+"""Candidates that explain the same statistics alike: can a classifier tell their frames?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from dnanalyze.classifier.classify import classify
+from dnanalyze.diagnosis.baseline import far_off
+from dnanalyze.diagnosis.selection import NOTHING, Trial, competitors, significant
+from dnanalyze.fitting.predictor import Bench
+
+TOLD = "a classifier tells the simulated frames from the measured ones with this effect added"
+POINTS = 2  # the coldest and the hottest: a third of the time that all take
+
+
+def told_apart(bench: Bench, ranked: Sequence[Trial]) -> list[Trial]:
+    """The trials; of competitors that explain alike, those whose frames are told are excluded.
+
+    That is done only where the frames of one of them cannot be told. It is not asked while the
+    model is far off: the frames of all candidates are then told by what else is missing.
+    """
+    alike = _competing(ranked)
+    if len(alike) < 2 or far_off(alike[0].state):
+        return list(ranked)
+    told = [t for t in alike if _tells(bench, t)]
+    if len(told) == len(alike):
+        return list(ranked)
+    return [replace(t, denied=TOLD) if t in told else t for t in ranked]
+
+
+def _competing(ranked: Sequence[Trial]) -> list[Trial]:
+    """The first candidate and its competitors, where it is significant."""
+    if not ranked or not significant(ranked[0], NOTHING):
+        return []
+    near = competitors(ranked[0], ranked)
+    return [ranked[0], *(t for t in ranked[1:] if t.effect in near and not t.denied)]
+
+
+def _tells(bench: Bench, found: Trial) -> bool:
+    model, captures = found.state.model, bench.plan.captures
+    return classify(
+        captures, model, seed=model.seed, points=POINTS, limit=bench.limit, helpers=bench.helpers
+    ).tells
