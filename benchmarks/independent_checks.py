@@ -22,7 +22,7 @@ import numpy as np
 
 import dnanalyze
 from dnanalyze.loaders.captures import CaptureSet
-from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
+from dnanalyze.thermal import BOLTZMANN_EV, KELVIN
 
 BINS, LEAST = 40, 60  # bins at most, pixels of one at the least
 THERMOMETER_C = 0.2  # standard error of a temperature

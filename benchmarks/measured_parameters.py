@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.analyzers.estimators.arrhenius import KELVIN, arrhenius_laws
+from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
 from dnanalyze.demo import VirtualSensor, draw_sensor, generate
 from dnanalyze.demo.sensor import arrhenius
 from dnanalyze.diagnosis.refine import add
@@ -31,6 +31,7 @@ from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 from dnanalyze.model.laws import value_at
+from dnanalyze.thermal import KELVIN
 
 SHAPE, FRAMES = (128, 128), 5
 # Effects that leave the meaning of the four quantities alone. Charge that the virtual sensor states

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
+from dnanalyze.thermal import KELVIN, activation
 
 LEAST_RELATIVE = 0.02  # no law of a sensor holds better than that
 ENERGY, ENERGY_SPREAD = 0.65, 0.25  # eV, of dark currents; what a single temperature is spread by
@@ -76,7 +76,7 @@ class _Fitted:
 def _basis(
     name: str, powers: tuple[tuple[str, float], ...], kelvin: np.ndarray, centre: float
 ) -> np.ndarray:
-    x = (1 / centre - 1 / kelvin) / BOLTZMANN_EV
+    x = activation(kelvin, centre)
     if name == "log":
         return np.stack([x**i for i in range(len(powers))], axis=1)
     return np.stack([np.exp(np.clip(energy * x, -60, 60)) for _, energy in powers], axis=1)

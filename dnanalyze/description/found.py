@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import optimize
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
-from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
+from dnanalyze.thermal import BOLTZMANN_EV, KELVIN, arrhenius, least_energy
 
 # Sizes of one structure at several points agree to this: cut hot pixels shift them by up to 1.5 %
 # (waves and diagonals in log-normal dark current, benchmarks/describe_anew.py).
@@ -138,15 +137,9 @@ def with_law(
             take(*scaled_to(dark / fixed), 1, what="gain")
         warm = [p.temperature_c for p in points]
         if reference.temperature_c is not None and len({t for t in warm if t is not None}) > 2:
-            energies = np.linspace(-1.0, 2.0, 121)
-            tried = [scaled_to(_growth(points, reference, float(e)))[2] for e in energies]
-            near = float(energies[int(np.argmin(tried))])
-            step = float(energies[1] - energies[0])
-            energy = float(optimize.minimize_scalar(
-                lambda e: scaled_to(_growth(points, reference, float(e)))[2],
-                bounds=(near - step, near + step), method="bounded", options={"xatol": 1e-4},
-            ).x)  # fmt: skip
-            energy = min(max(energy, -1.0), 2.0)
+            energy = least_energy(
+                lambda e: scaled_to(_growth(points, reference, e))[2], np.linspace(-1.0, 2.0, 121)
+            )
             growth = _growth(points, reference, energy)
             size, _, chi = scaled_to(growth)
             # size and energy together: their errors from the curvature of chi square

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.description.found import Estimate
 from dnanalyze.description.layers import Layers, together
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 MOST = 128  # pixels of the map, a side
 BINS = 48

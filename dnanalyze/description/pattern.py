@@ -18,12 +18,12 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
-from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.result import Result
+from dnanalyze.thermal import arrhenius, least_energy
 
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
 # Squared standard scores by which a law with one number more must be better: one pattern of a
@@ -387,9 +387,9 @@ def _law(
         level = max(float(np.sum(w * growth * y) / np.sum(w * growth**2)), 0.0)
         return float(np.sum(w * (y - level * growth) ** 2))
 
-    best = min(ENERGIES, key=lambda e: misfit("thermal", float(e)))
-    if misfit("constant", 0.0) - misfit("thermal", float(best)) > CLEAR:
-        return "thermal", float(best)
+    best = least_energy(partial(misfit, "thermal"), ENERGIES)
+    if misfit("constant", 0.0) - misfit("thermal", best) > CLEAR:
+        return "thermal", best
     return "constant", 0.0
 
 

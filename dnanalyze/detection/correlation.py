@@ -15,6 +15,7 @@ from scipy import signal
 
 from dnanalyze.detection.flatten import clipped
 from dnanalyze.detection.spectrum import EDGES, OctaveSpectrum, octave_log_power
+from dnanalyze.thermal import arrhenius
 
 LARGEST_CROSSTALK = 0.02  # share to each of the 8 neighbours
 DECAY = 2.5  # of rho(1), and of its steps, for which 1/f noise over the scan may account
@@ -23,7 +24,6 @@ DECAY = 2.5  # of rho(1), and of its steps, for which 1/f noise over the scan ma
 DECAY_OVER_FIELD = 6.2
 FEWER_EXTREMES = 0.045  # 1 - 9 P of shot noise under the largest crosstalk, by simulation
 LEAST_EA_EV = 0.40  # below the activation energy of any bulk dark current
-BOLTZMANN_EV_K = 8.617e-5
 
 
 @dataclass(frozen=True)
@@ -178,14 +178,9 @@ def shot_share(
     )
     ea = _activation(temperature_c, variance, warmer)
     for there, other in warmer:
-        grown = growth(temperature_c, there, ea) - 1
+        grown = arrhenius(there, temperature_c, ea) - 1
         share = min(share, (other - variance) / variance / grown)
     return float(np.clip(share, 0.0, 1.0))
-
-
-def growth(cold_c: float, warm_c: float, ea_ev: float) -> float:
-    """Arrhenius growth of the dark current between two temperatures."""
-    return float(np.exp(ea_ev / BOLTZMANN_EV_K * (1 / (cold_c + 273.15) - 1 / (warm_c + 273.15))))
 
 
 def _activation(cold_c: float, variance: float, warmer: list[tuple[float, float]]) -> float:
@@ -197,5 +192,6 @@ def _activation(cold_c: float, variance: float, warmer: list[tuple[float, float]
     (near, at_near), (far, at_far) = warmer[:2]
     ratio = (at_far - variance) / (at_near - variance)
     energies = np.linspace(LEAST_EA_EV, 1.2, 81)
-    predicted = [(growth(cold_c, far, ea) - 1) / (growth(cold_c, near, ea) - 1) for ea in energies]
+    grown = [[arrhenius(t, cold_c, ea) - 1 for t in (far, near)] for ea in energies]
+    predicted = [there / here for there, here in grown]
     return max(LEAST_EA_EV, float(np.interp(ratio, predicted, energies)) - 0.1)

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dnanalyze.analyzers.estimators.arrhenius import KELVIN, USUAL_EV, arrhenius_laws, unusual
+from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, arrhenius_laws, unusual
 from dnanalyze.analyzers.families.trends import HEADROOM, RELATIVE_ERROR
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import DarkCurrent, Quantity, known, unknown
 from dnanalyze.loaders.thermometer import SLOPE_SPAN_C, tells_slope
+from dnanalyze.thermal import KELVIN
 
 
 def doubling(currents: Sequence[DarkCurrent]) -> tuple[Quantity, Quantity]:

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue
-from dnanalyze.analyzers.estimators.arrhenius import KELVIN, arrhenius_laws
+from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.ties import GAIN, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.laws import value_at
+from dnanalyze.thermal import KELVIN
 
 SIGMA, SHARE = 3.0, 0.1  # a difference within either is none
 NOISE = 0.05  # of the temporal noise of a pixel: as much of a level, see `fitting.level`

@@ -11,9 +11,11 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.laws import Law, TableLaw, arrhenius
+from dnanalyze.model.laws import Law, TableLaw
+from dnanalyze.thermal import KELVIN, activation, over_constant
 
 LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+DARK_EV = np.linspace(0.3, 1.28, 50)  # eV; what grows more slowly looks like a constant
 STILL = 0.1  # share of the temporal variance that is of pixels at least
 REST = 0.02  # share of a moment that is the sensor's at least
 NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
@@ -216,26 +218,14 @@ def pedestal_guess(
         DN, of the means.
     """
     lowest = float(np.min(mean))
-    growths = [
-        np.array(
-            [
-                (p.exposure_s if p.exposure_s is not None else 1.0)
-                * arrhenius(p.temperature_c, 25.0, ea)
-                for p in points
-            ]
-        )
-        for ea in np.arange(0.3, 1.3, 0.02)
-    ]
-    varied = np.ptp(growths[0]) > 1e-6 * np.max(growths[0])
-    if len(points) < 3 or not varied:
+    celsius = [25.0 if p.temperature_c is None else p.temperature_c for p in points]
+    exposure = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in points])
+    x = activation(np.array(celsius) + KELVIN, 25.0 + KELVIN)
+    grown = exposure * np.exp(x)
+    if len(points) < 3 or np.ptp(grown) <= 1e-6 * np.max(grown):
         return min(black_level, lowest) if black_level is not None else lowest - 0.05
-    weight = 1.0 / np.hypot(0.03 * (mean - lowest) + 0.05, error)
-    best, pedestal = math.inf, lowest
-    for growth in growths:
-        design = np.stack([np.ones_like(mean), growth / np.max(growth)], 1) * weight[:, None]
-        (level, _), misfit = nnls(design, mean * weight)
-        if misfit < best:
-            best, pedestal = misfit, float(level)
+    sigma = np.hypot(0.03 * (mean - lowest) + 0.05, error)
+    pedestal = over_constant(x, exposure, mean, sigma, DARK_EV).constant
     return min(pedestal, lowest)
 
 

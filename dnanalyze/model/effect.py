@@ -20,9 +20,10 @@ import numpy as np
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.hot_signal import HotSignal
-from dnanalyze.model.laws import Law, arrhenius, law_from_plain, value_at
+from dnanalyze.model.laws import Law, law_from_plain, value_at
 from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.streams import Stream
+from dnanalyze.thermal import arrhenius
 
 if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues, Located

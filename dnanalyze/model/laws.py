@@ -10,28 +10,9 @@ import numpy as np
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.physical import fault
+from dnanalyze.thermal import KELVIN, arrhenius
 
-BOLTZMANN_EV = 8.617333e-5
-KELVIN = 273.15
 MOST_EV = 10.0  # nine times the band gap of silicon; no thermal process comes near it
-
-
-def arrhenius(temperature_c: float | None, reference_c: float, ea_ev: float) -> float:
-    """Growth factor exp(-Ea/k (1/T - 1/Tref)) of a thermally activated rate.
-
-    Parameters
-    ----------
-    temperature_c : float or None
-        C; unknown gives 1.
-    reference_c : float
-        C, where the factor is 1.
-    ea_ev : float
-        Activation energy, eV.
-    """
-    if temperature_c is None:
-        return 1.0
-    inverse = 1.0 / (temperature_c + KELVIN) - 1.0 / (reference_c + KELVIN)
-    return math.exp(min(700.0, -ea_ev / BOLTZMANN_EV * inverse))
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,14 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setti
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.laws import TableLaw, arrhenius
+from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
 from dnanalyze.report import benchmark as results
 from dnanalyze.report.pages.benchmark import _rankings, benchmark_page
 from dnanalyze.report.terminal.benchmark import result as shown
+from dnanalyze.thermal import arrhenius
 
 P = OperatingPoint
 

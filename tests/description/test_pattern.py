@@ -8,11 +8,11 @@ from dnanalyze.description.pattern import LearnedPattern, learn_pattern
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
-from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.thermal import arrhenius
 
 SHAPE = 64, 96
 AT = OperatingPoint(25.0, 0.1, 1.0)

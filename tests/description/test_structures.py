@@ -51,7 +51,7 @@ def test_a_checkerboard_that_grows_down_the_frame():
 
 
 def test_a_wave_with_an_energy_of_its_own():
-    from dnanalyze.model.laws import arrhenius
+    from dnanalyze.thermal import arrhenius
 
     pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.083 * COLUMN + 0.041 * ROW))
     grown = [0.3 * arrhenius(p.temperature_c, 25.0, 0.3) for p in POINTS]
@@ -236,7 +236,7 @@ def test_rows_that_keep_a_share_of_the_row_before():
 
 
 def test_the_energy_is_told_between_the_steps_of_its_search():
-    from dnanalyze.model.laws import arrhenius
+    from dnanalyze.thermal import arrhenius
 
     pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.083 * COLUMN + 0.041 * ROW))
     grown = [0.3 * arrhenius(p.temperature_c, 25.0, 0.437) for p in POINTS]

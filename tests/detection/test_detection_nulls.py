@@ -12,7 +12,6 @@ from dnanalyze.detection import questions, verdict
 from dnanalyze.detection.correlation import (
     LagCorrelation,
     crosstalk_kernel,
-    growth,
     lag_correlation,
     largest_crosstalk,
     shot_share,
@@ -25,6 +24,7 @@ from dnanalyze.detection.rows import row_phase
 from dnanalyze.detection.spectrum import octave_spectrum
 from dnanalyze.detection.texture import equal_neighbours, texture
 from dnanalyze.detection.verdict import holm
+from dnanalyze.thermal import arrhenius
 
 MARGINALS = {
     "normal": lambda rng, shape: rng.standard_normal(shape),
@@ -138,7 +138,7 @@ def test_the_largest_crosstalk_stays_within_its_bounds(apart):
 @pytest.mark.parametrize("ea", [0.55, 0.65, 0.9])
 def test_the_bound_on_shot_noise_is_never_below_the_truth(ea):
     temperatures = [25.0, 45.0, 65.0]
-    shot = np.array([0.4 * growth(25.0, t, ea) for t in temperatures])
+    shot = np.array([0.4 * arrhenius(t, 25.0, ea) for t in temperatures])
     variance = 0.6 + shot
     others = [(float(v), t) for v, t in zip(variance, temperatures, strict=True)]
     share = shot_share(float(variance[0]), 25.0, others)

@@ -14,9 +14,10 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
-from dnanalyze.model.laws import BOLTZMANN_EV, ArrheniusLaw
+from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.registry import BASE
 from dnanalyze.model.simulate import simulate_frames
+from dnanalyze.thermal import BOLTZMANN_EV
 
 SHAPE = (96, 96)
 COLD, MIDDLE, WARM = -10.0, -5.0, 0.0

@@ -6,7 +6,8 @@ import pytest
 from dnanalyze.fitting.moments import Moments, black_level
 from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.laws import arrhenius, value_at
+from dnanalyze.model.laws import value_at
+from dnanalyze.thermal import arrhenius
 
 COLD, WARM = -40.0, 0.0
 

@@ -8,7 +8,7 @@ from dnanalyze.fitting.start import ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_pixels import HotPixels
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 45.0, 65.0, 85.0)]
 STEPS = DarkCurrentSteps(step=40.0, mean_number=0.3, ea_ev=0.35)

@@ -10,7 +10,7 @@ from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import FAINT, SEEN, ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (5.0, 15.0, 25.0, 35.0, 45.0)]
 DARK_E = np.array([2.0 * arrhenius(p.temperature_c, 25.0, 0.6) for p in POINTS])

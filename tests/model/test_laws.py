@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.laws import ArrheniusLaw, TableLaw, arrhenius, law_from_plain, value_at
+from dnanalyze.model.laws import ArrheniusLaw, TableLaw, law_from_plain, value_at
+from dnanalyze.thermal import arrhenius
 
 
 def test_arrhenius_doubles_every_8_5_kelvin_for_depletion_current():

@@ -8,9 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from dnanalyze.analyzers.statistics import Value
+from dnanalyze.thermal import BOLTZMANN_EV, Line, activation, line
 
-BOLTZMANN_EV = 8.617333e-5
-KELVIN = 273.15
 BETTER = 13.8  # drop of chi^2 for two more parameters: p = .001
 # Dark current of silicon: .2 to .3 eV where fields lower the barrier, half the gap (.55 to .65)
 # in depletion, the gap (1.1 to 1.2) by diffusion, with room for the T^3 of its prefactor.
@@ -40,19 +39,15 @@ def arrhenius_laws(kelvin: np.ndarray, rate: np.ndarray, relative: np.ndarray) -
         ``activation_energy_1_ev``, ``activation_energy_2_ev`` and ``activation_share``.
     """
     middle = 2 / (1 / kelvin.min() + 1 / kelvin.max())
-    x = (1 / kelvin - 1 / middle) / BOLTZMANN_EV
-    a = np.stack([np.ones_like(x), -x], axis=1) / relative[:, None]
-    inverse = np.linalg.inv(a.T @ a)
-    solution = inverse @ (a.T @ (np.log(rate) / relative))
-    pulls = np.log(rate) / relative - a @ solution
-    scale = misfit(pulls, 2)
-    energy, se = float(solution[1]), math.sqrt(float(inverse[1, 1])) * scale
+    x = activation(kelvin, float(middle))
+    one = line(x, rate, relative)
+    energy, se = one.energy_ev, math.sqrt(one.variance) * misfit(one.pulls, 2)
     out = {"activation_energy_ev": Value(energy, se)}
     if energy > 3 * se:
         step = BOLTZMANN_EV * middle**2 * math.log(2) / energy
         out["doubling_step_c"] = Value(float(step), float(step) * se / energy)
     if kelvin.size >= 6:
-        out |= _two_populations(x, rate, relative, solution, float(pulls @ pulls))
+        out |= _two_populations(x, rate, relative, one)
     return out
 
 
@@ -77,24 +72,24 @@ def doubts(trends: Mapping[str, Value]) -> list[str]:
 
 
 def _two_populations(
-    x: np.ndarray, rate: np.ndarray, relative: np.ndarray, one: np.ndarray, chi2: float
+    x: np.ndarray, rate: np.ndarray, relative: np.ndarray, one: Line
 ) -> dict[str, Value]:
     from scipy.optimize import least_squares
 
     def law(p: np.ndarray) -> np.ndarray:
-        low, high = np.exp(p[0] - p[1] * x), np.exp(p[2] - (p[1] + p[3]) * x)
+        low, high = np.exp(p[0] + p[1] * x), np.exp(p[2] + (p[1] + p[3]) * x)
         return np.asarray(low + high)
 
     def pulls(p: np.ndarray) -> np.ndarray:
         return (np.log(rate) - np.log(law(p))) / relative
 
-    half = float(one[0]) - math.log(2)
-    starts = [[half, max(float(one[1]) - gap / 2, 0.06), half, gap] for gap in (0.3, 0.6)]
+    half = one.log_rate - math.log(2)
+    starts = [[half, max(one.energy_ev - gap / 2, 0.06), half, gap] for gap in (0.3, 0.6)]
     bounds = ([-200, 0.05, -200, 0.1], [200, 3.0, 200, 3.0])
     fits = [least_squares(pulls, start, bounds=bounds) for start in starts]
     fit = min(fits, key=lambda f: f.cost)
     scale = misfit(fit.fun, 4)
-    if chi2 - 2 * fit.cost < BETTER * scale**2:
+    if float(one.pulls @ one.pulls) - 2 * fit.cost < BETTER * scale**2:
         return {}
     low, energy, high, gap = fit.x
     share = 1 / (1 + math.exp(low - high))

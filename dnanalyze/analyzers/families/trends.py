@@ -9,13 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dnanalyze.analyzers.estimators.arrhenius import (
-    BOLTZMANN_EV,
-    KELVIN,
-    arrhenius_laws,
-    doubts,
-    misfit,
-)
+from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws, doubts, misfit
 from dnanalyze.analyzers.statistics import (
     SATURATION,
     SettingStatistics,
@@ -25,9 +19,11 @@ from dnanalyze.analyzers.statistics import (
 )
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.loaders.thermometer import tells_slope
+from dnanalyze.thermal import KELVIN, activation, over_constant
 
 BIAS_SHARE = 1e-3  # of the longest exposure, up to which a frame counts as bias
 BLACK_LEVEL_ERROR = 0.5  # DN, of a recorded black level
+ENERGIES_EV = np.linspace(0.05, 3.0, 60)  # of whatever grows with temperature
 LEVEL_ERROR = 0.02  # DN, of a median of codes
 UNKNOWN_DRIFT = 0.1  # DN, how far a single frame may stand off
 RELATIVE_ERROR = 0.02  # of the dark signal: a thermometer good to about 0.2 C
@@ -229,38 +225,14 @@ def _linear_pedestal(design: np.ndarray, series: Series, black_level: float | No
 
 
 def _law_pedestal(series: Series, black_level: float | None) -> Value | None:
-    from scipy.optimize import least_squares
-
-    level, error, t = series.level, series.error, series.exposure
-    middle = float(np.median(series.kelvin))
-    inverse = (1 / series.kelvin - 1 / middle) / BOLTZMANN_EV
-    span = float(np.ptp(level))
-    if span <= 5 * float(error.max()):
+    level, error = series.level, series.error
+    if float(np.ptp(level)) <= 5 * float(error.max()):
         return None
     sigma = np.hypot(error, RELATIVE_ERROR * (level - level.min()))
-
-    def pulls(p: np.ndarray) -> np.ndarray:
-        model = p[0] + t * np.exp(np.clip(p[1] - p[2] * inverse, -200, 200))
-        rest = (level - model) / sigma
-        return (
-            rest
-            if black_level is None
-            else np.append(rest, (p[0] - black_level) / BLACK_LEVEL_ERROR)
-        )
-
-    best = None
-    for energy in (0.35, 0.6, 0.9, 1.2):
-        growth = t * np.exp(-energy * inverse)
-        scale = span / max(float(np.ptp(growth)), 1e-300)
-        start = [float(level.min()), math.log(scale), energy]
-        fit = least_squares(pulls, start, bounds=([-np.inf, -200, 0.05], [np.inf, 200, 3.0]))
-        best = fit if best is None or fit.cost < best.cost else best
-    assert best is not None
-    covariance = np.linalg.pinv(best.jac.T @ best.jac)
-    se = math.sqrt(float(covariance[0, 0])) * misfit(best.fun, 3)
-    if not math.isfinite(se) or se > span:
-        return None
-    return Value(float(best.x[0]), max(se, 1e-6))
+    x = activation(series.kelvin, float(np.median(series.kelvin)))
+    known = None if black_level is None else (black_level, BLACK_LEVEL_ERROR)
+    found = over_constant(x, series.exposure, level, sigma, ENERGIES_EV, known)
+    return Value(found.constant, max(found.error * misfit(found.pulls, 3), 1e-6))
 
 
 def hot_repeat(settings: Sequence[SettingStatistics]) -> Value | None:

@@ -14,7 +14,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.hot_signal import HotSignal
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN, arrhenius
+from dnanalyze.thermal import KELVIN, activation, arrhenius, line
 
 
 def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
@@ -70,15 +70,10 @@ def thermal_fit(
     origin = clues.reference.temperature_c
     if origin is None or any(t is None for t, g in zip(temperature, good, strict=True) if g):
         return float(np.median(amplitude[good])), default_ev
-    inverse = np.array([0.0 if t is None else 1.0 / (t + KELVIN) for t in temperature])
-    x = -(inverse - 1.0 / (origin + KELVIN))[good] / BOLTZMANN_EV
-    y = np.log(amplitude[good])
+    celsius = np.array([origin if t is None else t for t in temperature])[good]
+    x, y = activation(celsius + KELVIN, origin + KELVIN), np.log(amplitude[good])
     w = np.exp(0.5 * (y - y.max()))
-    centre = np.average(x, weights=w)
-    spread = np.average((x - centre) ** 2, weights=w)
-    if tells_slope(t for t, g in zip(temperature, good, strict=True) if g):
-        ea = float(np.average((x - centre) * y, weights=w) / spread)
-    else:
-        ea = default_ev
+    told = tells_slope(t for t, g in zip(temperature, good, strict=True) if g)
+    ea = line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if told else default_ev
     ea = min(max(ea, 0.0), 1.5)
-    return float(np.exp(np.average(y, weights=w) - ea * centre)), ea
+    return float(np.exp(np.average(y - ea * x, weights=w))), ea

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.estimators.arrhenius import BOLTZMANN_EV, KELVIN
 from dnanalyze.emva.quantity import DarkCurrent, Emva, Group
 from dnanalyze.report.figures.style import (
     ACCENT,
@@ -23,6 +22,7 @@ from dnanalyze.report.figures.style import (
     panels,
 )
 from dnanalyze.report.words import number, with_error
+from dnanalyze.thermal import KELVIN, activation, over_constant
 
 COLOURS = (MODEL, GAUSSIAN, ACCENT, "#cc79a7", "#e69f00", INK)
 MOST_LINES = 6
@@ -106,15 +106,12 @@ def _law_over_offset(
     celsius: np.ndarray, level: np.ndarray, energy_ev: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """An Arrhenius law of this energy above a constant, by least squares, to be drawn."""
-    middle = float(celsius.max()) + KELVIN
-
-    def law(t: np.ndarray) -> np.ndarray:
-        return np.asarray(np.exp(-energy_ev / BOLTZMANN_EV * (1 / (t + KELVIN) - 1 / middle)))
-
-    design = np.stack([np.ones_like(celsius), law(celsius)], axis=1)
-    offset, height = np.linalg.lstsq(design, level, rcond=None)[0]
     at = np.linspace(celsius.min(), celsius.max(), 60)
-    return at, offset + height * law(at)
+    x = activation(celsius + KELVIN, float(celsius.max()) + KELVIN)
+    even = np.ones_like(level)
+    found = over_constant(x, even, level, even, np.full(2, energy_ev))
+    drawn = activation(at + KELVIN, float(celsius.max()) + KELVIN)
+    return at, found.constant + found.size * np.exp(energy_ev * drawn)
 
 
 def _rates(currents: Sequence[DarkCurrent]) -> list[tuple[float, float, float]]:
@@ -139,9 +136,9 @@ def _current(group: Group) -> Panel | None:
         ax.errorbar(t, y, se, fmt="o", markersize=3.4, color=MODEL, linewidth=0.9)
         if step.value is not None and energy.value is not None:
             at = np.linspace(t.min(), t.max(), 60)
-            slope = energy.value / BOLTZMANN_EV
-            level = np.average(np.log(y) + slope / (t + KELVIN), weights=(se / y + 0.02) ** -2.0)
-            ax.plot(at, np.exp(level - slope / (at + KELVIN)), color=INK, linewidth=1)
+            x, drawn = (energy.value * activation(v + KELVIN, KELVIN) for v in (t, at))
+            level = np.average(np.log(y) - x, weights=(se / y + 0.02) ** -2.0)
+            ax.plot(at, np.exp(level + drawn), color=INK, linewidth=1)
             text = f"doubling every {with_error(step.value, step.se)} °C"
             ax.text(0.04, 0.95, text, transform=ax.transAxes, va="top")
         ax.set_yscale("log")

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.estimators.arrhenius import unusual
-from dnanalyze.model.laws import BOLTZMANN_EV, KELVIN
 from dnanalyze.report.figures.over_temperature import draw_statistic, one_line_each, tells
 from dnanalyze.report.figures.style import (
     ACCENT,
@@ -21,6 +20,7 @@ from dnanalyze.report.figures.style import (
     panels,
 )
 from dnanalyze.report.words import is_number, with_error
+from dnanalyze.thermal import KELVIN, activation
 
 NOISES = {"temporal_noise": "temporal dark noise", "pattern_noise": "mean frame"}
 
@@ -120,7 +120,7 @@ def _law(ax: Any, layer: Layer, warm: Sequence[Any], pedestal: float) -> None:
         return
     hottest = max(seen)
     kelvin = np.linspace(min(t for t, _ in seen), hottest[0], 50)
-    line = hottest[1] * np.exp(-trend.value / BOLTZMANN_EV * (1 / kelvin - 1 / hottest[0]))
+    line = hottest[1] * np.exp(trend.value * activation(kelvin, hottest[0]))
     doubt = " (not typical of dark current)" if unusual(trend.value, trend.se) else ""
     ax.plot(1000 / kelvin, line, color=ACCENT, linewidth=1.0, linestyle=(0, (1, 2)),
             label=f"activation energy of the median {with_error(trend.value, trend.se)} eV"

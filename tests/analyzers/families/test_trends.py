@@ -5,10 +5,11 @@ import pytest
 from dark_frames import captures_of
 
 from dnanalyze.analyzers.analyze import analyze
-from dnanalyze.analyzers.estimators.arrhenius import BOLTZMANN_EV, KELVIN, arrhenius_laws, doubts
+from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws, doubts
 from dnanalyze.analyzers.families.trends import Series, dark_signal, law_doubts
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
+from dnanalyze.thermal import BOLTZMANN_EV, KELVIN
 
 SHAPE = (64, 64)
 

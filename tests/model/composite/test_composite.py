@@ -13,10 +13,10 @@ from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.composite.effect import FORMS, CompositeEffect
 from dnanalyze.model.composite.source import own_effect
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model, model_from_plain
 from dnanalyze.model.registry import built_in, catalogue
 from dnanalyze.model.simulator import Simulator
+from dnanalyze.thermal import arrhenius
 
 POINT = OperatingPoint(25.0, 1.0, 1.0)
 WHENS = ("fixed", "frame", "persisting", "drifting", "switching")

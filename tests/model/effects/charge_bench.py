@@ -10,9 +10,9 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulator import Simulator
+from dnanalyze.thermal import arrhenius
 
 HERE = OperatingPoint(25.0, 1.0, 1.0)
 WARM = OperatingPoint(45.0, 1.0, 1.0)

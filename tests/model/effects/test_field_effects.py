@@ -21,7 +21,7 @@ from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.persistence import Persistence
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 
 def blocks(frame, size=16):

@@ -14,7 +14,7 @@ from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.rts import Rts
 from dnanalyze.model.guesses.rts import SLOW
 from dnanalyze.model.hot_signal import HotSignal
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 N = 512 * 512
 SHAPE = (512, 512)

@@ -9,7 +9,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.laws import arrhenius
+from dnanalyze.thermal import arrhenius
 
 REFERENCE = OperatingPoint(45.0, 2.0, 1.0)
 

@@ -8,11 +8,11 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.export.numpy_code import numpy_source
 from dnanalyze.model.export.table import rows
-from dnanalyze.model.laws import arrhenius
 from dnanalyze.model.learned.field_map import FieldMap, map_bytes
 from dnanalyze.model.learned.pattern_map import PatternMap, named
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.thermal import arrhenius
 
 MAP = FieldMap(np.random.default_rng(1).normal(0.0, 2.0, (8, 12)).astype(np.float32))
 AT = OperatingPoint(25.0, 0.1, 1.0)
