@@ -12,6 +12,7 @@ from dnanalyze.description.random_size import random_size
 from dnanalyze.description.spots import standing
 from dnanalyze.description.variance_lines import groups
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.robust import robust_deviation
 
 CLEAR = 5.0  # standard errors by which a line stands out
 # Variance within the two groups, above and below 0, over the whole: 0 of two levels without noise,
@@ -77,14 +78,14 @@ def changing_lines(seen: Layers) -> list[Estimate]:
         means = [m - np.median(m, axis=1, keepdims=True) for m in means]
         length = seen.taken[0].frames.shape[axis]
         chance = [
-            max(t.noise**2 / length, (1.4826 * float(np.median(np.abs(m)))) ** 2)
+            max(t.noise**2 / length, robust_deviation(m, 0.0) ** 2)
             for t, m in zip(seen.taken, means, strict=True)
         ]
         score = sum(np.sum(m**2, axis=0) / c for m, c in zip(means, chance, strict=True))
         score = np.asarray(score, float)
         count = sum(len(m) - 1 for m in means)
         middle = float(np.median(score))
-        error = max(math.sqrt(2.0 * count), 1.4826 * float(np.median(np.abs(score - middle))))
+        error = max(math.sqrt(2.0 * count), robust_deviation(score, middle))
         chosen = score > middle + CLEAR * error
         share = float(chosen.mean())
         if not 0 < share < 0.5:

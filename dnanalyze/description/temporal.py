@@ -15,6 +15,7 @@ from dnanalyze.description.random_size import random_size
 from dnanalyze.description.spots import GRID, spot
 from dnanalyze.description.variance_lines import groups
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.robust import robust_deviation
 
 TWO_LEVEL = 1.5  # fourth moment over the square of the second: 1 of two levels, 3 of a normal
 ENOUGH = 16  # values from which that ratio tells (sqrt(24 / 16) = 1.2 of a normal)
@@ -211,7 +212,7 @@ def _segments(seen: Layers) -> list[Estimate]:
         score = np.asarray(scores, float) / (count + len(seen.taken))
         middle = float(np.median(score))
         # a squared Brownian bridge has mean 1/6 and variance 1/45 (Cramer and von Mises)
-        error = max(math.sqrt(1 / 45 / count), 1.4826 * float(np.median(np.abs(score - middle))))
+        error = max(math.sqrt(1 / 45 / count), robust_deviation(score, middle))
         chosen = score > middle + JUMP * error
         share = float(chosen.mean())
         if not 0 < share < 0.5:

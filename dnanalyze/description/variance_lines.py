@@ -9,6 +9,7 @@ import numpy as np
 from dnanalyze.description.found import Estimate, Sizes
 from dnanalyze.description.layers import Layers
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.robust import robust_deviation
 
 CLEAR = 5.0  # standard errors by which a line stands out
 
@@ -22,16 +23,14 @@ def variance_lines(seen: Layers) -> list[Estimate]:
         lines = [t.line_variances(axis) / t.noise**2 for t in seen.taken]
         mean = np.mean(lines, axis=0)
         middle = float(np.median(mean))
-        error = 1.4826 * float(np.median(np.abs(mean - middle)))
+        error = robust_deviation(mean, middle)
         chosen = mean > middle + CLEAR * max(error, 1e-9)
         share = float(chosen.mean())
         if not 0 < share < 0.5:
             continue
         excess = [x[chosen] - np.median(x[~chosen]) for x in lines]
         size = np.array([float(x.mean()) for x in excess]) * [t.noise**2 for t in seen.taken]
-        scatter = np.array(
-            [1.4826 * float(np.median(np.abs(x - np.median(x)))) for x in lines]
-        ) / math.sqrt(chosen.sum())
+        scatter = np.array([robust_deviation(x) for x in lines]) / math.sqrt(chosen.sum())
         sizes = Sizes(size, scatter * [t.noise**2 for t in seen.taken], squares=True)
         gain = float(np.sum(((mean[chosen] - middle) / error) ** 2))
         first = seen.window.top if where == "row" else seen.window.left

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dnanalyze.robust import robust_deviation
+
 # Of white noise one bin in 1e9 is 30 times above the median: 2^-30.
 STRENGTH = 30.0
 LEAKING = 10.0  # pi^2: a line of so many times the strength still exceeds it one bin away
@@ -11,7 +13,7 @@ MOST_TONES = 16  # a bound on the time: harmonics of a few interferences
 
 
 def robust_sd(values: np.ndarray) -> float:
-    """Standard deviation of the core of a distribution: 1.4826 median |x - median|."""
+    """Standard deviation of the core of a distribution."""
     return centre_and_sd(values)[1]
 
 
@@ -19,7 +21,7 @@ def centre_and_sd(values: np.ndarray, sample: int = 32_768) -> tuple[float, floa
     """Median and robust standard deviation, of about ``sample`` of the values."""
     some = values.reshape(-1)[:: max(1, values.size // sample)]
     middle = np.median(some)
-    return float(middle), float(1.4826 * np.median(np.abs(some - middle)))
+    return float(middle), robust_deviation(some, float(middle))
 
 
 def clipped(image: np.ndarray, sigmas: float = 3.0) -> np.ndarray:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy import stats
 
 from dnanalyze.detection.neighbours import exceedances
+from dnanalyze.robust import robust_deviation
 
 PERIODS = range(2, 17)
 SPREAD = 0.385  # sd of the mean of both fractions x sqrt(pixels), relative to 1/3, by simulation
@@ -81,7 +82,7 @@ def row_phase(images: np.ndarray) -> RowPhase:
         maxima, minima = extremes_by_row(images, step)
         share = (maxima + minima) / 2
         scatter = max(
-            float(1.4826 * np.median(np.abs(share - np.median(share)))),
+            robust_deviation(share),
             SPREAD / np.sqrt(images.shape[0] * images.shape[2]),
         )
         for period in PERIODS:

@@ -15,6 +15,7 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.emva import kinds
 from dnanalyze.emva.fit import AGREES, SURE, alike, common_slope
 from dnanalyze.emva.quantity import Line, Quantity, known, unknown
+from dnanalyze.robust import robust_deviation
 
 TOLD = 5.0  # standard errors that the slope stands above 0
 # Columns of the points of a curve: abscissa, ordinate, their errors; numbers of what may have an
@@ -182,7 +183,7 @@ def _robust_line(points: np.ndarray, by: int) -> Line | None:
         found, off = _line(here, group)
         if found is None:
             return None
-        spread = max(1.4826 * float(np.median(np.abs(off))), 1.0)
+        spread = max(robust_deviation(off, 0.0), 1.0)
         good = np.abs(off) <= FAR * spread
         if good.all() or 2 * (kept.sum() - np.count_nonzero(~good)) < len(points):
             return found

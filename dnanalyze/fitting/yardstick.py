@@ -22,6 +22,7 @@ from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.robust import robust_deviation
 
 REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 - 1))
 # Families of extremes, of shares of few pixels, lines or codes, and of tolerances (whole codes);
@@ -107,7 +108,7 @@ def _drawn_together(
         real = max(float(np.median(between)) - chance, 0.0) if between.size else 0.0
         error = (real + chance) / count
         middle = float(np.median(mean))
-        spread = (1.4826 * float(np.median(np.abs(mean - middle)))) ** 2
+        spread = robust_deviation(mean, middle) ** 2
         other = max(spread - float(np.median(error)), 0.0)
         likely = _drawn(mean, middle, other, error)[which]
         likely = likely + apart * real / (real + chance)

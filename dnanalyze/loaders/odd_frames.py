@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.loaders.moved import Move
+from dnanalyze.robust import robust_deviation
 
 FEWEST = 3  # frames, of which one can be told from two
 REFERENCE = 33  # frames of the median: their noise adds 1.5 / 33 to a variance
@@ -184,7 +185,7 @@ class Seen:
             out["strip likeness"] = replace(each, most=1.0, lack=True)
         levels = np.array([r.level for r in self.frames])
         # where the pedestal wanders from frame to frame it may do so within one
-        steady = _deviation(levels - np.median(levels)) < STEADY * np.exp(np.median(noise) / 2)
+        steady = robust_deviation(levels) < STEADY * np.exp(np.median(noise) / 2)
         for name in ("rows", "columns", *(("smooth",) if steady else ())):
             values = np.array([getattr(r, name) for r in self.frames])
             heavy = values - np.median(values) > LINE_SHARE * np.exp(np.median(noise))
@@ -244,7 +245,7 @@ class Question:
     def scatter(self) -> float:
         """Robust scatter over the frames."""
         few = FEW.get(len(self.values), 1.0)
-        return few * _deviation(self.values - np.median(self.values, axis=0))
+        return few * robust_deviation(self.values - np.median(self.values, axis=0), 0.0)
 
     def odd(self, scatter: float, limit: float) -> np.ndarray:
         """Which frames deviate by more than ``limit`` of the scatter, and by what matters."""
@@ -381,7 +382,3 @@ def _spread(d: np.ndarray) -> float:
 
 def _by_strip(values: np.ndarray) -> np.ndarray:
     return np.asarray(values.mean(axis=(1, 2), dtype=np.float64))
-
-
-def _deviation(x: np.ndarray) -> float:
-    return 1.4826 * float(np.median(np.abs(x)))

@@ -7,6 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from dnanalyze.robust import robust_deviation
+
 REACH = 8  # columns on either side that are compared
 CLEAR = 12.0  # robust scatters of such comparisons elsewhere in the frame
 LARGE = 1.0  # of the noise of a pixel: a smaller step adds less than a quarter to its variance
@@ -77,7 +79,7 @@ def _columns(profile: np.ndarray, noise: float) -> list[tuple[int, float]]:
         return []
     windows = np.median(np.lib.stride_tricks.sliding_window_view(pairs, REACH), axis=1)
     change = windows[REACH:] - windows[:-REACH]  # of pairs[j : j + REACH] and those before j
-    usual = 1.4826 * float(np.median(np.abs(change - np.median(change))))
+    usual = robust_deviation(change)
     limit = max(CLEAR * usual, LARGE * noise)
     left, found = np.abs(change), list[int]()
     while left.max() > limit and len(found) < LEAST:

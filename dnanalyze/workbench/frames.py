@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
+from dnanalyze.robust import robust_deviation
 
 Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
@@ -108,7 +109,8 @@ def for_screen(pixels: np.ndarray, window: Window, most: int) -> np.ndarray:
         return cut
     some = _sampled(cut)
     middle = float(np.nanmedian(some)) if np.isfinite(some).any() else 0.0
-    noise = 1.4826 * float(np.nanmedian(np.abs(some - middle))) if np.isfinite(some).any() else 0.0
+    finite = some[np.isfinite(some)]
+    noise = robust_deviation(finite, middle) if finite.size else 0.0
     return _blocks(cut, k, middle, 5 * noise)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dnanalyze.robust import robust_deviation
+
 SURE = 5.0  # robust deviations: one Gaussian line in 1.7 million is farther off
 MOST = 0.1  # share of the lines up to which they are single ones
 LOUDEST = 64  # lines that are looked at
@@ -31,7 +33,7 @@ def standing_out(profile: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if profile.size < FEWEST:
         return np.empty(0, int), np.empty(0)
     apart = against_neighbours(profile)
-    spread = 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
+    spread = robust_deviation(apart)
     far = np.flatnonzero(np.abs(apart) > SURE * spread)
     if far.size > MOST * profile.size:
         far = far[:0]
@@ -65,7 +67,7 @@ def _extent(pattern: np.ndarray, column: int, above: bool) -> tuple[float, float
     around = np.delete(pattern[:, left : column + NEAR // 2 + 1], column - left, axis=1)
     level = np.median(around, axis=1)
     off = np.asarray(pattern[:, column] - level, float)
-    spread = 1.4826 * float(np.median(np.abs(around - level[:, None])))
+    spread = robust_deviation(around - level[:, None], 0.0)
     spread = spread or float(np.abs(off).max())  # of constant lines around
     first, last = _part(np.clip((off if above else -off) / spread, -REACH, REACH))
     return float(column), float(np.median(off[first:last])), float(first), float(last)

@@ -18,6 +18,7 @@ from dnanalyze.analyzers.families.lines_infos import INFOS
 from dnanalyze.analyzers.spectra.modes import frame_repeats
 from dnanalyze.analyzers.spectra.spectral_sums import Spectra
 from dnanalyze.analyzers.statistics import Value
+from dnanalyze.robust import robust_deviation
 
 __all__ = ["INFOS", "finish"]
 
@@ -64,7 +65,7 @@ def finish(acc: Accumulated) -> FamilyResult:
 
 def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
     apart = np.abs(against_neighbours(mean))
-    sigma = 1.4826 * float(np.median(apart))
+    sigma = robust_deviation(apart, 0.0)
     if sigma <= 1e-6 * max(1.0, float(apart.max())) and not apart.any():
         why = f"all {kind}s are equal"
         result.missing.update({f"{kind}_outliers": why, f"{kind}_extreme": why})
@@ -110,7 +111,7 @@ def detrended(mean: np.ndarray) -> np.ndarray:
         x = np.linspace(-1, 1, mean.size)
         flat = mean - np.polyval(np.polyfit(x, mean, 1), x)
     middle = float(np.median(flat))
-    reach = OUTLIER_SIGMAS * 1.4826 * float(np.median(np.abs(flat - middle)))
+    reach = OUTLIER_SIGMAS * robust_deviation(flat, middle)
     return np.clip(flat, middle - reach, middle + reach) if reach else flat
 
 

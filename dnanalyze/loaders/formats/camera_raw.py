@@ -18,6 +18,7 @@ from dnanalyze.loaders.checks import MIN_COLUMNS, MIN_ROWS, check_length, check_
 from dnanalyze.loaders.config import Config
 from dnanalyze.loaders.headers import from_header
 from dnanalyze.loaders.recording import Metadata, Recording, one_line, shifted_cfa
+from dnanalyze.robust import robust_deviation
 
 # The rim of a masked area sees stray light and the start of the readout.
 _GUARD_ROWS, _GUARD_COLUMNS = 16, 4
@@ -149,7 +150,7 @@ def _lit(raw: Any, active: Window, masked: Window) -> bool:
     """
     dark = raw.raw_image[masked.slices][::4]
     level = float(np.median(dark))
-    spread = 1.4826 * float(np.median(np.abs(dark - level)))
+    spread = robust_deviation(dark, level)
     rise = float(np.median(raw.raw_image[active.slices][::16, ::3])) - level
     return rise > max(10.0 * spread, 0.01 * (raw.white_level - level))
 

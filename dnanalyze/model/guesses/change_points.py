@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dnanalyze.model.guesses.line_profile import MAD
+from dnanalyze.robust import MAD
 
 DEGREE = 3  # of the smooth trend beside the strips
 MOST = 15  # edges: the 16 outputs of the widest readout in the catalogue

@@ -7,13 +7,7 @@ import numpy as np
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import curve
 from dnanalyze.model.guesses.hints import gains
-
-MAD = 1.4826  # median absolute deviation to standard deviation of a Gaussian
-
-
-def robust_deviation(values: np.ndarray) -> float:
-    """Standard deviation by the median absolute deviation."""
-    return float(MAD * np.median(np.abs(values - np.median(values))))
+from dnanalyze.robust import robust_deviation
 
 
 def line_profile(clues: Clues, axis: str) -> tuple[np.ndarray, np.ndarray]:
