@@ -5,7 +5,7 @@
     python benchmarks/classifier.py ordinary --count 40      # the same, fitted model
     python benchmarks/classifier.py missing --levels middling,strong   # one effect not in the model
 
-`pairs` also tells how often the area lies above its stated interval, for each cell with an interval
+`pairs` also tells how often the area lies above its lower limit at 95 %, for each cell with a limit
 of its own and for the cell that tells most. The virtual sensors share no code with the models.
 """
 
@@ -116,8 +116,8 @@ def missing(task: tuple[str, str, int], size: int) -> dict[str, Any]:
 
 def row(case: str, found: dnanalyze.Classification) -> dict[str, Any]:
     """What is counted."""
-    joint = NormalDist().inv_cdf(1 - 0.025 / len((*found.cells, *found.together)))
-    single = NormalDist().inv_cdf(0.975) / joint
+    joint = NormalDist().inv_cdf(1 - 0.05 / len((*found.cells, *found.together)))
+    single = NormalDist().inv_cdf(0.95) / joint
     z = [single * (c.auc - c.low) for c in found.cells]
     return {
         "case": case,
@@ -134,8 +134,8 @@ def row(case: str, found: dnanalyze.Classification) -> dict[str, Any]:
 
 def table(rows: list[dict[str, Any]]) -> None:
     """Print the shares by case, and of all."""
-    print("| case | tells | 95 % | any cell above its joint interval | cells above their own 95 % "
-          "interval | cells below it |\n|---|---|---|---|---|---|")  # fmt: skip
+    print("| case | tells | 95 % | any cell above its joint limit | cells above their own 95 % "
+          "limit | cells below it |\n|---|---|---|---|---|---|")  # fmt: skip
     cases = dict.fromkeys(r["case"] for r in rows)
     for case in [*cases, "all"]:
         own = [r for r in rows if case in ("all", r["case"])]

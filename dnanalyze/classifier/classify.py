@@ -163,12 +163,12 @@ def _confirmed(judge: Judge, judged: list[Judged], helpers: Helpers) -> list[Jud
 
 
 def _cells(every: list[Pool]) -> list[Cell]:
-    """With intervals that hold for all cells together (Bonferroni)."""
+    """With limits, each of which holds at 95 % for all cells together (Bonferroni)."""
     made = []
     for pool in every:
         first, auc = pool.parts[0], pool.area.value
         # Rows or columns of patches are few: Student's t (Cameron, Gelbach and Miller 2011).
-        half = pool.se * float(stdtrit(max(first.cuts.grid) - 1, 1 - 0.025 / len(every)))
+        half = pool.se * float(stdtrit(max(first.cuts.grid) - 1, 1 - 0.05 / len(every)))
         made.append(
             Cell(
                 first.point if len(pool.parts) == 1 else None,

@@ -27,11 +27,12 @@ class Cell:
     name : str
         The same in words.
     auc, low, high : float
-        Area under the ROC curve, with the ends of its interval: 95 % for all cells together.
+        Area under the ROC curve, with its limits, each of which holds at 95 % for all cells
+        together.
     control : float
         The same of a second simulated sensor against the simulated one, or the mean of several.
     confirmed : bool
-        Whether there were several controls, whose scatter is in the interval.
+        Whether there were several controls, whose scatter is in the limits.
     """
 
     point: OperatingPoint | None
@@ -45,7 +46,7 @@ class Cell:
 
     @property
     def above(self) -> bool:
-        """Whether the area lies above chance by its interval, and clearly above its control."""
+        """Whether the area lies above chance by its lower limit, and clearly above its control."""
         return self.low > max(0.5, self.control) and self.auc > self.control + ABOVE
 
     @property
@@ -111,7 +112,7 @@ class Classification(Result):
 
     @property
     def best(self) -> Cell | None:
-        """The cell that tells most: by the lower end of its interval, those that tell first."""
+        """The cell that tells most: by its lower limit, those that tell first."""
         every = (*self.cells, *self.together)
         return max(every, key=lambda c: (c.tells, c.low), default=None)
 
@@ -119,18 +120,18 @@ class Classification(Result):
     def auc(self) -> float | None:
         """Area under the ROC curve where the classifier tells most; None where nothing was judged.
 
-        Its interval allows for the choice among all cells.
+        Its limits allow for the choice among all cells.
         """
         return None if self.best is None else self.best.auc
 
     @property
     def low(self) -> float | None:
-        """Lower end of the 95 % interval of the area."""
+        """Lower limit of the area at 95 % confidence."""
         return None if self.best is None else self.best.low
 
     @property
     def high(self) -> float | None:
-        """Upper end of the 95 % interval of the area."""
+        """Upper limit of the area at 95 % confidence."""
         return None if self.best is None else self.best.high
 
     @property

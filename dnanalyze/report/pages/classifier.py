@@ -13,7 +13,7 @@ from dnanalyze.report.tables import classifier_rows
 
 def classifier_section(result: Any) -> Section:
     """The sentence, the patches that tell most, and the areas by operating point."""
-    columns = ("operating point", "picture", "AUC", "95 % interval", "control")
+    columns = ("operating point", "picture", "AUC", "95 % limits", "control")
     rows = classifier_rows(result)
     return Section(
         "classifier",
