@@ -22,10 +22,10 @@ import numpy as np
 from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
 from dnanalyze.demo import VirtualSensor, draw_sensor, generate
 from dnanalyze.demo.sensor import arrhenius
-from dnanalyze.diagnosis.refine import add
+from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import ordinary_start, uncertain
 from dnanalyze.fitting.from_part import converge, fitted
 from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.predictor import bench
@@ -58,7 +58,7 @@ class Found:
 
     @property
     def within(self) -> bool:
-        """Whether it is within what is asked, or 3 standard errors of the direct measurement."""
+        """Whether it is within what is asked, or 3 standard errors: those that the fit states."""
         off = abs(self.model - self.true)
         share = {"gain": GAIN, "dark signal": SIGNAL, "read noise": NOISE}.get(self.quantity)
         asked = ENERGY_EV if share is None else share * abs(self.true)
@@ -114,7 +114,7 @@ def one(task: tuple[str, int]) -> list[Found]:
     gain = float(np.clip(shot.value("dn_per_e", begun.reference) * off, low, high))
     state = fitted(held, begun.with_effect(replace(shot, dn_per_e=gain)), converge)
     for name in names[1:]:
-        state = add(captures, name, state.model, held=held).state
+        state = add_on(captures, name, state.model, held=held).state
     model = state.model
     found = [*_noises(model, sensor), *_gains(held, model, sensor), *_signals(held, state, sensor)]
     knobs = knobs_of(model)
@@ -137,9 +137,16 @@ def _gains(held, model, sensor: VirtualSensor) -> list[Found]:
 
 
 def _signals(held, state, sensor: VirtualSensor) -> list[Found]:
-    """Median dark signal of the ordinary pixels, and its energy."""
+    """Median dark signal of the ordinary pixels, and its energy.
+
+    Its error holds that of the direct measurement, and what the fit states of the row of ``mu``:
+    without bias frames or other exposures the black level is known no better.
+    """
     base = state.model.get("convolved_lognormal")
     errors = {a.point: a.error for a in agreements(held, state) if a.quantity == "dark signal"}
+    stated = uncertain(held, state).parameters
+    spread = {p.temperature_c: stated[f"convolved_lognormal.mu[{k}]"].se
+              for k, p in enumerate(base.mu.points)}  # fmt: skip
     found, series = [], []
     for point, _ in held.plan.settings:
         if not point.exposure_s or point.temperature_c is None:
@@ -149,7 +156,9 @@ def _signals(held, state, sensor: VirtualSensor) -> list[Found]:
         mu = value_at(base.mu, point)
         own = float(np.exp(mu)) * point.exposure_over(state.model.reference)
         least = 0.05 * sensor.gain_dn_e * sensor.read_noise_e
-        error = float(np.hypot(errors.get(point, 0.0), least / 3.0))
+        near = min(spread, key=lambda t: abs(t - point.temperature_c))
+        direct = errors.get(point, own * spread[near])
+        error = float(np.hypot(direct, least / 3.0))
         found.append(Found("dark signal", true, own, error))
         series.append((point.temperature_c, own / point.exposure_s, error / max(own, error)))
     celsius, rate, relative = np.array(series).T

@@ -36,7 +36,7 @@ from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.demo.hidden import Scene
 from dnanalyze.demo.virtual_sensor import resolve
-from dnanalyze.diagnosis.refine import add
+from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import converge, fitted
@@ -140,7 +140,7 @@ def model_of(of: Design, captures: CaptureSet) -> NoiseModel:
     held = bench(design(captures))
     model = fitted(held, ordinary_start(held), converge).model
     for name in of.effects:
-        model = add(captures, name, model, held=held).model
+        model = add_on(captures, name, model, held=held).model
     return model
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from dnanalyze.analyzers.analyze import analyze
     from dnanalyze.analyzers.statistics import Statistics
     from dnanalyze.benchmarking.run import BenchmarkResult, benchmark
+    from dnanalyze.channels.refinement import ChannelRefinement, refine_channels
     from dnanalyze.checking.check import CheckResult, check
     from dnanalyze.checking.targets import load_targets
     from dnanalyze.classifier.classify import classify
@@ -38,9 +39,13 @@ if TYPE_CHECKING:
     from dnanalyze.diagnosis.refine import Refinement, add, refine
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.fit import Fit, fit
-    from dnanalyze.loaders import load
+    from dnanalyze.loaders.arrays import from_arrays
     from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
+    from dnanalyze.loaders.folder import load
+    from dnanalyze.loaders.inspection import inspect
+    from dnanalyze.model.add_noise import add_dark_noise
     from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+    from dnanalyze.model.export.export import export
     from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model
     from dnanalyze.model.registry import catalogue
     from dnanalyze.model.simulate import simulate
@@ -50,6 +55,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BenchmarkResult",
     "CaptureSet",
+    "ChannelRefinement",
     "CheckResult",
     "Classification",
     "Comparison",
@@ -69,6 +75,7 @@ __all__ = [
     "Window",
     "__version__",
     "add",
+    "add_dark_noise",
     "analyze",
     "benchmark",
     "catalogue",
@@ -80,13 +87,17 @@ __all__ = [
     "detect",
     "diagnose",
     "dump_model",
+    "export",
     "fit",
+    "from_arrays",
+    "inspect",
     "learn_pattern",
     "load",
     "load_model",
     "load_targets",
     "parameter",
     "refine",
+    "refine_channels",
     "simulate",
 ]
 
@@ -96,6 +107,7 @@ _HOME = {
     "dnanalyze.analyzers.analyze": ("analyze",),
     "dnanalyze.analyzers.statistics": ("Statistics",),
     "dnanalyze.benchmarking.run": ("BenchmarkResult", "benchmark"),
+    "dnanalyze.channels.refinement": ("ChannelRefinement", "refine_channels"),
     "dnanalyze.checking.check": ("CheckResult", "check"),
     "dnanalyze.comparator.compare": ("Comparison", "compare"),
     "dnanalyze.checking.targets": ("load_targets",),
@@ -109,9 +121,13 @@ _HOME = {
     "dnanalyze.diagnosis.refine": ("Refinement", "add", "refine"),
     "dnanalyze.errors": ("InputError",),
     "dnanalyze.fitting.fit": ("Fit", "fit"),
-    "dnanalyze.loaders": ("load",),
+    "dnanalyze.loaders.arrays": ("from_arrays",),
     "dnanalyze.loaders.captures": ("CaptureSet", "OperatingPoint", "Window"),
+    "dnanalyze.loaders.folder": ("load",),
+    "dnanalyze.loaders.inspection": ("inspect",),
+    "dnanalyze.model.add_noise": ("add_dark_noise",),
     "dnanalyze.model.effect": ("Effect", "Site", "Stage", "choice", "parameter"),
+    "dnanalyze.model.export.export": ("export",),
     "dnanalyze.model.noise_model": ("NoiseModel", "dump_model", "load_model"),
     "dnanalyze.model.registry": ("catalogue",),
     "dnanalyze.model.simulate": ("simulate",),

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from dnanalyze.channels.refinement import ChannelRefinement
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.noise_model import NoiseModel
+    from dnanalyze.progress import Progress
 
-Tell = Callable[[str], None]
+    Run = Callable[[Progress], ChannelRefinement]
 
 
 def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
@@ -26,7 +27,7 @@ def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
     return merged({c: channel_model(model, c) for c in found.channels}, celsius)
 
 
-def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRefinement]) -> None:
+def refine(session: Session, found: CaptureSet, run: Run) -> None:
     """Run, show and write what completes the model of every channel."""
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import channel_results, tables
@@ -34,17 +35,17 @@ def refine(session: Session, found: CaptureSet, run: Callable[[Tell], ChannelRef
     from dnanalyze.report.terminal.refinement import not_kept
 
     with session.progress("Reading frames") as progress:
-        result = run(progress.now)
+        result = run(progress)
     show(session.console, found, result)
     if session.output is None:
         not_kept(session.console)
 
     def page() -> str:
-        from dnanalyze.comparator.compare import compare
+        from dnanalyze.comparator.compare import compare_on
         from dnanalyze.report.pages.hdr_channels import refinement_page
 
         with session.progress("Comparing the model with the captures"):
-            comparison = compare(found, result.model, held=result.bench)
+            comparison = compare_on(found, result.model, held=result.bench)
         return refinement_page(found, result, comparison)
 
     where = str(session.captures)

@@ -32,9 +32,11 @@ class Progress:
     bars: Any = None
     task: Any = None
 
-    def __call__(self, done: float = 0, total: float | None = None) -> None:
-        """So much of the total is done."""
-        if self.bars:
+    def __call__(self, done: float = 0, total: float | None = None, what: str = "") -> None:
+        """So much of the total is done; or what is under way."""
+        if what:
+            self.now(what)
+        elif self.bars:
             count = "" if total is None else f"{done:.0f} of {total:.0f}"
             self.bars.update(self.task, completed=done, total=total, count=count)
 

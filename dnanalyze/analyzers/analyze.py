@@ -22,8 +22,8 @@ from dnanalyze.analyzers.streaming.accumulation import Accumulation, make_plan, 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 from dnanalyze.processors import cpu_count
+from dnanalyze.progress import Progress
 
-Progress = Callable[[int, int], None]
 SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
 NAMES = tuple(family.INFOS[0].family for family in FAMILIES)
 SUBSETS = {spectrum.PATTERN_ALONE: "spectrum"}  # of a family, with less work
@@ -38,6 +38,7 @@ def analyze(
     progress: Progress | None = None,
     scheduler: str | None = None,
     families: Sequence[str] = (),
+    system_gain: float | None = None,
 ) -> Statistics:
     """Measure every statistic at every operating point, each with its standard error.
 
@@ -58,6 +59,9 @@ def analyze(
         Families of statistics that are wanted, such as ("level", "spectrum"); all by default.
         "pattern_spectrum" is the part of "spectrum" that needs the mean frame only, as in EMVA
         1288: one transform instead of one for each frame.
+    system_gain : float, optional
+        Overall system gain K, DN/e-, for the EMVA 1288 quantities in electrons (``.emva``); by
+        default the recorded one, or that of photon transfer in the dark.
 
     Returns
     -------
@@ -68,7 +72,7 @@ def analyze(
     ------
     InputError
         A window outside the frame, or too small; frames of another shape than the sensor's; an
-        unknown family.
+        unknown family; a gain that is not above 0.
 
     Examples
     --------
@@ -80,11 +84,13 @@ def analyze(
     >>> noise.se < noise.value
     True
     """
+    if system_gain is not None and not 0 < system_gain < float("inf"):
+        raise InputError(f"system_gain {system_gain:g}: it must be above 0 DN/e-")
     (found,) = analyze_windows(
         captures, (window,), workers=workers, progress=progress, scheduler=scheduler,
         families=families,
     )  # fmt: skip
-    return replace(found, capture_set=captures)
+    return replace(found, capture_set=captures, system_gain=system_gain)
 
 
 def analyze_windows(

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.result import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from dnanalyze.emva.quantity import Emva
 
 SATURATION = "saturation"  # what is missing of a setting most of whose pixels are saturated
 
@@ -155,6 +162,8 @@ class Statistics(Result):
         standard errors.
     capture_set : CaptureSet, optional
         The frames, which are not read again but for figures.
+    system_gain : float, optional
+        Overall system gain K, DN/e-, as the user states it.
     """
 
     name: str
@@ -162,6 +171,58 @@ class Statistics(Result):
     settings: tuple[SettingStatistics, ...]
     trends: dict[str, Value] = field(default_factory=dict)
     capture_set: CaptureSet | None = field(default=None, compare=False)
+    system_gain: float | None = None
+
+    @property
+    def emva(self) -> Emva:
+        """The dark quantities of EMVA 1288 Release 4.0.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> table = dnanalyze.analyze(tiny(), system_gain=0.5).emva.to_dataframe()
+        >>> float(table[table["quantity"] == "system_gain_dn_e"]["value"].iloc[0])
+        0.5
+        """
+        from dnanalyze.emva.evaluate import evaluate
+
+        return evaluate(self, self.system_gain)
+
+    def __getitem__(self, name: str) -> pd.DataFrame:
+        """Return one statistic at every operating point.
+
+        Parameters
+        ----------
+        name : str
+            Name of the statistic, such as "temporal_noise".
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row an operating point and colour plane: value, standard error and ends of the
+            interval of 95 %, in the unit of the value.
+
+        Raises
+        ------
+        KeyError
+            These frames do not determine it, or no statistic has that name.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> noise = dnanalyze.analyze(tiny())["temporal_noise"]
+        >>> bool((noise["low"] < noise["value"]).all())
+        True
+        """
+        table = self.to_dataframe()
+        own = table[table["name"] == name]
+        if not len(own):
+            known = table["name"].unique().tolist()
+            near = get_close_matches(str(name), known, 3) or known[:8]
+            raise KeyError(f"{name}: not measured; such as: {', '.join(near)}")
+        return own.drop(columns=["name", "family", "se_scaled", "scale"]).reset_index(drop=True)
 
     def _brief(self) -> str:
         points = len({s.point for s in self.settings})

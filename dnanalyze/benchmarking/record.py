@@ -15,6 +15,7 @@ from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE, Criterion
 from dnanalyze.benchmarking.laws import Reading
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
+from dnanalyze.progress import ignored
 
 ELECTRON = 1.602176634e-19  # C
 LEAST_SLOPE = 5.0  # standard errors from which the slope of variance over mean counts as the gain
@@ -126,7 +127,7 @@ def record(
     captures: CaptureSet,
     *,
     quick: bool = False,
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = ignored,
 ) -> SensorRecord:
     """Analyze, compare, refine and detect one sensor.
 
@@ -163,22 +164,22 @@ def _modelled(
     name: str, captures: CaptureSet, quick: bool, tell: Callable[[str], None], notes: list[str]
 ) -> tuple[dict[str, float], Any]:
     """Errors of the Gaussian, the paper's and the refined model; the refinement, or None."""
-    from dnanalyze.comparator.compare import compare
-    from dnanalyze.diagnosis.refine import refine
+    from dnanalyze.comparator.compare import compare_on
+    from dnanalyze.diagnosis.refine import refine_on
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
 
     tell(f"{name}: Wang 2025 model")
     try:
         held = bench(design(captures))
-        comparison = compare(captures, held=held)
+        comparison = compare_on(captures, held=held)
     except InputError as error:
         notes.append(f"no model could be compared with it: {error}")
         return {}, None
     errors = {k: comparison.baselines[k] for k in ("gaussian", "paper")}
     if quick:
         return errors, None
-    result = refine(captures, held=held, trying=lambda effect: tell(f"{name}: trying {effect}"))
+    result = refine_on(captures, held=held, trying=lambda effect: tell(f"{name}: trying {effect}"))
     errors["refined"] = result.steps[-1].error
     return errors, result
 

@@ -12,6 +12,7 @@ from dnanalyze.benchmarking.laws import common_temperatures, estimate
 from dnanalyze.benchmarking.record import ABSENT, ELECTRON, Figure, SensorRecord, record
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.progress import Progress, told_of
 from dnanalyze.result import Result
 
 REACH = 3.0  # measured spans of temperature, as far outside which a law is still read
@@ -104,8 +105,7 @@ def benchmark(
     *,
     at: Sequence[float] = (),
     quick: bool = False,
-    temperatures: Sequence[float] = (),
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> BenchmarkResult:
     """Compare several sensors.
 
@@ -117,10 +117,8 @@ def benchmark(
         Temperatures at which to compare, C; by default within the range that all have measured.
     quick : bool
         Leave the refinement out.
-    temperatures : sequence of float
-        The former name of ``at``.
-    tell : callable
-        Called with a line of progress.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -144,11 +142,12 @@ def benchmark(
     if len(parts) < 2:
         raise InputError("benchmark: name two capture folders or more, or one of several channels")
     names = unique_names([c.name for c in parts])
+    tell = told_of(progress)
     made = [
         record(name, c.name, c, quick=quick, tell=tell)
         for name, c in zip(names, parts, strict=True)
     ]
-    return side_by_side(made, at or temperatures)
+    return side_by_side(made, at)
 
 
 def by_channel(captures: CaptureSet) -> list[CaptureSet]:

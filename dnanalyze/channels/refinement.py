@@ -7,15 +7,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain
+from pathlib import Path
 
-from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
+from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose_on
 from dnanalyze.diagnosis.predictive_check import error_of
-from dnanalyze.diagnosis.refine import Refinement, add, refine
+from dnanalyze.diagnosis.refine import Refinement, add_on, refine_on
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import Parameter, fit, standard_errors
+from dnanalyze.fitting.fit import Parameters, fit_on, standard_errors
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.predictor import Bench, bench
@@ -23,7 +24,8 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import channel_model, merged, of_pixel
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, catalogue
+from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, known_effects
+from dnanalyze.progress import Progress, ignored, told_of
 from dnanalyze.result import Result
 
 JOINT_ITERATIONS = 6
@@ -44,6 +46,7 @@ class ChannelRefinement(Result):
     Parameters
     ----------
     captures : str
+        Name of the captures.
     channels : dict
         Channel to its refinement.
     shared : list of str
@@ -59,7 +62,9 @@ class ChannelRefinement(Result):
     model : NoiseModel
         Of all channels; see `dnanalyze.model.channel_models.merged`.
     bench : Bench
+        The statistics of all channels that were fitted, and the simulations of them.
     state : State
+        The last step of the fit of one model.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -95,7 +100,7 @@ class ChannelRefinement(Result):
         return list(dict.fromkeys(n for r in self.channels.values() for n in r.unexplained))
 
     @cached_property
-    def parameters(self) -> list[Parameter]:
+    def parameters(self) -> Parameters:
         """The numbers of the model of all channels, with their standard errors."""
         return standard_errors(self.bench, self.state)
 
@@ -133,11 +138,11 @@ def refine_channels(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
-    most_effects: int | None = None,
+    max_effects: int | None = None,
     until_error: float | None = None,
     budget: float | None = None,
-    known: dict[str, type[Effect]] | None = None,
-    tell: Callable[[str], None] = lambda _: None,
+    effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
+    progress: Progress | None = None,
 ) -> ChannelRefinement:
     """Complete a model of each channel, compare what they needed, and fit one model of all.
 
@@ -146,26 +151,44 @@ def refine_channels(
     captures : CaptureSet
         Operating points that carry a channel.
     model : NoiseModel, optional
-        Where to begin, of all channels; the paper's by default.
-    exclude, most_effects, until_error, known
-        As in `refine`, for each channel.
+        Starting model of all channels; the Wang 2025 model by default.
+    exclude : sequence of str
+        Effects never to add.
+    max_effects : int, optional
+        Stop in a channel once this many effects were added.
+    until_error : float, optional
+        Stop in a channel once the model error is at or below this.
     budget : float, optional
         Seconds for the searches of all channels, in equal parts.
-    tell : callable
-        Called with a line of progress.
+    effects : sequence of path, or mapping
+        The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+
+    Returns
+    -------
+    ChannelRefinement
+        The refinement of each channel, and one model of all.
 
     Raises
     ------
     InputError
         Fewer than two channels.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> captures = dnanalyze.load("captures/")                # doctest: +SKIP
+    >>> dnanalyze.refine_channels(captures).save("m.yaml")    # doctest: +SKIP
     """
+    known, tell = known_effects(effects), told_of(progress)
 
     def one(channel: str, part: CaptureSet) -> Refinement:
-        return refine(
+        return refine_on(
             part,
             channel_model(model, channel) if model is not None else None,
             exclude=exclude,
-            most_effects=most_effects,
+            max_effects=max_effects,
             until_error=until_error,
             budget=None if budget is None else budget / len(captures.channels),
             known=known,
@@ -181,17 +204,18 @@ def add_channels(
     model: NoiseModel | None = None,
     *,
     known: dict[str, type[Effect]] | None = None,
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> ChannelRefinement:
     """Put one effect into the model of every channel; see `refine_channels`."""
+    tell = told_of(progress)
 
     def one(channel: str, part: CaptureSet) -> Refinement:
         held = bench(design(part))
         if model is None:
-            begun = fit(part, held=held, replicates=0).model
+            begun = fit_on(part, held=held, replicates=0).model
         else:
             begun = channel_model(model, channel)
-        return add(part, name, begun, known=known, held=held)
+        return add_on(part, name, begun, known=known, held=held)
 
     return _over(captures, one, known, tell)
 
@@ -202,7 +226,7 @@ def diagnose_channels(
     *,
     budget: float | None = None,
     known: dict[str, type[Effect]] | None = None,
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = ignored,
 ) -> dict[str, Diagnosis]:
     """What is missing in the model of each channel; see `diagnose`."""
     made = {}
@@ -211,7 +235,7 @@ def diagnose_channels(
         tell(f"{channel}: reading")
         share = None if budget is None else budget / len(captures.channels)
         trying = partial(_trying, tell, channel)
-        made[channel] = diagnose(part, own, budget=share, known=known, tell=trying)
+        made[channel] = diagnose_on(part, own, budget=share, known=known, tell=trying)
     return made
 
 

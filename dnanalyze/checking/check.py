@@ -17,6 +17,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.progress import Progress
 from dnanalyze.result import Result
 
 NOT_DETERMINED = "not determined from these frames"
@@ -153,7 +154,7 @@ def check(
     *,
     seed: int | None = None,
     measured: CaptureSet | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> CheckResult:
     """Check a simulation with the limits of a targets file.
 

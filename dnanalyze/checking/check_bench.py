@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,6 +16,7 @@ from dnanalyze.loaders.captures import CaptureSet, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.progress import Progress
 
 BUDGET_PIXELS = 24_000_000
 
@@ -37,7 +37,7 @@ class CheckBench:
     captures: CaptureSet
     measurement: CaptureSet | None
     model: NoiseModel | None
-    progress: Callable[[int, int], None] | None = None
+    progress: Progress | None = None
 
     @property
     def name(self) -> str:

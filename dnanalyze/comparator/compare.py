@@ -14,7 +14,7 @@ from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import at_a_glance, fit, with_seed
+from dnanalyze.fitting.fit import at_a_glance, fit_on, with_seed
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench, bench
@@ -23,6 +23,7 @@ from dnanalyze.fitting.vectors import prediction
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.progress import Progress, ignored, told_of
 from dnanalyze.result import Result
 
 
@@ -76,8 +77,7 @@ def compare(
     model: NoiseModel | None = None,
     *,
     seed: int | None = None,
-    held: Bench | None = None,
-    tell: Callable[[State], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> Comparison:
     """Compare a model with dark frames.
 
@@ -89,10 +89,8 @@ def compare(
         Taken as it is. Without one the Wang 2025 model is fitted first.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
-    held : Bench, optional
-        Statistics taken earlier.
-    tell : callable
-        Called with every better state of the fit of the Wang 2025 model.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -116,10 +114,25 @@ def compare(
     >>> sorted(comparison.baselines)
     ['gaussian', 'paper']
     """
+    return compare_on(captures, model, seed=seed, tell=told_of(progress))
+
+
+def compare_on(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    seed: int | None = None,
+    held: Bench | None = None,
+    tell: Callable[[State], None] = ignored,
+) -> Comparison:
+    """`compare` with statistics taken earlier.
+
+    ``tell`` is called with every better state of the fit of the Wang 2025 model.
+    """
     held = held or bench(design(captures, unit=None if model is None else model.unit))
     begun = None if model is not None else with_seed(held, None, seed)
     model = None if model is None else with_seed(held, model, seed)
-    paper = fit(captures, begun, held=held, replicates=0, tell=tell).state
+    paper = fit_on(captures, begun, held=held, replicates=0, tell=tell).state
     held = by_design(held, model or paper.model)
     m = at_a_glance(held)
     plain = held.statistics(gaussian_model(m), errors=True)

@@ -38,6 +38,7 @@ from dnanalyze.model.composite.source import own_effect
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
+from dnanalyze.progress import Progress, ignored, told_of
 from dnanalyze.result import Result
 
 MOST = 2  # layers whose best structure is put into the model and refitted
@@ -157,9 +158,7 @@ def describe(
     budget: float | None = None,
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
-    known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> Description:
     """Describe the residual that no effect of the catalogue explains; add it to a model.
 
@@ -175,12 +174,8 @@ def describe(
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
-    known : mapping, optional
-        All effects by name: the former name of ``effects``.
-    held : Bench, optional
-        Statistics taken earlier.
-    tell : callable
-        Called with a line of progress.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -200,6 +195,23 @@ def describe(
     >>> found.captures
     'virtual sensor'
     """
+    known = known_effects(effects)
+    return describe_on(
+        captures, model, budget=budget, known=known, seed=seed, tell=told_of(progress)
+    )
+
+
+def describe_on(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    budget: float | None = None,
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
+    held: Bench | None = None,
+    tell: Callable[[str], None] = ignored,
+) -> Description:
+    """`describe` on statistics taken earlier, beside the effects of ``known``."""
     limit = TimeLimit.after(budget)
     if model is not None and model.get(CompositeEffect.name) is not None:
         raise InputError(
@@ -213,7 +225,9 @@ def describe(
     begun = located(held, with_seed(held, model, seed) or model)
     tell("fitting the model")
     state = fitted_in_time(held.within(limit), begun)
-    found = described(captures, held, state, known_effects(effects, known), limit, tell)
+    found = described(
+        captures, held, state, known_effects(() if known is None else known), limit, tell
+    )
     if limit.over:
         return found
     tell("training a classifier")
@@ -234,7 +248,7 @@ def described(
     state: State,
     known: Mapping[str, type[Effect]],
     limit: TimeLimit,
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = ignored,
     rivals: bool = True,
 ) -> Description:
     """The description of what a fitted model leaves.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -22,6 +22,7 @@ from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.progress import Progress, told_of
 from dnanalyze.result import Result
 from dnanalyze.thermal import arrhenius, least_energy
 
@@ -149,7 +150,7 @@ def learn_pattern(
     captures: CaptureSet,
     model: NoiseModel,
     *,
-    tell: Callable[[str], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> LearnedPattern:
     """Learn the fixed pattern that a sensor has beside its model.
 
@@ -165,8 +166,8 @@ def learn_pattern(
         Dark frames; operating points of a single frame are left out.
     model : NoiseModel
         The model to which the pattern is added.
-    tell : callable
-        Called with a line of progress.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -188,6 +189,7 @@ def learn_pattern(
     (64, 64)
     """
     check_pattern(captures, model)
+    tell = told_of(progress)
     captures, model = _repeated(captures), _without_structure(model)
     tell("mean frames")
     seen = halves(captures)

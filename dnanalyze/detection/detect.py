@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -18,6 +17,7 @@ from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
 from dnanalyze.detection.verdict import Answer, ask, decide
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.progress import Progress
 
 WORKERS = 2  # groups in memory at a time
 
@@ -26,7 +26,7 @@ def detect(
     captures: CaptureSet,
     *,
     alpha: float = 1e-3,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Detection:
     """Look for hidden defect-pixel correction, denoise and temporal denoise.
 
@@ -85,9 +85,7 @@ def detect(
     )
 
 
-def _gather(
-    frame_groups: list[Group], progress: Callable[[int, int], None] | None
-) -> list[ViewEvidence]:
+def _gather(frame_groups: list[Group], progress: Progress | None) -> list[ViewEvidence]:
     done = 0
 
     def one(group: Group) -> list[ViewEvidence]:

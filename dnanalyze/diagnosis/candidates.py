@@ -36,6 +36,7 @@ from dnanalyze.fitting.least_squares import (
 )
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.effect import Effect
+from dnanalyze.progress import ignored
 
 # Times its promise, which is that of two operating points, that a refit may gain; or as many times
 # as another of these refits has gained.
@@ -65,7 +66,7 @@ def by_standing(trials: Sequence[Trial]) -> list[Trial]:
 def trials(
     null: Null,
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = ignored,
     so_far: SoFar | None = None,
 ) -> list[Trial]:
     """Refit the candidates with the largest promise; the most probable first.

@@ -24,8 +24,18 @@ STRENGTHS = (
 
 
 @dataclass(frozen=True)
-class Limit:
-    """Smallest detectable strength of an effect; NaN where the largest one tried is not."""
+class DetectionLimit:
+    """Smallest strength of an effect that the captures could show; its text is a sentence.
+
+    Parameters
+    ----------
+    effect, parameter : str
+        The effect, and the parameter that says how strong it is.
+    value : float
+        The strength; NaN where the largest one tried is not detectable.
+    unit : str
+        Of the value.
+    """
 
     effect: str
     parameter: str
@@ -41,8 +51,10 @@ class Limit:
         return f"{self.effect} is detectable from {self.parameter} = {least}"
 
 
-def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) -> dict[str, str]:
-    """Detection limit of every effect that is not in the model, as sentences.
+def detection_limits(
+    held: Bench, state: State, known: dict[str, type[Effect]]
+) -> dict[str, DetectionLimit]:
+    """Detection limit of every effect that is not in the model.
 
     The strength at which the effect changes the statistics, beyond what the parameters of the model
     absorb, by what `significant` asks for: at the operating point with the least noise, and for
@@ -66,7 +78,8 @@ def detection_limits(held: Bench, state: State, known: dict[str, type[Effect]]) 
             view = _View.of(held, state, sorted(where), placing)
             least |= _least_shown(view, state.model, alike)
     return {
-        name: str(Limit(name, a.parameter, least[name], a.info.unit)) for name, a in asked.items()
+        name: DetectionLimit(name, a.parameter, least[name], a.info.unit)
+        for name, a in asked.items()
     }
 
 

@@ -46,6 +46,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, known_effects
+from dnanalyze.progress import Progress, ignored, told_of
 
 __all__ = ["Diagnosis", "diagnose"]
 
@@ -58,10 +59,7 @@ def diagnose(
     budget: float | None = None,
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
-    known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[str], None] = lambda _: None,
-    first: Callable[[list[str]], None] | None = None,
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """Identify the effect that is missing in a model.
 
@@ -81,16 +79,8 @@ def diagnose(
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
-    known : mapping, optional
-        All effects by name: the former name of ``effects``.
-    held : Bench, optional
-        Statistics taken earlier.
-    tell : callable
-        Called with a line of progress.
-    first : callable, optional
-        Called with a first answer before the search: the effects, in the order of the fall of the
-        error that first-order screening of a quarter of the field expects; empty
-        where the captures are small, or nothing is expected.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -111,11 +101,36 @@ def diagnose(
     >>> found.verdict, found.candidates[0].effect
     ('missing', 'column_fpn')
     """
+    known = known_effects(effects)
+    return diagnose_on(
+        captures, model, exclude=exclude, budget=budget, known=known, seed=seed,
+        tell=told_of(progress),
+    )  # fmt: skip
+
+
+def diagnose_on(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    exclude: Sequence[str] = (),
+    budget: float | None = None,
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
+    held: Bench | None = None,
+    tell: Callable[[str], None] = ignored,
+    first: Callable[[list[str]], None] | None = None,
+) -> Diagnosis:
+    """`diagnose` on statistics taken earlier, among the effects of ``known``.
+
+    ``tell`` is called with the name of every candidate; ``first``, before the search, with a first
+    answer: the effects in the order of the fall of the error that first-order screening of a
+    quarter of the field expects, none where the captures are small or nothing is expected.
+    """
     limit = TimeLimit.after(budget)
     held = held or bench(design(captures, unit=None if model is None else model.unit))
     limited = held.within(limit)
     model = located(held, with_seed(held, model, seed) or paper_start(held))
-    known = known_effects(effects, known)
+    known = known_effects(() if known is None else known)
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     so_far = SoFar()
     if first is not None or budget is not None:

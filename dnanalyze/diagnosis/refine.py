@@ -18,7 +18,7 @@ from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.stepwise import Path, Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit, paper_start, with_seed
+from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import State, minimise, start
@@ -29,6 +29,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import find, known_effects
+from dnanalyze.progress import Progress, ignored, told_of
 
 __all__ = ["Refinement", "add", "refine"]
 
@@ -42,15 +43,7 @@ def refine(
     until_error: float | None = None,
     budget: float | None = None,
     effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
-    seed: int | None = None,
-    most_effects: int | None = None,
-    known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[Step], None] = lambda _: None,
-    trying: Callable[[str], None] = lambda _: None,
-    keep: Callable[[Refinement], None] = lambda _: None,
-    first: Callable[[list[str]], None] | None = None,
-    classifier: bool = True,
+    progress: Progress | None = None,
 ) -> Refinement:
     """Add the missing effects to a model until no further one is detectable.
 
@@ -70,24 +63,8 @@ def refine(
         Seconds after which the search ends with the last complete model.
     effects : sequence of path, or mapping
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
-    seed : int, optional
-        Seed of the simulated sensor; by default the model's.
-    most_effects : int, optional
-        The former name of ``max_effects``.
-    known : mapping, optional
-        All effects by name: the former name of ``effects``.
-    held : Bench, optional
-        Statistics taken earlier.
-    tell, trying : callable
-        Called after every step, and with the name of every effect that is tried.
-    keep : callable
-        Called with the refinement after each complete step; the search can be continued from any of
-        these models.
-    first : callable, optional
-        Called with a first answer before the search, as in `diagnose`.
-    classifier : bool
-        Whether a classifier is asked to tell the frames of the final model from the measured ones.
-        A model whose frames it tells is not adequate.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -108,11 +85,41 @@ def refine(
     >>> found.steps[0].error > found.steps[-1].error
     True
     """
+    known = known_effects(effects)
+    return refine_on(
+        captures, model, exclude=exclude, max_effects=max_effects, until_error=until_error,
+        budget=budget, known=known, trying=told_of(progress),
+    )  # fmt: skip
+
+
+def refine_on(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    exclude: Sequence[str] = (),
+    max_effects: int | None = None,
+    until_error: float | None = None,
+    budget: float | None = None,
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
+    held: Bench | None = None,
+    tell: Callable[[Step], None] = ignored,
+    trying: Callable[[str], None] = ignored,
+    keep: Callable[[Refinement], None] = ignored,
+    first: Callable[[list[str]], None] | None = None,
+    classifier: bool = True,
+) -> Refinement:
+    """`refine` on statistics taken earlier, among the effects of ``known``.
+
+    ``tell`` and ``trying`` are called after every step, and with the name of every effect that is
+    tried; ``keep`` after each complete step with the refinement so far, from whose model the search
+    can be continued; ``first`` as in `diagnose_on`. ``classifier``: whether one is asked to tell
+    the frames of the final model.
+    """
     limit = TimeLimit.after(budget)
     unlimited = held or bench(design(captures, unit=None if model is None else model.unit))
     held = unlimited.within(limit)
-    known = known_effects(effects, known)
-    most = most_effects if max_effects is None else max_effects
+    known = known_effects(() if known is None else known)
     begun = located(unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited))
     open_to = {n: e for n, e in known.items() if n not in exclude}
     if first is not None:
@@ -125,7 +132,7 @@ def refine(
         so_far.append(path)
         keep(_so_far(captures, unlimited, path))
 
-    search = Search(held, open_to, tuple(begun.names), most, until_error, tell, trying, kept)
+    search = Search(held, open_to, tuple(begun.names), max_effects, until_error, tell, trying, kept)
     try:
         path = search.run(state, exclude)
     except TimeUp:
@@ -171,9 +178,7 @@ def add(
     *,
     effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
-    known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[State], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> Refinement:
     """Add one effect to a model, refit everything, and compare the model error before and after.
 
@@ -192,12 +197,8 @@ def add(
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
-    known : mapping, optional
-        All effects by name: the former name of ``effects``.
-    held : Bench, optional
-        Statistics taken earlier.
-    tell : callable
-        Called with every better state of the fit of the Wang 2025 model.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -220,14 +221,32 @@ def add(
     >>> [step.added for step in found.steps]
     [None, 'column_fpn']
     """
-    name, known = effect, known_effects(effects, known)
+    known = known_effects(effects)
+    return add_on(captures, effect, model, seed=seed, known=known, tell=told_of(progress))
+
+
+def add_on(
+    captures: CaptureSet,
+    effect: str,
+    model: NoiseModel | None = None,
+    *,
+    seed: int | None = None,
+    known: Mapping[str, type[Effect]] | None = None,
+    held: Bench | None = None,
+    tell: Callable[[State], None] = ignored,
+) -> Refinement:
+    """`add` on statistics taken earlier, of an effect of ``known``.
+
+    ``tell`` is called with every better state of the fit of the Wang 2025 model.
+    """
+    name, known = effect, known_effects(() if known is None else known)
     kind = find(name, known)
     if model is not None and model.get(name) is not None:
         raise InputError(f"{name}: it is already in the model; `dnanalyze fit --model` refits it")
     held = held or bench(design(captures, unit=None if model is None else model.unit))
     model = with_seed(held, model, seed)
     if model is None:
-        model = fit(captures, replicates=0, held=held, tell=tell).model
+        model = fit_on(captures, replicates=0, held=held, tell=tell).model
     model = located(held, model)
     null = Null.of(held, minimise(held, start(held, model, knobs_of(model))))
     seen = score_tests(null.held, null.state, {name: kind})

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from dnanalyze.classifier.result import Classification
+from dnanalyze.diagnosis.detectability import DetectionLimit
 from dnanalyze.diagnosis.selection import Trial
 from dnanalyze.digits import number
 from dnanalyze.fitting.agreement import Agreement
-from dnanalyze.fitting.fit import Fit, Parameter, uncertain
+from dnanalyze.fitting.fit import Fit, Parameters, uncertain
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench
@@ -96,7 +97,7 @@ class Diagnosis(Result):
         Statistics not explained, worst first: by the identified effect, or by the model where the
         captures support no candidate.
     detection_limits : dict
-        Effect to a sentence with its detection limit.
+        Effect to its detection limit.
     next_capture : list of str
         Recommended captures.
     model : NoiseModel
@@ -127,7 +128,7 @@ class Diagnosis(Result):
     verdict: str
     candidates: list[Candidate]
     unexplained: list[str]
-    detection_limits: dict[str, str] = field(default_factory=dict)
+    detection_limits: dict[str, DetectionLimit] = field(default_factory=dict)
     next_capture: list[str] = field(default_factory=list)
     model: NoiseModel | None = None
     trials: list[Trial] = field(default_factory=list)
@@ -209,7 +210,7 @@ class Refinement(Result):
         return uncertain(self.bench, self.state, self.finished and not self.timed_out)
 
     @property
-    def parameters(self) -> list[Parameter]:
+    def parameters(self) -> Parameters:
         """The fitted numbers with their standard errors; simulates when first asked.
 
         The errors are NaN where the refinement is not finished, or its time limit was reached.

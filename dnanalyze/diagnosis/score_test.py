@@ -19,6 +19,7 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.progress import ignored
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ def score_tests(
     bench: Bench,
     state: State,
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = ignored,
 ) -> list[Guess]:
     """Simulate every candidate once at each of its first guesses.
 

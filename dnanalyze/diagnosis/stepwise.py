@@ -39,12 +39,13 @@ from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, EVERYDAY
+from dnanalyze.progress import ignored
 
 
 def choose(
     null: Null,
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Callable[[str], None] = ignored,
     so_far: SoFar | None = None,
 ) -> tuple[list[Trial], Trial | None]:
     """The candidates refitted, the most probable first, and the one to add next.
@@ -171,9 +172,9 @@ class Search:
     begun: tuple[str, ...] = ()
     most: int | None = None
     until_error: float | None = None
-    tell: Callable[[Step], None] = lambda _: None
-    trying: Callable[[str], None] = lambda _: None
-    keep: Callable[[Path], None] = lambda _: None
+    tell: Callable[[Step], None] = ignored
+    trying: Callable[[str], None] = ignored
+    keep: Callable[[Path], None] = ignored
     whole: Bench | None = None
 
     def run(self, state: State, exclude: Sequence[str] = ()) -> Path:

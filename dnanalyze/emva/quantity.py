@@ -5,9 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from dnanalyze.analyzers.statistics import Value
 from dnanalyze.loaders.captures import OperatingPoint
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+NORMAL_95 = 1.959964  # standard deviations of a normal interval of 95 %
 
 
 @dataclass(frozen=True)
@@ -198,6 +204,68 @@ class Group:
 
 @dataclass(frozen=True)
 class Emva:
-    """The EMVA 1288 dark quantities of a capture set; iterate over ``groups``."""
+    """The EMVA 1288 dark quantities of a capture set.
+
+    Parameters
+    ----------
+    groups : tuple of Group
+        By gain, channel and colour plane.
+    """
 
     groups: tuple[Group, ...]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return all quantities as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row a quantity: of the sensor (no temperature), of a temperature, or of an operating
+            point; value, standard error, ends of the interval of 95 %, unit, and how it was
+            obtained or why it is not determined.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> table = dnanalyze.analyze(tiny()).emva.to_dataframe()
+        >>> bool((table["quantity"] == "temporal_dark_noise_dn").sum() == 3)
+        True
+        """
+        import pandas as pd
+
+        return pd.DataFrame([row for group in self.groups for row in _rows(group)])
+
+    def _repr_html_(self) -> str:
+        """The table, for a notebook."""
+        return self.to_dataframe().to_html(index=False, na_rep="")
+
+
+def _rows(group: Group) -> Iterator[dict[str, Any]]:
+    """The quantities of a group with where they hold."""
+    of_sensor = OperatingPoint(gain=group.gain, channel=group.channel)
+    for quantity in group.quantities:
+        yield _row(of_sensor, group.plane, quantity)
+    for current in group.dark_currents:
+        at = replace(of_sensor, temperature_c=current.temperature_c)
+        yield from (_row(at, group.plane, quantity) for quantity in current.quantities)
+    for point in group.points:
+        yield from (_row(point.point, group.plane, quantity) for quantity in point.quantities)
+
+
+def _row(point: OperatingPoint, plane: str, found: Quantity) -> dict[str, Any]:
+    kind, value, se = found.kind, found.value, found.se
+    reach = None if se is None else NORMAL_95 * se
+    return {
+        **vars(point),
+        "plane": plane,
+        "quantity": kind.key,
+        "symbol": kind.symbol,
+        "name": kind.name,
+        "value": value,
+        "se": se,
+        "low": None if value is None or reach is None else value - reach,
+        "high": None if value is None or reach is None else value + reach,
+        "unit": kind.unit,
+        "note": found.reason or found.note,
+    }

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -41,6 +42,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.progress import Progress, ignored, told_of
 from dnanalyze.result import Result
 
 REPLICATES = 24
@@ -78,6 +80,21 @@ class Parameter:
     upper: float | None = None
 
 
+class Parameters(tuple[Parameter, ...]):
+    """Parameters in order; one of them also by its name: ``parameters["read_noise.sigma"]``."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        """By position, or by name."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        for one in self:
+            if one.name == key:
+                return one
+        raise KeyError(f"{key}; valid: {', '.join(one.name for one in self)}")
+
+
 @dataclass(frozen=True, repr=False)
 class Fit(Result):
     """A fitted model.
@@ -86,8 +103,9 @@ class Fit(Result):
     ----------
     model : NoiseModel
         The model with the fitted parameters.
-    parameters : list of Parameter
-        Name, value, standard error and unit of each.
+    parameters : Parameters
+        Name, value, standard error and unit of each, in order; also by name, such as
+        ``parameters["read_noise.sigma"]``.
     correlations : ndarray
         Between the parameters, on their scales; 0 for those that one statistic determines.
     undetermined : list of str
@@ -101,7 +119,7 @@ class Fit(Result):
     """
 
     model: NoiseModel
-    parameters: list[Parameter]
+    parameters: Parameters
     correlations: np.ndarray
     undetermined: list[str]
     bench: Bench
@@ -129,8 +147,7 @@ def fit(
     frozen: Sequence[str] = (),
     replicates: int = REPLICATES,
     seed: int | None = None,
-    held: Bench | None = None,
-    tell: Callable[[State], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> Fit:
     """Fit a model to dark frames.
 
@@ -146,10 +163,8 @@ def fit(
         Number of simulated sensors for the standard errors; with 0 these are NaN.
     seed : int, optional
         Seed of the simulated sensor; by default the model's.
-    held : Bench, optional
-        Statistics taken earlier.
-    tell : callable
-        Called with every better state.
+    progress : callable, optional
+        Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
 
     Returns
     -------
@@ -172,6 +187,22 @@ def fit(
     >>> found.parameters[0].name, found.parameters[0].unit
     ('pedestal', 'DN')
     """
+    return fit_on(
+        captures, model, frozen=frozen, replicates=replicates, seed=seed, tell=told_of(progress)
+    )
+
+
+def fit_on(
+    captures: CaptureSet,
+    model: NoiseModel | None = None,
+    *,
+    frozen: Sequence[str] = (),
+    replicates: int = REPLICATES,
+    seed: int | None = None,
+    held: Bench | None = None,
+    tell: Callable[[State], None] = ignored,
+) -> Fit:
+    """`fit` on statistics taken earlier; ``tell`` is called with every better state."""
     held = held or bench(design(captures, unit=None if model is None else model.unit))
     model = with_seed(held, model, seed) or paper_start(held)
     _check(frozen, model)
@@ -354,7 +385,7 @@ def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarr
     exact = _read_off(held, state.model)
     whole = np.eye(len(knobs) + len(exact))  # their errors are none of the fit's
     whole[: len(knobs), : len(knobs)] = correlations
-    return Fit(state.model, [*parameters, *exact], whole, doubts, held, state)
+    return Fit(state.model, Parameters([*parameters, *exact]), whole, doubts, held, state)
 
 
 def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:
@@ -370,7 +401,7 @@ def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:
     return found
 
 
-def standard_errors(held: Bench, state: State, simulate: bool = True) -> list[Parameter]:
+def standard_errors(held: Bench, state: State, simulate: bool = True) -> Parameters:
     """The fitted numbers of a model as it stands, with their standard errors.
 
     The estimate was made with one simulated sensor, which scatters as much as the measured one: the
@@ -402,7 +433,7 @@ def uncertain(held: Bench, state: State, simulate: bool = True) -> Fit:
         parameters.append(
             replace(own, se=times * other.se, determined=other.determined, upper=upper)
         )
-    return replace(freed, model=state.model, parameters=parameters, state=state)
+    return replace(freed, model=state.model, parameters=Parameters(parameters), state=state)
 
 
 def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from html import escape
 from types import NoneType
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,11 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.physical import RANGES, fault
 
 if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
+    import pandas as pd
+
     from dnanalyze.loaders.provenance import Taken
 
 
@@ -344,7 +350,7 @@ class Source:
     taken: tuple[Taken, ...] = field(default=(), compare=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CaptureSet:
     """Dark frames of one sensor, measured or simulated, grouped by operating point.
 
@@ -407,6 +413,92 @@ class CaptureSet:
         2
         """
         return replace(self, settings=tuple(s for s in self.settings if keep(s.point)))
+
+    def to_numpy(self) -> dict[OperatingPoint, np.ndarray]:
+        """Read every frame.
+
+        Returns
+        -------
+        dict
+            Operating point to its frames, (frames, rows, columns), DN.
+
+        Examples
+        --------
+        >>> from dnanalyze.demo import tiny
+        >>> [stack.shape for stack in tiny().to_numpy().values()]
+        [(3, 64, 64), (3, 64, 64), (3, 64, 64)]
+        """
+        return {s.point: np.stack([f.read() for f in s.frames]) for s in self.settings}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """List the operating points.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row an operating point, with its number of frames.
+
+        Examples
+        --------
+        >>> from dnanalyze.demo import tiny
+        >>> tiny().to_dataframe()["frames"].tolist()
+        [3, 3, 3]
+        """
+        import pandas as pd
+
+        return pd.DataFrame([vars(s.point) | {"frames": len(s.frames)} for s in self.settings])
+
+    def save(
+        self, folder: str | PathLike[str], format: str = "tif", *, bits: int | None = None
+    ) -> Path:
+        """Write every frame to a new folder, with a manifest, as `load` reads it.
+
+        Parameters
+        ----------
+        folder : str or PathLike
+            Folder to make.
+        format : str
+            "tif", "fits", "npy", "h5", "png", "pgm", or "raw10", "raw12-mipi" and the like.
+        bits : int, optional
+            Bits of a pixel, up to 16, to which values are rounded and clipped; by default those of
+            the sensor, or 16.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        InputError
+            Unknown format or bits, or a folder that holds a capture already or cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     dnanalyze.load(tiny().save(f"{folder}/darks", "npy")).frame_count
+        9
+        """
+        from dnanalyze.loaders.writers import write_captures
+
+        return write_captures(self, folder, format, bits=bits)
+
+    def __repr__(self) -> str:
+        """The captures in a line."""
+        rows, columns = self.sensor.shape
+        return (
+            f"<CaptureSet: {self.name}, {self.frame_count} frames of {rows} x {columns} at "
+            f"{len(self.settings)} operating points>"
+        )
+
+    def _repr_html_(self) -> str:
+        """The operating points and notes, for a notebook."""
+        notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
+        table = self.to_dataframe().to_html(index=False, na_rep="")
+        return f"<p>{escape(repr(self)[1:-1])}</p>{table}<ul>{notes}</ul>"
 
     @property
     def channels(self) -> list[str]:

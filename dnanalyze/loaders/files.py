@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import stat
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,20 +47,22 @@ class Place:
         return path.relative_to(self.root).as_posix()
 
 
-def find(path: str | os.PathLike[str]) -> Place:
+def find(path: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> Place:
     """The files that ``path`` means.
 
     Parameters
     ----------
-    path : str or path
+    path : str or path, or several
         A folder, one file, a manifest in a folder, an archive of a folder (.zip, .tar.gz), or an
-        fsspec URL ("s3://bucket/darks").
+        fsspec URL ("s3://bucket/darks"); or several files.
 
     Raises
     ------
     InputError
         Nothing there, unreadable, a link that leaves the folder, too many files.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        return _several(path)
     text = os.fspath(path)
     if "://" in text:
         return _fetched(text)
@@ -83,6 +86,26 @@ def find(path: str | os.PathLike[str]) -> Place:
             "dark frames or one file"
         )
     raise InputError(f"{text}: no such file or folder; give a folder of dark frames or one file")
+
+
+def _several(paths: Iterable[str | os.PathLike[str]]) -> Place:
+    """Files that are named one by one, in that order."""
+    files = []
+    for path in paths:
+        file = Path(path)
+        try:
+            check_regular(file, str(file))
+        except FileNotFoundError:
+            raise InputError(f"{file}: no such file") from None
+        except OSError as error:
+            raise unreadable(str(file), error) from error
+        files.append(file.absolute())
+        if len(files) > MAX_FILES:
+            raise InputError(f"{file}: more than {MAX_FILES} files; give those of one capture")
+    if not files:
+        raise InputError("no files: give a folder of dark frames, or one file at the least")
+    root = Path(os.path.commonpath([file.parent for file in files]))
+    return Place(str(root), root, tuple(files))
 
 
 def unreadable(name: str, error: OSError) -> InputError:

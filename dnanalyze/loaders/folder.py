@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 def load(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     *,
     config: str | os.PathLike[str] | Config | None = None,
     tolerance_c: float | None = None,
@@ -60,8 +60,9 @@ def load(
 
     Parameters
     ----------
-    path : str or path
-        A folder, one file, a manifest, or an fsspec URL.
+    path : str or path, or several
+        A folder, one file, a manifest, an archive, or an fsspec URL; several files, or the
+        ``ImageFileCollection`` of ccdproc.
     config : str, path or Config, optional
         A sidecar; without it ``dnanalyze.yaml`` in the folder, where there is one.
     tolerance_c : float, optional
@@ -96,7 +97,8 @@ def load(
     >>> captures = load("captures/")                                # doctest: +SKIP
     >>> captures.settings[0].frames[0].read().mean()                # doctest: +SKIP
     """
-    place = find(path)
+    listed = getattr(path, "files_filtered", None)  # of an ImageFileCollection
+    place = find(path if listed is None else listed(include_path=True))
     sidecar = _sidecar(config, place)
     tolerance = _first(tolerance_c, sidecar.tolerance_c)
     if tolerance is not None and not tolerance >= 0:

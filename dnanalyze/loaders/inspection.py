@@ -16,7 +16,7 @@ _FEW_FRAMES = 8  # below this, variances between frames are known to worse than 
 
 
 def inspect(captures: CaptureSet) -> dict[str, Any]:
-    """What a capture set holds, as plain data ready for JSON.
+    """List what a capture set holds, as plain data ready for JSON.
 
     Reads one frame of up to eight settings, to see which codes are used.
 
@@ -34,6 +34,13 @@ def inspect(captures: CaptureSet) -> dict[str, Any]:
         "operating_points", "taken_from" (of each quantity every source, with the number of frames
         and one example), "notes" (what is doubtful), and "missing": a sentence for each thing that
         limits the analysis.
+
+    Examples
+    --------
+    >>> import dnanalyze
+    >>> from dnanalyze.demo import tiny
+    >>> dnanalyze.inspect(tiny())["shape"]
+    [64, 64]
     """
     sensor, source = captures.sensor, captures.source
     seen = _codes(captures)

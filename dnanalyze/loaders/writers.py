@@ -19,6 +19,7 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.loaders.files import unreadable
 from dnanalyze.loaders.manifest import COLUMNS
 from dnanalyze.loaders.packing import PACKED_BITS, pack
+from dnanalyze.progress import Progress
 
 RAW = {  # format to (bits, packing)
     **{f"raw{bits}": (bits, "plain") for bits in (8, 10, 12, 14, 16)},
@@ -33,7 +34,7 @@ def write_captures(
     format: str = "tif",
     *,
     bits: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Write every frame, one file each, as ``T+065C/dark_000.tif``, and a manifest last.
 

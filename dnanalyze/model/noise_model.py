@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from html import escape
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -138,6 +139,63 @@ class NoiseModel:
             A new model.
         """
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the model file (YAML); an existing one is replaced.
+
+        Parameters
+        ----------
+        path : str or PathLike
+            The file, ``.yaml``.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> from dnanalyze import NoiseModel
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder) / "model.yaml"
+        ...     NoiseModel((), 64.0).save(file)
+        ...     NoiseModel.load(file).pedestal
+        64.0
+        """
+        from dnanalyze.loaders.writers import atomic
+
+        target = Path(path)
+        try:
+            with atomic(target) as file:
+                file.write(dump_model(self).encode())
+        except OSError as error:
+            raise InputError(f"{target}: cannot be written ({error.strerror})") from error
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> NoiseModel:
+        """Read a model file; the same as `load_model`.
+
+        Parameters
+        ----------
+        path : str or PathLike
+            The file.
+
+        Returns
+        -------
+        NoiseModel
+            The model.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read, or holds no model.
+        """
+        return load_model(path)
+
+    def _repr_html_(self) -> str:
+        """The model file, for a notebook."""
+        return f"<pre>{escape(dump_model(self))}</pre>"
 
     def to_plain(self) -> dict[str, Any]:
         """Return the model as it is written in YAML.

@@ -76,7 +76,6 @@ def described() -> dict[str, type[Effect]]:
 
 def known_effects(
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
-    known: Mapping[str, type[Effect]] | None = None,
 ) -> dict[str, type[Effect]]:
     """The effects that a model may be given.
 
@@ -84,11 +83,7 @@ def known_effects(
     ----------
     effects : sequence of path, or mapping
         The user's own Python files, beside the built-in catalogue; or all effects by name.
-    known : mapping, optional
-        All effects by name: the former word for it.
     """
-    if known is not None:
-        return dict(known)
     if isinstance(effects, Mapping):
         return dict(effects)
     return catalogue(tuple(Path(path) for path in effects))

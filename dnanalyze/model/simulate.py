@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 from dnanalyze.model import bands
 from dnanalyze.model.memo import Memo
@@ -18,13 +19,14 @@ from dnanalyze.processors import cpu_count
 
 def simulate(
     model: NoiseModel,
-    shape: tuple[int, int],
-    settings: Sequence[tuple[OperatingPoint, int]],
+    shape: tuple[int, int] | None = None,
+    settings: Sequence[tuple[OperatingPoint, int]] | None = None,
     name: str = "simulation",
     sensor: Sensor | None = None,
     memo: Memo | None = None,
     threads: int = 1,
     device: str = "cpu",
+    like: CaptureSet | None = None,
 ) -> CaptureSet:
     """Simulate the frames of a model; each is drawn when it is read.
 
@@ -32,10 +34,10 @@ def simulate(
     ----------
     model : NoiseModel
         What to simulate; its seed selects the virtual sensor.
-    shape : tuple of int
-        (rows, columns).
-    settings : sequence of (OperatingPoint, int)
-        Operating points with their number of frames.
+    shape : tuple of int, optional
+        (rows, columns); those of ``like`` by default.
+    settings : sequence of (OperatingPoint, int), optional
+        Operating points with their number of frames; those of ``like`` by default.
     name : str
         Name of the capture set.
     sensor : Sensor, optional
@@ -46,6 +48,9 @@ def simulate(
         That share a frame; the pixels do not depend on it.
     device : str
         "cpu", or "cuda" for a GPU; the pixels do not depend on it beyond rounding.
+    like : CaptureSet, optional
+        Captures whose frame size, operating points, numbers of frames and sensor are taken where
+        they are not given.
 
     Returns
     -------
@@ -55,7 +60,7 @@ def simulate(
     Raises
     ------
     InputError
-        The device is unknown or not to be had.
+        Neither shape and settings nor captures to be like; the device is unknown or not to be had.
 
     Examples
     --------
@@ -69,6 +74,12 @@ def simulate(
     >>> bool(abs(frame.std() - 2.0) < 0.1)
     True
     """
+    if like is not None:
+        shape = shape or like.sensor.shape
+        settings = settings or [(s.point, len(s.frames)) for s in like.settings]
+        sensor = sensor or replace(like.sensor, shape=shape)
+    if shape is None or settings is None:
+        raise InputError("simulate: give shape and settings, or captures to be like")
     draw = (
         _drawn_by_threads(model, shape, memo or Memo(), threads)
         if device == "cpu"

@@ -177,7 +177,7 @@ def diagnosis(where: str, result: Any) -> Document:
         ordinary=result.ordinary,
         candidates=[_fields(c, *keys) for c in result.candidates],
         unexplained=result.unexplained,
-        detection_limits=result.detection_limits,
+        detection_limits={n: str(v) for n, v in result.detection_limits.items()},
         next_capture=result.next_capture,
         law=getattr(result, "law", "") or None,
         direct=direct(result),

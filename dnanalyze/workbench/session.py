@@ -496,10 +496,10 @@ class WorkbenchSession:
 
     def report(self) -> str:
         """The report of `compare` on the present model, one self-contained page."""
-        from dnanalyze.comparator.compare import compare
+        from dnanalyze.comparator.compare import compare_on
         from dnanalyze.report.pages.compare import compare_page
 
-        found = compare(self.captures, self.present.model, held=self.bench)
+        found = compare_on(self.captures, self.present.model, held=self.bench)
         return compare_page(self.captures, found)
 
     def targets(self) -> str:

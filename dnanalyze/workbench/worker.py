@@ -78,11 +78,11 @@ def carried_out(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.comparator.error import pooled
-    from dnanalyze.fitting.fit import fit
+    from dnanalyze.fitting.fit import fit_on
 
     held = bed.bench
     families = held.train.families
-    found = fit(
+    found = fit_on(
         bed.captures,
         bed.model(task),
         frozen=task.frozen,
@@ -106,20 +106,20 @@ def _standard_errors(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 
 def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    from dnanalyze.diagnosis.refine import add
+    from dnanalyze.diagnosis.refine import add_on
 
     tell("progress", f"adding {task.effect}")
     model = bed.model(task)
     assert model is not None
-    found = add(bed.captures, task.effect, model, known=bed.known, held=bed.bench)
+    found = add_on(bed.captures, task.effect, model, known=bed.known, held=bed.bench)
     return {"model": found.model.to_plain(), "steps": _steps(found.steps)}
 
 
 def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    from dnanalyze.diagnosis.diagnose import diagnose
+    from dnanalyze.diagnosis.diagnose import diagnose_on
     from dnanalyze.report.words import first_answer
 
-    found = diagnose(
+    found = diagnose_on(
         bed.captures,
         bed.model(task),
         known=bed.known,
@@ -133,20 +133,20 @@ def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         "verdict": found.verdict,
         "candidates": [vars(c) | {"model": models.get(c.effect)} for c in found.candidates],
         "unexplained": found.unexplained,
-        "detection_limits": found.detection_limits,
+        "detection_limits": {n: str(v) for n, v in found.detection_limits.items()},
         "next_capture": found.next_capture,
         "model": None if found.model is None else found.model.to_plain(),
     }
 
 
 def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    from dnanalyze.diagnosis.refine import Refinement, refine
+    from dnanalyze.diagnosis.refine import Refinement, refine_on
     from dnanalyze.report.words import first_answer
 
     def keep(now: Refinement) -> None:
         tell("step", {"model": now.model.to_plain(), "steps": _steps(now.steps)})
 
-    found = refine(
+    found = refine_on(
         bed.captures,
         bed.model(task),
         known=bed.known,
@@ -167,9 +167,10 @@ def _detect(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.detection import detect
     from dnanalyze.report import documents
 
-    found = detect(
-        bed.captures, progress=lambda done, total: tell("progress", f"frame {done} of {total}")
-    )
+    def progress(done: int, total: int | None, what: str = "", /) -> None:
+        tell("progress", what or f"frame {done} of {total}")
+
+    found = detect(bed.captures, progress=progress)
     return documents.detection(str(bed.source.folder), found)
 
 

@@ -304,12 +304,12 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
 ):
     """The refinement itself is replaced by a fit of the right effects."""
     from dnanalyze.diagnosis import refine as refinement
-    from dnanalyze.fitting.fit import fit
+    from dnanalyze.fitting.fit import fit_on
     from dnanalyze.report.benchmark import document
 
     def right(captures, held, trying):
         truth = sensors[captures.name]
-        done = fit(captures, truth, held=held, replicates=0)
+        done = fit_on(captures, truth, held=held, replicates=0)
         return SimpleNamespace(
             model=done.model, steps=[SimpleNamespace(error=1.1)], verdict="adequate",
             bench=held, state=done.state,

@@ -106,7 +106,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
     monkeypatch.setattr(
         channels, "add_channels", lambda found, name, own, **_: finished(found, own)
     )
-    monkeypatch.setattr(compare, "compare", lambda *_, **__: fakes.comparison())
+    monkeypatch.setattr(compare, "compare_on", lambda *_, **__: fakes.comparison())
     monkeypatch.setattr(channels, "standard_errors", lambda *_: fakes.fit().parameters)
     for command, more in (
         ("refine", ["--max-effects", "3"]), ("add", ["column_fpn"]), ("channels", [])
@@ -127,7 +127,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
         shown = capsys.readouterr().out
         assert "Identified: column_fpn in hcg; the model error falls from 6.5 to 1.2" in shown
         assert max(map(len, shown.splitlines())) <= 80
-    assert seen["most_effects"] == 3
+    assert seen["max_effects"] == 3
     assert "column_fpn: in hcg only" in (tmp_path / "refine.html").read_text()
 
 
@@ -159,7 +159,7 @@ def test_fit_gives_each_readout_its_own_numbers(folder, tmp_path, monkeypatch):
         seen["model"] = model
         return fakes.fit()
 
-    monkeypatch.setattr(fit, "fit", fitted)
+    monkeypatch.setattr(fit, "fit_on", fitted)
     monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
     path = tmp_path / "one.yaml"
     path.write_text(dump_model(NoiseModel((ReadNoise(sigma=2.0),), 64.0, fakes.POINTS[0])))

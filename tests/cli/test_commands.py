@@ -15,12 +15,12 @@ from dnanalyze.loaders import load, write_captures
 from dnanalyze.model.noise_model import dump_model, load_model
 
 SLOW = {
-    "fit": ("dnanalyze.fitting.fit.fit", fakes.fit),
-    "compare": ("dnanalyze.comparator.compare.compare", fakes.comparison),
-    "diagnose": ("dnanalyze.diagnosis.diagnose.diagnose", fakes.diagnosis),
+    "fit": ("dnanalyze.fitting.fit.fit_on", fakes.fit),
+    "compare": ("dnanalyze.comparator.compare.compare_on", fakes.comparison),
+    "diagnose": ("dnanalyze.diagnosis.diagnose.diagnose_on", fakes.diagnosis),
     "detect": ("dnanalyze.detection.detect.detect", fakes.detection),
-    "add": ("dnanalyze.diagnosis.refine.add", fakes.refinement),
-    "refine": ("dnanalyze.diagnosis.refine.refine", fakes.refinement),
+    "add": ("dnanalyze.diagnosis.refine.add_on", fakes.refinement),
+    "refine": ("dnanalyze.diagnosis.refine.refine_on", fakes.refinement),
 }
 HELPERS = object()
 
@@ -226,7 +226,7 @@ def test_where_nothing_is_missing_the_terminal_shows_no_candidates(
     folder, calls, monkeypatch, capsys, verdict, shown
 ):
     monkeypatch.setattr(
-        "dnanalyze.diagnosis.diagnose.diagnose", lambda *_, **__: fakes.diagnosis(verdict)
+        "dnanalyze.diagnosis.diagnose.diagnose_on", lambda *_, **__: fakes.diagnosis(verdict)
     )
     assert main(["diagnose", str(folder)]) == 0
     said = capsys.readouterr().out
@@ -245,7 +245,7 @@ def stopped_by(error, monkeypatch):
             keep(so_far)
         raise error
 
-    monkeypatch.setattr("dnanalyze.diagnosis.refine.refine", run)
+    monkeypatch.setattr("dnanalyze.diagnosis.refine.refine_on", run)
 
 
 @pytest.mark.parametrize(("error", "code"), [(KeyboardInterrupt(), 130), (SystemExit(143), 143)])

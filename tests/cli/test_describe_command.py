@@ -23,7 +23,7 @@ def folder(tmp_path):
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    module = "dnanalyze.description.describe.describe"
+    module = "dnanalyze.description.describe.describe_on"
     monkeypatch.setattr(module, lambda captures, *_, **__: description(captures))
     monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
     monkeypatch.setattr(
@@ -69,7 +69,7 @@ def test_what_stays_unexplained_is_described(command, folder, tmp_path, capsys, 
     found = {"diagnose": fakes.diagnosis("unexplained"), "refine": fakes.refinement()}[command]
     found.verdict, found.state = "unexplained", object()
     module = "diagnose" if command == "diagnose" else "refine"
-    monkeypatch.setattr(f"dnanalyze.diagnosis.{module}.{command}", lambda *_, **__: found)
+    monkeypatch.setattr(f"dnanalyze.diagnosis.{module}.{command}_on", lambda *_, **__: found)
 
     def described(captures, *_, rivals):
         seen.append(rivals)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.model.registry import BASE, EVERYDAY, built_in
 
 FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
@@ -26,4 +26,4 @@ def known():
 @pytest.fixture(scope="session")
 def ordinary(striped, known):
     """The refinement of ``striped`` that stopped before it added anything."""
-    return refine(striped, known=known, most_effects=0)
+    return refine_on(striped, known=known, max_effects=0)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.diagnose import diagnose, judge
+from dnanalyze.diagnosis.diagnose import diagnose_on, judge
 from dnanalyze.diagnosis.predictive_check import Null
-from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.selection import OUTSIDE
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
@@ -36,7 +36,7 @@ def rows():
 @pytest.fixture(scope="module")
 def found(rows):
     captures, held = rows
-    return diagnose(captures, known=KNOWN, held=held)
+    return diagnose_on(captures, known=KNOWN, held=held)
 
 
 def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
@@ -54,7 +54,7 @@ def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
         assert c.explained == pytest.approx(min(1.0, max(0.0, share)))
     assert set(EVERYDAY) < set(found.model.names)
     # the model with what every sensor has is asked the same question, and nothing of that is new
-    again = diagnose(captures, found.model, known=KNOWN, held=held)
+    again = diagnose_on(captures, found.model, known=KNOWN, held=held)
     assert again.ordinary == []
     assert again.candidates[0].effect == "row_fpn"
     assert not {c.effect for c in again.candidates} & set(EVERYDAY)
@@ -64,18 +64,18 @@ def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
 def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
     captures, held = of({})
     told = []
-    found = diagnose(captures, known=KNOWN, held=held, tell=told.append)
+    found = diagnose_on(captures, known=KNOWN, held=held, tell=told.append)
     assert found.verdict == "missing"
     assert [c.effect for c in found.candidates] == list(EVERYDAY)
     assert "baseline effects" in told
-    full = diagnose(captures, found.model, known=KNOWN, held=held)
+    full = diagnose_on(captures, found.model, known=KNOWN, held=held)
     assert full.verdict == "adequate"
     assert full.error == pytest.approx(found.candidates[-1].error_after, rel=0.1)
 
 
 def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
     captures, held = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
-    found = diagnose(captures, known=KNOWN, held=held)
+    found = diagnose_on(captures, known=KNOWN, held=held)
     assert found.verdict == "missing"
     first = found.candidates[0]
     assert first.effect in ("row_noise", "column_fpn")
@@ -87,7 +87,7 @@ def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
 
 def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another():
     captures, held = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
-    found = diagnose(captures, known=KNOWN, held=held, exclude=["column_fpn"])
+    found = diagnose_on(captures, known=KNOWN, held=held, exclude=["column_fpn"])
     first = found.candidates[0]
     assert found.unexplained
     assert first.confidence <= 0.5
@@ -122,7 +122,7 @@ def test_an_adequate_model_has_no_candidates(rows, found):
 
 def test_what_is_excluded_is_not_put_in(rows):
     captures, held = rows
-    found = diagnose(captures, known=KNOWN, held=held, exclude=["quantization", "row_fpn"])
+    found = diagnose_on(captures, known=KNOWN, held=held, exclude=["quantization", "row_fpn"])
     named = {c.effect for c in found.candidates}
     assert not named & {"quantization", "row_fpn"}
     assert found.ordinary == [n for n in EVERYDAY if n != "quantization"]
@@ -131,18 +131,18 @@ def test_what_is_excluded_is_not_put_in(rows):
 
 def test_where_all_of_it_is_excluded_the_model_is_asked_as_it_is(rows):
     captures, held = rows
-    found = diagnose(captures, known=KNOWN, held=held, exclude=EVERYDAY)
+    found = diagnose_on(captures, known=KNOWN, held=held, exclude=EVERYDAY)
     assert found.ordinary == []
     assert found.model.names == [BASE]
     assert not {c.effect for c in found.candidates} & set(EVERYDAY)
-    kept = refine(captures, known=KNOWN, held=held, exclude=EVERYDAY, most_effects=0)
+    kept = refine_on(captures, known=KNOWN, held=held, exclude=EVERYDAY, max_effects=0)
     assert kept.effects == [BASE]
 
 
 def test_a_model_with_some_of_it_is_asked_as_it_is(rows, found):
     captures, held = rows
     some = found.model.without("quantization")
-    partly = diagnose(captures, some, known=KNOWN, held=held)
+    partly = diagnose_on(captures, some, known=KNOWN, held=held)
     assert partly.ordinary == []
     assert partly.candidates[0].effect in ("row_fpn", "quantization")
 
@@ -167,6 +167,6 @@ def test_a_setting_whose_frames_are_nearly_all_alike_is_diagnosed_too():
     clues = Residual(held, start(held, model, knobs_of(model)))
     for effect in built_in().values():
         assert all(isinstance(guess, effect) for guess in effect.guess(clues))
-    found = diagnose(held.plan.captures, model, known=KNOWN, held=held)
+    found = diagnose_on(held.plan.captures, model, known=KNOWN, held=held)
     assert found.verdict in ("missing", "unexplained")
     assert np.isfinite(found.error)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.diagnose import diagnose, first_answer
-from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.diagnose import diagnose_on, first_answer
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.fitting.design import LARGE, design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.predictor import bench
@@ -40,7 +40,7 @@ def test_it_keeps_the_time_limit_where_it_has_to_simulate(large):
         first_answer(unseen.within(TimeLimit(0.0)), paper_start(large), FEW)
 
 
-@pytest.mark.parametrize("search", [diagnose, refine])
+@pytest.mark.parametrize("search", [diagnose_on, refine_on])
 def test_a_search_of_small_captures_has_none(search):
     told = []
     search(sensor(64, 3), known=FEW, budget=1e-6, first=told.append)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
 from dnanalyze.model.effects.row_fpn import RowFpn
@@ -63,7 +63,7 @@ def test_one_bad_row_is_named_whichever_half_it_lies_in(row):
     sensor = draw_sensor(np.random.default_rng(11))
     plain = generate(sensor, {}, (192, 192), frames=4, seed=3)
     offset = float(np.rint(2.0 * sensor.noise_dn))
-    found = refine(with_a_bad_row(plain, row, offset), known=KNOWN)
+    found = refine_on(with_a_bad_row(plain, row, offset), known=KNOWN)
     assert found.verdict == "adequate"
     assert [n for n in found.effects if n not in (BASE, *EVERYDAY)] == ["defect_lines"]
     named = found.model.get("defect_lines")

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from dnanalyze.diagnosis.refine import add, refine
+from dnanalyze.diagnosis.refine import add_on, refine_on
 from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, EVERYDAY
@@ -12,7 +12,7 @@ from dnanalyze.model.registry import BASE, EVERYDAY
 
 def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, known):
     kept, told = [], []
-    whole = refine(striped, known=known, keep=kept.append, tell=told.append)
+    whole = refine_on(striped, known=known, keep=kept.append, tell=told.append)
     assert whole.effects == [BASE, *sorted(EVERYDAY, key=whole.effects.index), "row_fpn"]
     assert [s.added for s in told] == [None, *EVERYDAY, "row_fpn"]
     assert kept[-1].model == whole.model
@@ -21,11 +21,11 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
     assert not any(k.finished for k in kept)
     assert [s.added for s in kept[-1].steps] == [s.added for s in whole.steps]
     assert all(math.isnan(p.se) for p in kept[-1].parameters)
-    rest = refine(striped, kept[1].model, known=known)
+    rest = refine_on(striped, kept[1].model, known=known)
     assert [s.added for s in rest.steps] == [None, "row_fpn"]
     assert set(rest.effects) == set(whole.effects)
     assert rest.steps[-1].error < TOLERABLE < rest.steps[0].error
-    by_hand = add(striped, "row_fpn", kept[1].model, known=known)
+    by_hand = add_on(striped, "row_fpn", kept[1].model, known=known)
     for done in (whole, by_hand):  # and say why, how sure that is, and how strong it is
         assert any("with row_fpn" in words for words in done.steps[-1].evidence)
         assert 0.94 < done.steps[-1].confidence <= 1.0 - OUTSIDE
@@ -34,8 +34,8 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
         assert 0.0 < strength.se < 0.5 * strength.value
     assert all(s.evidence for s in whole.steps[1:])
     with pytest.raises(InputError, match="row_fpn: it is already in the model"):
-        add(striped, "row_fpn", whole.model, known=known)
-    idle = add(striped, "row_noise", whole.model, known=known)
+        add_on(striped, "row_fpn", whole.model, known=known)
+    idle = add_on(striped, "row_noise", whole.model, known=known)
     assert not idle.steps[-1].supported
     assert idle.steps[-1].confidence < 0.5
 
@@ -44,7 +44,7 @@ def test_it_stops_where_it_is_told(striped, known, ordinary):
     first = ordinary
     assert first.verdict == "missing"
     assert "row_fpn" not in first.effects
-    without = refine(striped, first.model, known=known, exclude=["row_fpn"], until_error=0.01)
+    without = refine_on(striped, first.model, known=known, exclude=["row_fpn"], until_error=0.01)
     assert "row_fpn" not in without.effects
-    enough = refine(striped, first.model, known=known, until_error=1e3)
+    enough = refine_on(striped, first.model, known=known, until_error=1e3)
     assert len(enough.steps) == 1

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from dnanalyze.demo import tiny
-from dnanalyze.diagnosis.diagnose import diagnose
-from dnanalyze.diagnosis.refine import refine
+from dnanalyze.diagnosis.diagnose import diagnose_on
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 
@@ -25,7 +25,7 @@ def test_a_limit_ends_and_no_limit_does_not():
         TimeLimit(0.0).check()
 
 
-@pytest.mark.parametrize("search", [refine, diagnose])
+@pytest.mark.parametrize("search", [refine_on, diagnose_on])
 @pytest.mark.parametrize("budget", [0.0, -1.0, math.nan])
 def test_a_budget_is_above_zero(captures, search, budget):
     with pytest.raises(InputError, match=r"budget.*above 0"):
@@ -33,7 +33,7 @@ def test_a_budget_is_above_zero(captures, search, budget):
 
 
 def test_without_time_the_starting_model_is_the_answer(captures):
-    found = refine(captures, budget=NONE)
+    found = refine_on(captures, budget=NONE)
     assert found.timed_out
     assert not found.finished
     assert found.verdict == "missing"
@@ -45,14 +45,14 @@ def test_without_time_the_starting_model_is_the_answer(captures):
 
 
 def test_without_time_no_candidate_is_named(captures):
-    found = diagnose(captures, budget=NONE)
+    found = diagnose_on(captures, budget=NONE)
     assert not found.finished
     assert found.verdict == "unexplained"
     assert found.candidates == []
 
 
 def test_time_enough_changes_nothing(captures):
-    free, limited = refine(captures), refine(captures, budget=PLENTY)
+    free, limited = refine_on(captures), refine_on(captures, budget=PLENTY)
     assert limited.finished
     assert not limited.timed_out
     assert limited.steps == free.steps

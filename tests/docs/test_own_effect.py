@@ -49,7 +49,7 @@ def test_unexplained_until_the_effect_is_known():
     captures = generate(sensor, {"pair_noise": "strong"}, (192, 192), frames=6, seed=3)
     before = dnanalyze.refine(captures)
     assert before.verdict == "unexplained"
-    after = dnanalyze.refine(captures, known=catalogue((FILE,)))
+    after = dnanalyze.refine(captures, effects=(FILE,))
     assert after.verdict == "adequate"
     assert "shared_amplifier" in after.effects
     assert after.steps[-1].error < before.steps[-1].error

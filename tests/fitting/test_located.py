@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.refine import add
+from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit, paper_start
+from dnanalyze.fitting.fit import fit_on, paper_start
 from dnanalyze.fitting.located import located, told
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders import load
@@ -36,7 +36,7 @@ def test_an_added_pattern_stays_at_the_line_that_stands_highest(tmp_path):
     place, weaker = (0.0931, 0.4021), (0.37, 0.21)
     captures = frames_in(tmp_path, [place, weaker], 1, (0.8, 0.5))
     held = bench(design(captures))
-    found = add(captures, "periodic_pattern", paper_start(held), held=held).model
+    found = add_on(captures, "periodic_pattern", paper_start(held), held=held).model
     pattern = found.get("periodic_pattern")
     exact = told(held, found)
     for axis, truth in zip("uv", place, strict=True):
@@ -51,7 +51,7 @@ def test_a_fit_begins_at_the_measured_line_and_reports_its_error(tmp_path):
     held = bench(design(captures))
     near = PeriodicPattern(0.5, 0.2213 + 0.6 / SHAPE[1], -0.1147 - 0.6 / SHAPE[0])
     model = paper_start(held).with_effect(near)
-    found = fit(captures, model, held=held, replicates=0)
+    found = fit_on(captures, model, held=held, replicates=0)
     numbers = {p.name: p for p in found.parameters}
     assert found.correlations.shape == (len(numbers),) * 2
     for axis, truth in (("u", 0.2213), ("v", -0.1147)):

@@ -18,8 +18,8 @@ EffectName = Annotated[
 @takes(ModelOptions)
 def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> None:
     """Add one effect to a model and refit everything; the model error before and after."""
-    from dnanalyze.diagnosis.refine import add as run
-    from dnanalyze.fitting.fit import fit
+    from dnanalyze.diagnosis.refine import add_on as run
+    from dnanalyze.fitting.fit import fit_on
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables
@@ -39,13 +39,13 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         over_channels.refine(
             session,
             found,
-            lambda tell: add_channels(found, effect, own, known=known, tell=tell),
+            lambda progress: add_channels(found, effect, own, known=known, progress=progress),
         )
         return
     with session.progress("Reading frames") as progress:
         held = progress.bench(found)
         if own is None:
-            own = fit(found, replicates=0, held=held, tell=progress.fitting(held)).model
+            own = fit_on(found, replicates=0, held=held, tell=progress.fitting(held)).model
         progress.now(f"Adding {effect} and refitting")
         result = run(found, effect, own, known=known, held=held)
         progress.now("Standard errors of the parameters")
@@ -55,11 +55,11 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         not_kept(session.console)
 
     def page() -> str:
-        from dnanalyze.comparator.compare import compare
+        from dnanalyze.comparator.compare import compare_on
         from dnanalyze.report.pages.refine import refine_page
 
         with session.progress("Comparing the model with the captures"):
-            comparison = compare(found, result.model, held=result.bench)
+            comparison = compare_on(found, result.model, held=result.bench)
         return refine_page(found, result, comparison, by_hand=True)
 
     session.write(

@@ -27,7 +27,6 @@ def analyze(
 ) -> None:
     """Measure the EMVA 1288 dark quantities and every statistic, with standard errors."""
     from dnanalyze.analyzers.analyze import analyze as run
-    from dnanalyze.emva import evaluate
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
@@ -39,7 +38,7 @@ def analyze(
     session = options.session("analyze", cache=not no_cache)
     found = options.load(session)
     with session.progress("Reading frames") as tick:
-        statistics = run(found, progress=tick, scheduler=scheduler)
+        statistics = run(found, progress=tick, scheduler=scheduler, system_gain=system_gain)
         if found.source and found.source.cache:
             tick(0, None)
             tick.now("Storing statistics")
@@ -51,7 +50,7 @@ def analyze(
             tick(0, None)
             tick.now("Repeatability")
             statistics = repeated(found, statistics)
-    quantities = evaluate(statistics, system_gain)
+    quantities = statistics.emva
     show(session.console, found, statistics, quantities)
 
     def page() -> str:

@@ -64,7 +64,7 @@ def benchmark(
         for s in sessions
     ]
     with session.progress("Measuring the sensors") as progress:
-        result = run(found, at=temperatures, quick=quick, tell=progress.now)
+        result = run(found, at=temperatures, quick=quick, progress=progress)
     show(session.console, result)
 
     def page() -> str:

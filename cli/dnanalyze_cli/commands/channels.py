@@ -49,5 +49,7 @@ def channels(
     found = session.load(config, tolerance_c, keep_outliers=keep_outliers, mask=mask)
     by_channel(found)  # refuses captures without
     over_channels.refine(
-        session, found, lambda tell: refine_channels(found, own, known=known, tell=tell)
+        session,
+        found,
+        lambda progress: refine_channels(found, own, effects=known, progress=progress),
     )

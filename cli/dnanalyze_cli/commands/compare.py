@@ -22,8 +22,8 @@ def compare(
     ] = False,
 ) -> None:
     """Compare a model with the captures; without --model the Wang 2025 model is fitted first."""
-    from dnanalyze.comparator.compare import compare as run
-    from dnanalyze.fitting.fit import fit
+    from dnanalyze.comparator.compare import compare_on as run
+    from dnanalyze.fitting.fit import fit_on
     from dnanalyze.report import documents, tables
     from dnanalyze.report.terminal.classifier import classifier_line
     from dnanalyze.report.terminal.comparison import comparison as show
@@ -34,7 +34,7 @@ def compare(
         held = progress.bench(found)
         tell = progress.fitting(held)
         if own is not None and options.model is None:  # of that seed: fitted like any
-            own = fit(found, own, replicates=0, held=held, tell=tell).model
+            own = fit_on(found, own, replicates=0, held=held, tell=tell).model
         comparison = run(found, model=own, held=held, tell=tell)
         judged = None
         if classifier:

@@ -55,9 +55,9 @@ def _tell(
     """Make the frames, compare the Wang 2025 model with them, let `refine` find what is hidden."""
     import numpy as np
 
-    from dnanalyze.comparator.compare import compare
+    from dnanalyze.comparator.compare import compare_on
     from dnanalyze.demo import draw_sensor, generate, truth, write_folder
-    from dnanalyze.diagnosis.refine import refine
+    from dnanalyze.diagnosis.refine import refine_on
     from dnanalyze.report import documents, words
     from dnanalyze.report.terminal.comparison import comparison as show_comparison
     from dnanalyze.report.terminal.refinement import refinement as show_refinement
@@ -77,12 +77,12 @@ def _tell(
     )
     found = session.load()
     with session.progress("Comparing"):
-        first = compare(found)
+        first = compare_on(found)
     print("2. The Wang 2025 model, fitted and compared with it (`dnanalyze compare`):\n")
     show_comparison(session.console, found, first)
     print("3. Missing effects, added until no further one is detectable (`dnanalyze refine`):\n")
     with session.progress("Refining") as progress:
-        result = refine(found, trying=progress.trying)
+        result = refine_on(found, trying=progress.trying)
         progress.now("Standard errors of the parameters")
         _ = result.parameters
     show_refinement(session.console, found, result)
@@ -97,7 +97,7 @@ def _tell(
     def page() -> str:
         from dnanalyze.report.pages.refine import refine_page
 
-        return refine_page(found, result, compare(found, result.model, held=result.bench))
+        return refine_page(found, result, compare_on(found, result.model, held=result.bench))
 
     session.write(
         documents.refinement(str(folder), result, None)

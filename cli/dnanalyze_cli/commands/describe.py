@@ -42,7 +42,7 @@ def describe(
     budget: Budget = None,
 ) -> None:
     """Describe the residual that no effect of the catalogue explains; add it to the model."""
-    from dnanalyze.description.describe import describe as run
+    from dnanalyze.description.describe import describe_on as run
     from dnanalyze.description.pattern import check_pattern, learn_pattern
     from dnanalyze.model.learned.field_map import map_bytes
     from dnanalyze.model.learned.pattern_map import named
@@ -86,7 +86,7 @@ def describe(
         )
         pattern = None
         if map_file is not None:
-            pattern = learn_pattern(found, result.model, tell=progress.now)
+            pattern = learn_pattern(found, result.model, progress=progress)
     show(session.console, found, result)
     extra: dict[Path, str | bytes] = {}
     model = result.model

@@ -13,7 +13,7 @@ def diagnose(
     no_describe: NoDescribe = False,
 ) -> None:
     """Rank the effects that may be missing in a model, with the evidence for and against."""
-    from dnanalyze.diagnosis.diagnose import diagnose as run
+    from dnanalyze.diagnosis.diagnose import diagnose_on as run
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables
     from dnanalyze.report.terminal.diagnosis import diagnosis as show
@@ -47,11 +47,11 @@ def diagnose(
     more = {} if no_describe else left_over(session, found, held, diagnosis, known, budget)
 
     def page() -> str:
-        from dnanalyze.comparator.compare import compare
+        from dnanalyze.comparator.compare import compare_on
         from dnanalyze.report.pages.diagnose import diagnose_page
 
         with session.progress("Comparing the model with the captures"):
-            comparison = compare(found, diagnosis.model, held=held)
+            comparison = compare_on(found, diagnosis.model, held=held)
         return diagnose_page(found, diagnosis, comparison)
 
     session.write(

@@ -12,9 +12,6 @@ from dnanalyze_cli.numbers import celsius, rows_and_columns
 from dnanalyze_cli.options import EffectFiles, Quiet
 from dnanalyze_cli.session import Session
 
-FORMATS = ("csv", "getframes", "json", "numpy", "pyxel", "torch", "yaml")
-MOST = 100_000  # rows or columns of another program's detector
-
 
 def export(
     model: Annotated[
@@ -60,11 +57,10 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write a model as a table, NumPy function, PyTorch transform, or for another simulator."""
-    from dnanalyze.model.export.getframes_camera import getframes_preset
-    from dnanalyze.model.export.numpy_code import numpy_source, read_source, torch_source
-    from dnanalyze.model.export.pyxel_pipeline import pyxel_pipeline
-    from dnanalyze.model.export.table import read_table, to_csv, to_json
-    from dnanalyze.model.noise_model import dump_model, load_model
+    from dnanalyze.model.export.export import FORMATS, exported
+    from dnanalyze.model.export.numpy_code import read_source
+    from dnanalyze.model.export.table import read_table
+    from dnanalyze.model.noise_model import load_model
 
     if format not in FORMATS:
         raise InputError(
@@ -74,23 +70,7 @@ def export(
     reader = {".csv": read_table, ".json": read_table, ".py": read_source}
     own = reader.get(model.suffix.lower(), load_model)(model, session.known())
     points = celsius("--temperatures", temperatures)
-    if format in ("getframes", "pyxel"):
-        if len(points) > 1:
-            raise InputError(f"--temperatures {temperatures}: {format} takes one temperature")
-        size = rows_and_columns(shape)
-        if not all(1 <= n <= MOST for n in size):
-            raise InputError(f"--shape {shape}: valid: 1 to {MOST} rows and columns")
-        translate = getframes_preset if format == "getframes" else pyxel_pipeline
-        made = translate(own, size, points[0] if points else None)
-        session.write({}, model=lambda: made.text)
-        for what in made.lost:
-            session.say(f"note: {format} does not express {what}")
-        return
-    text = {
-        "csv": lambda: to_csv(own, points),
-        "json": lambda: to_json(own, points),
-        "numpy": lambda: numpy_source(own),
-        "torch": lambda: torch_source(own),
-        "yaml": lambda: dump_model(own),
-    }[format]
-    session.write({}, model=text)
+    made = exported(own, format, points, rows_and_columns(shape))
+    session.write({}, model=lambda: made.text)
+    for what in made.lost:
+        session.say(f"note: {format} does not express {what}")

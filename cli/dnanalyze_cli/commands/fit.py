@@ -38,7 +38,7 @@ def fit(
 ) -> None:
     """Fit a model's parameters, with their standard errors; -o writes the model file."""
     from dnanalyze.fitting.fit import REPLICATES
-    from dnanalyze.fitting.fit import fit as run
+    from dnanalyze.fitting.fit import fit_on as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables
     from dnanalyze.report.terminal.fit import fit as show

@@ -50,7 +50,7 @@ def refine(
     Model, JSON and report are written at each step; an interrupted run continues with --model.
     """
     from dnanalyze.diagnosis.refine import Refinement
-    from dnanalyze.diagnosis.refine import refine as run
+    from dnanalyze.diagnosis.refine import refine_on as run
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables, words
@@ -74,15 +74,15 @@ def refine(
         over_channels.refine(
             session,
             found,
-            lambda tell: refine_channels(
+            lambda progress: refine_channels(
                 found,
                 own,
                 exclude=excluded,
-                most_effects=max_effects,
+                max_effects=max_effects,
                 until_error=until_error,
                 budget=session.remaining(budget),
-                known=known,
-                tell=tell,
+                effects=known,
+                progress=progress,
             ),
         )
         return
@@ -129,10 +129,10 @@ def refine(
             not_kept(session.console)
 
         def page() -> str:
-            from dnanalyze.comparator.compare import compare
+            from dnanalyze.comparator.compare import compare_on
 
             with session.progress("Comparing the model with the captures"):
-                comparison = compare(found, result.model, held=result.bench)
+                comparison = compare_on(found, result.model, held=result.bench)
             return refine_page(found, result, comparison)
 
         session.write(

@@ -34,7 +34,9 @@ DROPPED = {
     "bent", "relatives", "lies_in",
 }  # fmt: skip
 DROPPED_DECORATORS = {"recordable"}  # frames of one file are always drawn
-DROPPED_OF = {"NoiseModel": {"with_effect", "without", "get", "names"}}
+DROPPED_OF = {
+    "NoiseModel": {"with_effect", "without", "get", "names", "save", "load", "_repr_html_"}
+}
 PLAIN = {"numpy", *sys.stdlib_module_names}
 
 

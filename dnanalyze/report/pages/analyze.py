@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dnanalyze.analyzers.families.trends import law_doubts
-from dnanalyze.emva import evaluate, kinds
+from dnanalyze.emva import kinds
 from dnanalyze.loaders.inspection import missing
 from dnanalyze.report import capture, emva
 from dnanalyze.report.figures.dark_signal import dark_signal
@@ -25,7 +25,7 @@ NOTE = (
 
 def headline(measured: Any, quantities: Any = None) -> str:
     """Temporal dark noise, DSNU, dark current and doubling interval, each with its range."""
-    quantities = evaluate(measured) if quantities is None else quantities
+    quantities = measured.emva if quantities is None else quantities
     points = emva.every_point(quantities)
     parts: list[str] = []
     for kind in (kinds.NOISE, kinds.DSNU):
@@ -125,7 +125,7 @@ def missing_section(measured: Any, quantities: Any = None) -> Section:
 
 def analyze_page(captures: Any, measured: Any, quantities: Any = None) -> str:
     """HTML of the page; the EMVA 1288 quantities are worked out where they are not given."""
-    quantities = quantities or evaluate(measured)
+    quantities = quantities or measured.emva
     page = Page(
         "Dark-frame statistics",
         capture.title(captures),

@@ -22,10 +22,10 @@ def _terminal(console: Console, result: Any) -> None:
 
 
 def _page(result: Any) -> str:
-    from dnanalyze.comparator.compare import compare
+    from dnanalyze.comparator.compare import compare_on
 
     found = result.capture_set
-    return refinement_page(found, result, compare(found, result.model, held=result.bench))
+    return refinement_page(found, result, compare_on(found, result.model, held=result.bench))
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:

@@ -7,7 +7,6 @@ from typing import Any
 
 from rich.console import Console
 
-from dnanalyze.emva import evaluate
 from dnanalyze.report import documents, tables
 from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.sensor_maps import sensor_maps
@@ -25,7 +24,7 @@ def _terminal(console: Console, result: Any) -> None:
 def _plots(result: Any) -> Mapping[str, Draw]:
     own: dict[str, Draw] = {
         "sensor": lambda: sensor_maps(result),
-        "dark_signal": lambda: dark_signal(evaluate(result)),
+        "dark_signal": lambda: dark_signal(result.emva),
     }
     return own | family_plots(lambda: layers(result))
 
@@ -33,7 +32,7 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     headline,
-    lambda result: documents.statistics(result.name, result, evaluate(result)),
+    lambda result: documents.statistics(result.name, result, result.emva),
     tables.statistics,
     lambda result: analyze_page(result.capture_set, result),
     _plots,

@@ -15,11 +15,10 @@ from dnanalyze.report.words import with_error
 def statistics(console: Console, captures: Any, measured: Any, quantities: Any = None) -> None:
     """The EMVA 1288 quantities, the laws over temperature, what is not determined."""
     from dnanalyze.analyzers.families.trends import law_doubts
-    from dnanalyze.emva import evaluate
     from dnanalyze.report.emva import LAWS
     from dnanalyze.report.pages.analyze import headline
 
-    quantities = evaluate(measured) if quantities is None else quantities
+    quantities = measured.emva if quantities is None else quantities
     verdict(console, captures, headline(measured, quantities))
     emva_tables(console, quantities, table)
     columns, found = laws(measured, LAWS)
