@@ -9,7 +9,7 @@ from dnanalyze.classifier.result import Classification
 from dnanalyze.diagnosis.detectability import DetectionLimit
 from dnanalyze.diagnosis.selection import Trial
 from dnanalyze.digits import number
-from dnanalyze.fitting.agreement import Agreement
+from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.fit import Fit, Parameters, uncertain
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
@@ -222,10 +222,12 @@ class Refinement(Result):
         """Sentences on parameters that are not determined or confounded in these captures."""
         return self._fitted.undetermined
 
-    @property
+    @cached_property
     def direct(self) -> list[Agreement]:
         """Quantities that the frames determine without a model, beside the final model's."""
-        return [] if self.diagnosis is None else self.diagnosis.direct
+        if self.diagnosis is not None:
+            return self.diagnosis.direct
+        return agreements(self.bench, self.state)
 
     @property
     def level(self) -> Level | None:

@@ -488,10 +488,10 @@ class CaptureSet:
 
     def __repr__(self) -> str:
         """The captures in a line."""
-        rows, columns = self.sensor.shape
+        (rows, columns), points = self.sensor.shape, len(self.settings)
         return (
             f"<CaptureSet: {self.name}, {self.frame_count} frames of {rows} x {columns} at "
-            f"{len(self.settings)} operating points>"
+            f"{points} operating point{'' if points == 1 else 's'}>"
         )
 
     def _repr_html_(self) -> str:
