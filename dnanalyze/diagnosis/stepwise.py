@@ -9,6 +9,7 @@ field; the whole field confirms them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -214,7 +215,7 @@ class Search:
             tested = self._tested(path, null)
             if tested.best is None or self._full(tested):
                 return replace(path, open=tuple(t.effect for t in tested.tried))
-            path = self._with(tested, null, tested.best)
+            path = self._with(tested, null, tested.best, path.error)
         return path
 
     def _searched(self, path: Path) -> Path:
@@ -237,7 +238,7 @@ class Search:
                 return self._converged(path)
             if gone is not None:
                 path = self._without(path, self._at_home(null.state, null), [gone])
-            path = self._with(path, null, best)
+            path = self._with(path, null, best, math.inf if gone is not None else path.error)
         return self._converged(replace(path, tried=(), best=None))
 
     def _tested(self, path: Path, null: Null) -> Path:
@@ -262,8 +263,12 @@ class Search:
     def _added(self, state: State) -> list[str]:
         return [n for n in state.model.names if n not in (*self.begun, *EVERYDAY)]
 
-    def _with(self, path: Path, null: Null, best: Trial) -> Path:
-        """One more effect, completed, and what is superfluous with it gone."""
+    def _with(self, path: Path, null: Null, best: Trial, most: float) -> Path:
+        """One more effect, completed, and what is superfluous with it gone.
+
+        An effect with which the model error, each model by its own yardstick, would exceed
+        ``most`` is not taken: it fits the residual of what else is missing.
+        """
         if best.effect == BASE:
             return self._with_law(path, null, best)
         tried = path.tried
@@ -272,7 +277,10 @@ class Search:
         effect = type(state.model.get(best.effect))
         why = evidence_for(null.held, null.state, state, effect)  # type: ignore[arg-type]
         state = self._at_home(state, null)
-        path = self._noted(path, state, best.effect, sure, near, why)
+        error = self._error(state)
+        if error > most:
+            return replace(path, dropped=(*path.dropped, best.effect))
+        path = self._noted(path, state, best.effect, sure, near, why, error)
         beside = [t.effect for t in tried if significant(t) and apart(best, t)]
         path = replace(path, converged=not much_left(state), open=tuple(beside))
         self._kept(path)

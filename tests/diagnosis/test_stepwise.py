@@ -139,6 +139,14 @@ def test_a_search_states_its_steps_and_keeps_complete_models(held):
     assert {"row_fpn", "row_noise"} <= set(trying)
 
 
+def test_an_effect_that_raises_the_error_is_not_taken(held):
+    begun = Path(fitted(held), (Step(None, 1e-3),))
+    path = Search(held, {"row_fpn": RowFpn})._searched(begun)
+    assert path.dropped == ("row_fpn",)
+    assert path.steps == begun.steps
+    assert path.state.model.get("row_fpn") is None
+
+
 def test_a_search_ends_at_the_users_limits(held):
     state = fitted(held)
     most = Search(held, ROWS, most=0).run(state)
