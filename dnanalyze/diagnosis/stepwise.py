@@ -297,7 +297,7 @@ class Search:
     def _converged(self, path: Path) -> Path:
         """Everything at its optimum, and what is then superfluous gone.
 
-        The error of the last step is that of the new state.
+        The error of the last step is that of the new state; an effect that raises it is taken out.
         """
         if path.converged:
             return path
@@ -305,6 +305,9 @@ class Search:
         *steps, last = path.steps
         last = replace(last, error=self._error(state))
         path = replace(path, state=state, steps=(*steps, last), converged=True)
+        if last.added in self._added(state) and last.error > steps[-1].error:
+            without = converge(self.held, removal(self.held, state, last.added))
+            path = self._without(path, without, [last.added])
         self._kept(path)
         return self._reduced(path)
 
