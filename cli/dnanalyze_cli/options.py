@@ -97,7 +97,7 @@ EffectFiles = Annotated[
         "--effects",
         metavar="FILE.py",
         rich_help_panel=_RUN,
-        help="File with effects of your own; may be given again.",
+        help="Python file with user-defined effects (repeatable).",
     ),
 ]
 Seed = Annotated[
@@ -151,7 +151,7 @@ Exclude = Annotated[
         "--exclude",
         metavar="EFFECT",
         rich_help_panel=STEER,
-        help="Never add this effect; may be given again.",
+        help="Never add this effect (repeatable).",
     ),
 ]
 

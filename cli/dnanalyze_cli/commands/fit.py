@@ -13,7 +13,7 @@ Frozen = Annotated[
     typer.Option(
         "--frozen",
         metavar="PARAMETER",
-        help="Do not fit this parameter: effect.parameter, or pedestal; may be given again.",
+        help="Do not fit this parameter: effect.parameter, or pedestal (repeatable).",
     ),
 ]
 Replicates = Annotated[

@@ -70,7 +70,7 @@ def emva_section(quantities: Any) -> Section:
         title, fold = group.label if several else "", n >= OPEN_GROUPS
         tables.append(
             Table(
-                ("symbol", "quantity", "over, from", "value"),
+                ("symbol", "quantity", "fitted range", "value"),
                 emva.sensor_rows(group),
                 words=3,
                 title=title,

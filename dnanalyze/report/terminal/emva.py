@@ -29,7 +29,7 @@ def emva_tables(console: Console, found: Any, tabulate: Tabulate) -> None:
         heads = emva.labels(points) if len(points) > 1 else ["value"]
         rows = emva.point_rows(points, emva.brief)
         tabulate(console, ("", where or "quantity", *heads), rows, left=2)
-        heads = ["", "quantity", "over, from", "value"]
+        heads = ["", "quantity", "fitted range", "value"]
         tabulate(console, heads, emva.sensor_rows(group), left=3)
     points = emva.every_point(found)
     if len(points) > 2:
