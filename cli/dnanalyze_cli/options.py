@@ -40,6 +40,7 @@ Csv = Annotated[
 Config = Annotated[
     Path | None,
     typer.Option(
+        "--sidecar",
         "--config",
         metavar="SIDE.yaml",
         rich_help_panel=_READING,
@@ -94,6 +95,7 @@ SystemGain = Annotated[
 EffectFiles = Annotated[
     list[Path] | None,
     typer.Option(
+        "--effects-file",
         "--effects",
         metavar="FILE.py",
         rich_help_panel=_RUN,
@@ -158,6 +160,7 @@ Exclude = Annotated[
 Budget = Annotated[
     float | None,
     typer.Option(
+        "--time-limit",
         "--budget",
         metavar="SECONDS",
         min=0.0,

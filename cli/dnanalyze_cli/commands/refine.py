@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from dnanalyze.errors import InputError
 from dnanalyze_cli.options import (
     STEER,
     Budget,
@@ -32,6 +33,14 @@ def refine(
             help="Add at most N effects to the baseline model.",
         ),
     ] = None,
+    baseline_only: Annotated[
+        bool,
+        typer.Option(
+            "--baseline-only",
+            rich_help_panel=STEER,
+            help="Add the baseline effects alone; the same as --max-effects 0.",
+        ),
+    ] = False,
     until_error: Annotated[
         float | None,
         typer.Option(
@@ -61,6 +70,10 @@ def refine(
     from dnanalyze_cli.going_on import command_line, kept_when_stopped
     from dnanalyze_cli.left_over import left_over
 
+    if baseline_only:
+        if max_effects:
+            raise InputError("--baseline-only: adds no effect; leave out --max-effects")
+        max_effects = 0
     session = options.session("refine", output=output)
     session.remaining(budget)
     known, captures = session.known(), options.captures
