@@ -95,7 +95,6 @@ SystemGain = Annotated[
 EffectFiles = Annotated[
     list[Path] | None,
     typer.Option(
-        "--effects-file",
         "--effects",
         metavar="FILE.py",
         rich_help_panel=_RUN,

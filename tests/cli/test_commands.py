@@ -151,10 +151,9 @@ def test_clear_names_stand_beside_the_short_ones(folder, calls, capsys):
     assert 0.0 < named["budget"] <= 100.0
     assert main(["refine", str(folder), "--baseline-only", "--max-effects", "2"]) == 2
     assert "leave out --max-effects" in capsys.readouterr().err
-    for old, new in (("--config", "--sidecar"), ("--effects", "--effects-file")):
-        for option in (old, new):
-            assert main(["refine", str(folder), option, "nothing.py"]) == 2
-            assert "nothing.py" in capsys.readouterr().err
+    for option in ("--config", "--sidecar"):
+        assert main(["refine", str(folder), option, "nothing.yaml"]) == 2
+        assert "nothing.yaml" in capsys.readouterr().err
 
 
 def test_a_users_own_effect_is_listed_and_offered(folder, calls, tmp_path, capsys):
