@@ -127,9 +127,12 @@ def test_the_new_model_is_written_and_can_be_read_again(folder, calls, tmp_path)
         assert load_model(path).names == ["convolved_lognormal"]
 
 
-def test_add_takes_its_two_names_in_either_order(folder, calls):
-    assert main(["add", "column_fpn", str(folder), "-q"]) == 0
+def test_add_takes_its_two_names_in_either_order_and_says_so(folder, calls, capsys):
+    assert main(["add", "column_fpn", str(folder)]) == 0
     assert calls["add"][0][1] == "column_fpn"
+    assert "taken as effect column_fpn" in capsys.readouterr().err
+    assert main(["add", str(folder), "column_fpn"]) == 0
+    assert "taken as" not in capsys.readouterr().err
 
 
 def test_refine_is_steered(folder, calls, tmp_path):

@@ -27,9 +27,12 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
     from dnanalyze.report.terminal.refinement import refinement as show
     from dnanalyze_cli import over_channels
 
-    if not Path(options.captures).exists() and Path(effect).exists():
-        options, effect = replace(options, captures=effect), options.captures  # either order
+    swapped = not Path(options.captures).exists() and Path(effect).exists()
+    if swapped:
+        options, effect = replace(options, captures=effect), options.captures
     session = options.session("add", output=output)
+    if swapped:
+        session.say(f"note: taken as effect {effect}, captures {options.captures}")
     known = session.known()
     find(effect, known)
     found, own = options.begin(session)
