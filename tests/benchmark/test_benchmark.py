@@ -318,7 +318,7 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     made = {name: virtual_model(mu, seed, k=k) for name, mu, seed, k in
             (("a", 4.0, 1, 0.5), ("b", 5.0, 2, 1.0))}  # fmt: skip
     sensors = {name: model for name, (model, _) in made.items()}
-    monkeypatch.setattr(refinement, "refine", right)
+    monkeypatch.setattr(refinement, "refine_on", right)
     result = benchmark([captures_of(name, *made[name]) for name in made])
     for record, gain in zip(result.sensors, (0.5, 1.0), strict=True):
         assert [e.effect for e in record.effects] == [

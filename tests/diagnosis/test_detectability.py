@@ -68,8 +68,10 @@ def test_what_the_models_own_numbers_absorb_is_not_seen(state):
 @pytest.mark.parametrize(("name", "parameter"), [(OF_READOUT, "sigma"), (OF_CHARGE, "alpha")])
 def test_at_its_limit_an_effect_gains_about_what_is_asked(state, name, parameter):
     held, fitted = state
-    text = detection_limits(held, fitted, {name: KNOWN[name]})[name]
-    limit = float(text.split(" = ")[1].split()[0])
+    found = detection_limits(held, fitted, {name: KNOWN[name]})[name]
+    limit = found.value
+    assert (found.effect, found.parameter) == (name, parameter)
+    assert str(found).startswith(f"{name} is detectable from {parameter} = ")
     view = _View.of(held, fitted, [0, 2], Placing.SOMEWHERE)
     gains = view.gains([with_effect(fitted, name, **{parameter: limit * f}) for f in (0.3, 1, 3)])
     # a power law carries the limit from where the effect shows plainly
