@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -28,15 +27,13 @@ from dnanalyze.model.registry import built_in
 
 SHAPE, FRAMES = (256, 256), 8
 TIMES = (1.0, 2.0)
-LIMIT = re.compile(r"from (\w+) = ([0-9.e+-]+)")
 
 
 def limits_of(found: dnanalyze.Diagnosis, wanted: list[str]) -> Iterator[tuple[str, str, float]]:
     """Effect, parameter and strength of each stated limit."""
-    for name, words in found.detection_limits.items():
-        stated = LIMIT.search(words)
-        if stated and (not wanted or name in wanted):
-            yield name, stated.group(1), float(stated.group(2))
+    for name, limit in found.detection_limits.items():
+        if np.isfinite(limit.value) and (not wanted or name in wanted):
+            yield name, limit.parameter, limit.value
 
 
 def case(captures: Any, model: Any, name: str, parameter: str, strength: float) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import dnanalyze
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.loaders.captures import CaptureSet
 
 
@@ -35,7 +36,7 @@ def variants(captures: CaptureSet, seeds: int) -> Iterator[tuple[str, CaptureSet
 def run(captures: CaptureSet, seed: int, budget: float | None) -> dict[str, Any]:
     """The effects beside the baseline with their confidence, the verdict and the error."""
     begun = time.perf_counter()
-    found = dnanalyze.refine(captures, seed=seed, budget=budget)
+    found = refine_on(captures, seed=seed, budget=budget)
     added = {s.added: s.confidence for s in found.steps if s.added and s.confidence is not None}
     return {
         "effects": {name: added.get(name) for name in found.model.names if name in added},
