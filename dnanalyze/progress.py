@@ -23,7 +23,7 @@ class Progress(Protocol):
         """
 
 
-def told_of(progress: Progress | None) -> Callable[[object], None]:
+def reporter(progress: Progress | None) -> Callable[[object], None]:
     """A callable that tells each of a series of things as a step of its own."""
     done = 0
 

@@ -51,7 +51,7 @@ def activation(kelvin: np.ndarray | float, reference: float) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Line:
+class ArrheniusLine:
     """Logarithm of a rate as a line in x.
 
     Parameters
@@ -70,7 +70,7 @@ class Line:
     pulls: np.ndarray
 
 
-def line(x: np.ndarray, rate: np.ndarray, relative: np.ndarray) -> Line:
+def arrhenius_line(x: np.ndarray, rate: np.ndarray, relative: np.ndarray) -> ArrheniusLine:
     """Weighted least squares of log(rate) over x.
 
     Parameters
@@ -84,7 +84,8 @@ def line(x: np.ndarray, rate: np.ndarray, relative: np.ndarray) -> Line:
     inverse = np.linalg.inv(basis.T @ basis)
     y = np.log(rate) / relative
     solution = inverse @ (basis.T @ y)
-    return Line(float(solution[0]), float(solution[1]), float(inverse[1, 1]), y - basis @ solution)
+    log_rate, energy = map(float, solution)
+    return ArrheniusLine(log_rate, energy, float(inverse[1, 1]), y - basis @ solution)
 
 
 def least_energy(chi2: Callable[[float], float], energies: np.ndarray) -> float:

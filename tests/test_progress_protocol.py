@@ -2,15 +2,15 @@ from __future__ import annotations
 
 import dnanalyze
 from dnanalyze.demo import tiny
-from dnanalyze.progress import told_of
+from dnanalyze.progress import reporter
 
 
 def test_each_thing_is_a_step_and_text_says_what():
     seen = []
-    tell = told_of(lambda *step: seen.append(step))
+    tell = reporter(lambda *step: seen.append(step))
     tell("row_fpn")
     tell(object())
-    told_of(None)("nobody listens")
+    reporter(None)("nobody listens")
     assert seen == [(0, None, "row_fpn"), (1, None, "")]
 
 

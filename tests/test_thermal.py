@@ -12,8 +12,8 @@ from dnanalyze.thermal import (
     KELVIN,
     activation,
     arrhenius,
+    arrhenius_line,
     least_energy,
-    line,
     over_constant,
 )
 
@@ -34,7 +34,7 @@ def test_growth_is_the_boltzmann_factor_of_the_two_temperatures(celsius, energy)
 def test_a_line_gives_energy_rate_and_the_error_of_weighted_least_squares():
     rate = 3.0 * np.exp(0.65 * X)
     relative = np.array([0.2, 0.1, 0.05, 0.05, 0.1])
-    found = line(X, rate, relative)
+    found = arrhenius_line(X, rate, relative)
     assert found.energy_ev == pytest.approx(0.65)
     assert np.exp(found.log_rate) == pytest.approx(3.0)
     assert found.pulls == pytest.approx(np.zeros(5), abs=1e-9)

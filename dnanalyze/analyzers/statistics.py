@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from dnanalyze.emva.quantity import Emva
 
+NORMAL_95 = 1.96  # standard errors of an interval of 95 %
 SATURATION = "saturation"  # what is missing of a setting most of whose pixels are saturated
 
 

@@ -12,7 +12,7 @@ from dnanalyze.benchmarking.laws import common_temperatures, estimate
 from dnanalyze.benchmarking.record import ABSENT, ELECTRON, Figure, SensorRecord, record
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
-from dnanalyze.progress import Progress, told_of
+from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
 
 REACH = 3.0  # measured spans of temperature, as far outside which a law is still read
@@ -142,7 +142,7 @@ def benchmark(
     if len(parts) < 2:
         raise InputError("benchmark: name two capture folders or more, or one of several channels")
     names = unique_names([c.name for c in parts])
-    tell = told_of(progress)
+    tell = reporter(progress)
     made = [
         record(name, c.name, c, quick=quick, tell=tell)
         for name, c in zip(names, parts, strict=True)

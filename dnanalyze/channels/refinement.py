@@ -25,7 +25,7 @@ from dnanalyze.model.channel_models import channel_model, merged, of_pixel
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, known_effects
-from dnanalyze.progress import Progress, ignored, told_of
+from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
 JOINT_ITERATIONS = 6
@@ -181,7 +181,7 @@ def refine_channels(
     >>> captures = dnanalyze.load("captures/")                # doctest: +SKIP
     >>> dnanalyze.refine_channels(captures).save("m.yaml")    # doctest: +SKIP
     """
-    known, tell = known_effects(effects), told_of(progress)
+    known, tell = known_effects(effects), reporter(progress)
 
     def one(channel: str, part: CaptureSet) -> Refinement:
         return refine_on(
@@ -207,7 +207,7 @@ def add_channels(
     progress: Progress | None = None,
 ) -> ChannelRefinement:
     """Put one effect into the model of every channel; see `refine_channels`."""
-    tell = told_of(progress)
+    tell = reporter(progress)
 
     def one(channel: str, part: CaptureSet) -> Refinement:
         held = bench(design(part))

@@ -23,7 +23,7 @@ from dnanalyze.fitting.vectors import prediction
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.progress import Progress, ignored, told_of
+from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
 
@@ -114,7 +114,7 @@ def compare(
     >>> sorted(comparison.baselines)
     ['gaussian', 'paper']
     """
-    return compare_on(captures, model, seed=seed, tell=told_of(progress))
+    return compare_on(captures, model, seed=seed, tell=reporter(progress))
 
 
 def compare_on(

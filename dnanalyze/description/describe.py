@@ -38,7 +38,7 @@ from dnanalyze.model.composite.source import own_effect
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
-from dnanalyze.progress import Progress, ignored, told_of
+from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
 MOST = 2  # layers whose best structure is put into the model and refitted
@@ -197,7 +197,7 @@ def describe(
     """
     known = known_effects(effects)
     return describe_on(
-        captures, model, budget=budget, known=known, seed=seed, tell=told_of(progress)
+        captures, model, budget=budget, known=known, seed=seed, tell=reporter(progress)
     )
 
 

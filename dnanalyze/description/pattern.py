@@ -22,7 +22,7 @@ from dnanalyze.model.learned.field_map import FieldMap
 from dnanalyze.model.learned.pattern_map import PatternMap
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
-from dnanalyze.progress import Progress, told_of
+from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
 from dnanalyze.thermal import arrhenius, least_energy
 
@@ -189,7 +189,7 @@ def learn_pattern(
     (64, 64)
     """
     check_pattern(captures, model)
-    tell = told_of(progress)
+    tell = reporter(progress)
     captures, model = _repeated(captures), _without_structure(model)
     tell("mean frames")
     seen = halves(captures)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.classifier_test import told_apart
+from dnanalyze.diagnosis.classifier_tests import told_apart
 from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction

@@ -46,7 +46,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, known_effects
-from dnanalyze.progress import Progress, ignored, told_of
+from dnanalyze.progress import Progress, ignored, reporter
 
 __all__ = ["Diagnosis", "diagnose"]
 
@@ -104,7 +104,7 @@ def diagnose(
     known = known_effects(effects)
     return diagnose_on(
         captures, model, exclude=exclude, budget=budget, known=known, seed=seed,
-        tell=told_of(progress),
+        tell=reporter(progress),
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import find, known_effects
-from dnanalyze.progress import Progress, ignored, told_of
+from dnanalyze.progress import Progress, ignored, reporter
 
 __all__ = ["Refinement", "add", "refine"]
 
@@ -88,7 +88,7 @@ def refine(
     known = known_effects(effects)
     return refine_on(
         captures, model, exclude=exclude, max_effects=max_effects, until_error=until_error,
-        budget=budget, known=known, trying=told_of(progress),
+        budget=budget, known=known, trying=reporter(progress),
     )  # fmt: skip
 
 
@@ -222,7 +222,7 @@ def add(
     [None, 'column_fpn']
     """
     known = known_effects(effects)
-    return add_on(captures, effect, model, seed=seed, known=known, tell=told_of(progress))
+    return add_on(captures, effect, model, seed=seed, known=known, tell=reporter(progress))
 
 
 def add_on(

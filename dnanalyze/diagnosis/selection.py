@@ -61,7 +61,7 @@ class Trial:
     falls : ndarray
         Fall of the deviance of each statistic, of either half.
     denied : str
-        The test of the captures that excludes the effect (`filter_tests`, `classifier_test`), in
+        The test of the captures that excludes the effect (`filter_tests`, `classifier_tests`), in
         words; empty where none does.
     """
 

@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze.analyzers.statistics import Value
+from dnanalyze.analyzers.statistics import NORMAL_95, Value
 from dnanalyze.loaders.captures import OperatingPoint
 
 if TYPE_CHECKING:
     import pandas as pd
-
-NORMAL_95 = 1.959964  # standard deviations of a normal interval of 95 %
 
 
 @dataclass(frozen=True)

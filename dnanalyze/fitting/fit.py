@@ -42,7 +42,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.progress import Progress, ignored, told_of
+from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
 REPLICATES = 24
@@ -188,7 +188,7 @@ def fit(
     ('pedestal', 'DN')
     """
     return fit_on(
-        captures, model, frozen=frozen, replicates=replicates, seed=seed, tell=told_of(progress)
+        captures, model, frozen=frozen, replicates=replicates, seed=seed, tell=reporter(progress)
     )
 
 

@@ -127,6 +127,23 @@ def atomic(path: Path) -> Iterator[IO[bytes]]:
         raise
 
 
+def atomic_write(path: Path, content: str | bytes) -> None:
+    """Write a file under a temporary name in its folder, then give it its name.
+
+    Raises
+    ------
+    InputError
+        The folder is missing or cannot be written.
+    """
+    try:
+        with atomic(path) as stream:
+            stream.write(
+                content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
+            )
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
 def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)

@@ -21,6 +21,8 @@ def add_dark_noise(
 ) -> np.ndarray:
     """Add the dark signal and its noise to an image, or to several.
 
+    Several images in one call share the fixed pattern of the sensor, which each call draws anew.
+
     Parameters
     ----------
     image : ndarray

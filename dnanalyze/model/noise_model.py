@@ -163,14 +163,9 @@ class NoiseModel:
         ...     NoiseModel.load(file).pedestal
         64.0
         """
-        from dnanalyze.loaders.writers import atomic
+        from dnanalyze.loaders.writers import atomic_write
 
-        target = Path(path)
-        try:
-            with atomic(target) as file:
-                file.write(dump_model(self).encode())
-        except OSError as error:
-            raise InputError(f"{target}: cannot be written ({error.strerror})") from error
+        atomic_write(Path(path), dump_model(self))
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> NoiseModel:

@@ -14,25 +14,6 @@ from pathlib import Path
 from dnanalyze.errors import InputError
 
 
-def atomic_write(path: Path, content: str | bytes) -> None:
-    """Write a file under a temporary name in its folder, then give it its name.
-
-    Raises
-    ------
-    InputError
-        The folder is missing or cannot be written.
-    """
-    from dnanalyze.loaders.writers import atomic
-
-    try:
-        with atomic(path) as stream:
-            stream.write(
-                content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
-            )
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
-
-
 def write_together(contents: Mapping[Path, str | bytes]) -> None:
     """Several files, all of them or none: each is written whole before the first gets its name.
 

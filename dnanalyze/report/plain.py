@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-NORMAL_95 = 1.96  # standard errors of an interval of 95 %
+from dnanalyze.analyzers.statistics import NORMAL_95
 
 
 def plain(value: Any) -> Any:

@@ -56,7 +56,8 @@ class Presentation:
 
 def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
     """Write the form that the suffix of ``path`` names; see `dnanalyze.result.Result.save`."""
-    from dnanalyze.report.files import atomic_write, check_output
+    from dnanalyze.loaders.writers import atomic_write
+    from dnanalyze.report.files import check_output
     from dnanalyze.report.plain import to_json
 
     forms: dict[str, Callable[[], str]] = {

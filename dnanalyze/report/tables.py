@@ -6,8 +6,8 @@ from collections.abc import Collection
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze.analyzers.statistics import Scale, StatisticInfo
-from dnanalyze.report.plain import NORMAL_95, estimate
+from dnanalyze.analyzers.statistics import NORMAL_95, Scale, StatisticInfo
+from dnanalyze.report.plain import estimate
 from dnanalyze.report.words import is_number, point_label, varied
 
 if TYPE_CHECKING:
@@ -32,11 +32,6 @@ def named(name: str) -> str:
     """A statistic in words, its name behind them; other text as it is."""
     title = info(name).title
     return f"{title} ({name})" if name in _infos() and title else name
-
-
-def operating_points(captures: Any) -> pd.DataFrame:
-    """One row an operating point with its number of frames."""
-    return _frame([_point(s.point) | {"frames": len(s.frames)} for s in captures.settings])
 
 
 def measured_value(scale: Scale, value: Any, repeated: bool = False) -> dict[str, float | None]:

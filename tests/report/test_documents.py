@@ -112,7 +112,7 @@ def test_tables_have_a_row_a_number():
     assert list(tables.candidates(fakes.diagnosis())["effect"]) == ["column_fpn", "column_gain"]
     assert len(tables.findings(fakes.detection())) == 2
     assert len(tables.parameters(fakes.fit())) == 2
-    assert list(tables.operating_points(fakes.captures())["frames"]) == [4, 4, 4]
+    assert list(fakes.captures().to_dataframe()["frames"]) == [4, 4, 4]
 
 
 def test_statistics_are_said_in_words():

@@ -96,9 +96,10 @@ def check(
     from dnanalyze.checking.check import check as run
     from dnanalyze.checking.margins import propose
     from dnanalyze.checking.targets import dump_targets, load_targets
+    from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.model.channel_models import require
     from dnanalyze.report import check as report
-    from dnanalyze.report.files import atomic_write, check_output
+    from dnanalyze.report.files import check_output
     from dnanalyze.report.terminal.check import proposed
     from dnanalyze.report.terminal.check import result as show
 

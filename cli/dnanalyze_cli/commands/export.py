@@ -57,20 +57,20 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write a model as a table, NumPy function, PyTorch transform, or for another simulator."""
-    from dnanalyze.model.export.export import FORMATS, exported
+    from dnanalyze.model.export.export import exported
     from dnanalyze.model.export.numpy_code import read_source
     from dnanalyze.model.export.table import read_table
     from dnanalyze.model.noise_model import load_model
 
-    if format not in FORMATS:
-        raise InputError(
-            f"--format {format}: valid: {', '.join(FORMATS)}; frames come from simulate"
-        )
     session = Session("export", output=output, effects=tuple(effects or ()), quiet=quiet)
     reader = {".csv": read_table, ".json": read_table, ".py": read_source}
     own = reader.get(model.suffix.lower(), load_model)(model, session.known())
     points = celsius("--temperatures", temperatures)
-    made = exported(own, format, points, rows_and_columns(shape))
+    try:
+        made = exported(own, format, points, rows_and_columns(shape))
+    except InputError as error:  # its arguments are options here
+        option = str(error).startswith(("format ", "shape ", "temperatures "))
+        raise InputError(f"--{error}" if option else str(error)) from None
     session.write({}, model=lambda: made.text)
     for what in made.lost:
         session.say(f"note: {format} does not express {what}")

@@ -10,7 +10,7 @@ def inspect(options: ReadOptions) -> None:
     """List what is in the folder, and what is missing for a full analysis."""
     from dnanalyze.analyzers.saturated_settings import notes, saturated_settings
     from dnanalyze.loaders import inspect as look
-    from dnanalyze.report import documents, tables
+    from dnanalyze.report import documents
     from dnanalyze.report.terminal.inspection import inspection
 
     session = options.session("inspect")
@@ -24,6 +24,4 @@ def inspect(options: ReadOptions) -> None:
 
         return inspect_page(found, seen)
 
-    session.write(
-        documents.inspection(options.captures, seen), page, lambda: tables.operating_points(found)
-    )
+    session.write(documents.inspection(options.captures, seen), page, lambda: found.to_dataframe())

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from dnanalyze.analyzers.statistics import Value
-from dnanalyze.thermal import BOLTZMANN_EV, Line, activation, line
+from dnanalyze.thermal import BOLTZMANN_EV, ArrheniusLine, activation, arrhenius_line
 
 BETTER = 13.8  # drop of chi^2 for two more parameters: p = .001
 # Dark current of silicon: .2 to .3 eV where fields lower the barrier, half the gap (.55 to .65)
@@ -40,7 +40,7 @@ def arrhenius_laws(kelvin: np.ndarray, rate: np.ndarray, relative: np.ndarray) -
     """
     middle = 2 / (1 / kelvin.min() + 1 / kelvin.max())
     x = activation(kelvin, float(middle))
-    one = line(x, rate, relative)
+    one = arrhenius_line(x, rate, relative)
     energy, se = one.energy_ev, math.sqrt(one.variance) * misfit(one.pulls, 2)
     out = {"activation_energy_ev": Value(energy, se)}
     if energy > 3 * se:
@@ -72,7 +72,7 @@ def doubts(trends: Mapping[str, Value]) -> list[str]:
 
 
 def _two_populations(
-    x: np.ndarray, rate: np.ndarray, relative: np.ndarray, one: Line
+    x: np.ndarray, rate: np.ndarray, relative: np.ndarray, one: ArrheniusLine
 ) -> dict[str, Value]:
     from scipy.optimize import least_squares
 

@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 
 from dnanalyze.errors import InputError
-from dnanalyze.loaders.writers import atomic
+from dnanalyze.loaders.writers import atomic_write
 from dnanalyze.model.noise_model import NoiseModel, dump_model
 
 FORMATS = ("csv", "getframes", "json", "numpy", "pyxel", "torch", "yaml")
@@ -56,7 +56,8 @@ def exported(
     if format not in FORMATS:
         raise InputError(f"format {format}: valid: {', '.join(FORMATS)}; frames come from simulate")
     if len(temperatures) > 1:
-        raise InputError(f"temperatures: {format} takes one temperature")
+        stated = ",".join(f"{t:g}" for t in temperatures)
+        raise InputError(f"temperatures {stated}: {format} takes one temperature")
     if not all(1 <= n <= MOST for n in shape):
         raise InputError(f"shape {shape[0]}x{shape[1]}: valid: 1 to {MOST} rows and columns")
     translate = getframes_preset if format == "getframes" else pyxel_pipeline
@@ -116,9 +117,5 @@ def export(
     if name is None:
         raise InputError(f"{target}: no format has this suffix; valid: {', '.join(BY_SUFFIX)}")
     made = exported(model, name, temperatures, shape)
-    try:
-        with atomic(target) as file:
-            file.write(made.text.encode())
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written ({error.strerror})") from error
+    atomic_write(target, made.text)
     return list(made.lost)

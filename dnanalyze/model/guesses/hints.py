@@ -6,7 +6,7 @@ import numpy as np
 
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.clues import Clues
-from dnanalyze.thermal import KELVIN, activation, arrhenius, line
+from dnanalyze.thermal import KELVIN, activation, arrhenius, arrhenius_line
 
 
 def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
@@ -74,6 +74,6 @@ def thermal_fit(
     x, y = activation(celsius + KELVIN, origin + KELVIN), np.log(amplitude[good])
     w = np.exp(0.5 * (y - y.max()))
     told = tells_slope(t for t, g in zip(temperature, good, strict=True) if g)
-    ea = line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if told else default_ev
+    ea = arrhenius_line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if told else default_ev
     ea = min(max(ea, 0.0), 1.5)
     return float(np.exp(np.average(y - ea * x, weights=w))), ea

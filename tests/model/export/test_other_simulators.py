@@ -141,4 +141,4 @@ def test_the_command_says_what_is_lost(tmp_path, capsys):
     assert main([*begin, "pyxel", "-o", str(tmp_path / "p"), "--temperatures", "20,30"]) == 2
     assert "takes one temperature" in capsys.readouterr().err
     assert main([*begin, "pyxel", "-o", str(tmp_path / "p"), "--shape", "0x30"]) == 2
-    assert "shape 0x30" in capsys.readouterr().err
+    assert "--shape 0x30" in capsys.readouterr().err

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.classifier_test import TOLD, told_apart
+from dnanalyze.diagnosis.classifier_tests import TOLD, told_apart
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.least_squares import start
