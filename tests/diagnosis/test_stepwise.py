@@ -147,6 +147,15 @@ def test_an_effect_that_raises_the_error_is_not_taken(held):
     assert path.state.model.get("row_fpn") is None
 
 
+def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(held):
+    state = fitted(held, RowFpn())
+    steps = (Step(None, 1e-3), Step("row_fpn", 1e-4))
+    path = Search(held, ROWS)._converged(Path(state, steps, converged=False))
+    assert [s.added for s in path.steps] == [None, "row_fpn", "-row_fpn"]
+    assert path.dropped == ("row_fpn",)
+    assert path.state.model.get("row_fpn") is None
+
+
 def test_a_search_ends_at_the_users_limits(held):
     state = fitted(held)
     most = Search(held, ROWS, most=0).run(state)

@@ -8,6 +8,7 @@ from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.diagnose import diagnose_on
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 
 NONE, PLENTY = 1e-6, 3600.0  # s
@@ -42,6 +43,12 @@ def test_without_time_the_starting_model_is_the_answer(captures):
     assert found.parameters
     assert all(math.isnan(p.se) for p in found.parameters)
     found.bench.fitted_z(found.model)  # what is done with the result has no limit
+
+
+def test_what_the_frames_tell_directly_is_stated_without_time_too(captures):
+    found = refine_on(captures, budget=NONE)
+    assert found.diagnosis is None
+    assert found.direct == agreements(found.bench, found.state)
 
 
 def test_without_time_no_candidate_is_named(captures):

@@ -130,6 +130,15 @@ def test_the_worst_rows_name_each_statistic_once():
     assert all(r["family"] == "spectrum" for r in tables.worst(rows, "spectrum"))
 
 
+def test_all_operating_points_together_stand_beside_each_of_them():
+    found = documents.classification("f", fakes.classification())
+    assert [c["auc"] for c in found["points"]] == [0.5, 0.55, 0.76]
+    assert [(c["view"], c["auc"]) for c in found["together"]] == [("mean", 0.6)]
+    table = tables.classifier(fakes.classification())
+    assert table["auc"].tolist() == [0.5, 0.55, 0.76, 0.6]
+    assert table["temperature_c"].isna().tolist() == [False, False, False, True]
+
+
 def test_the_classifier_stands_where_a_model_is_judged_by_it():
     judged = fakes.classification()
     for made in (
