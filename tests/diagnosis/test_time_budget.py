@@ -1,6 +1,7 @@
 """Searches that end before they are done."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,7 +9,9 @@ from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.diagnose import diagnose_on
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.agreement import agreements
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 
 NONE, PLENTY = 1e-6, 3600.0  # s
@@ -45,10 +48,12 @@ def test_without_time_the_starting_model_is_the_answer(captures):
     found.bench.fitted_z(found.model)  # what is done with the result has no limit
 
 
-def test_what_the_frames_tell_directly_is_stated_without_time_too(captures):
-    found = refine_on(captures, budget=NONE)
-    assert found.diagnosis is None
-    assert found.direct == agreements(found.bench, found.state)
+def test_what_is_known_directly_is_stated_without_time_too(captures):
+    known = replace(captures, sensor=replace(captures.sensor, system_gain_dn_e=0.5))
+    begun = ordinary_start(bench(design(known)))
+    (gain,) = refine_on(known, begun, budget=NONE).direct
+    assert (gain.quantity, gain.direct) == ("system gain, recorded", 0.5)
+    assert gain.model == begun.get("dark_shot_noise").value("dn_per_e", begun.reference)
 
 
 def test_without_time_no_candidate_is_named(captures):
