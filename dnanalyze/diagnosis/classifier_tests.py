@@ -11,7 +11,7 @@ from dnanalyze.diagnosis.selection import NOTHING, Trial, competitors, significa
 from dnanalyze.fitting.predictor import Bench
 
 TOLD = "a classifier tells the simulated frames from the measured ones with this effect added"
-POINTS = 2  # the coldest and the hottest: a third of the time that all take
+POINTS = 2  # far apart in temperature and exposure: two fifths of the time of all five
 
 
 def told_apart(bench: Bench, ranked: Sequence[Trial]) -> list[Trial]:
