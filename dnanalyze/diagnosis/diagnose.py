@@ -12,7 +12,6 @@ from dnanalyze.diagnosis.baseline import (
     baseline_fitted,
     baseline_start,
     lacks_baseline,
-    with_baseline,
 )
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, trials
 from dnanalyze.diagnosis.detectability import detection_limits
@@ -45,7 +44,7 @@ from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, known_effects
+from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
 from dnanalyze.progress import Progress, ignored, reporter
 
 __all__ = ["Diagnosis", "diagnose"]
@@ -139,14 +138,16 @@ def diagnose_on(
         if first is not None:
             first(so_far.screened)
     asked = fitted_in_time(limited, model)
-    stages: list[tuple[str, State]] = []
+    baseline: State | None = None
     try:
-        found = _in_full(captures.name, limited, asked, exclude, open_to, stages, so_far, tell)
+        if lacks_baseline(asked.model, exclude):
+            tell("baseline effects")
+            baseline = baseline_fitted(limited, baseline_start(limited, exclude, asked.model.seed))
+        found = _in_full(captures.name, limited, baseline or asked, open_to, so_far, tell)
     except TimeUp:
-        null = Null.of(held, stages[-1][1] if stages else asked)
-        found = unfinished(captures.name, null, so_far, open_to)
+        found = unfinished(captures.name, Null.of(held, baseline or asked), so_far, open_to)
     found = replace(found, capture_set=captures)
-    return _with_baseline_listed(held, asked, stages, found) if stages else found
+    return found if baseline is None else _with_baseline_listed(held, asked, baseline, found)
 
 
 def first_answer(
@@ -174,18 +175,13 @@ def first_answer(
 def _in_full(
     name: str,
     held: Bench,
-    asked: State,
-    exclude: Sequence[str],
+    state: State,
     open_to: dict[str, type[Effect]],
-    stages: list[tuple[str, State]],
     so_far: SoFar,
     tell: Callable[[str], None],
 ) -> Diagnosis:
-    """The whole of a diagnosis; ``stages`` takes the baseline effects as they are put in."""
-    if lacks_baseline(asked.model, exclude):
-        tell("baseline effects")
-        with_baseline(held, asked, exclude, lambda *stage: stages.append(stage))
-    null, law = Null.of(held, stages[-1][1] if stages else asked), ""
+    """The whole of a diagnosis of a fitted model that has its baseline effects."""
+    null, law = Null.of(held, state), ""
     tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell, so_far)
     if best is not None and best.effect == BASE:
         null = Null.of(null.held, converge(null.held, best.state))
@@ -322,41 +318,37 @@ def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effec
 
 
 def _with_baseline_listed(
-    held: Bench, asked: State, stages: Sequence[tuple[str, State]], found: Diagnosis
+    held: Bench, asked: State, baseline: State, found: Diagnosis
 ) -> Diagnosis:
     """A diagnosis of the model with the baseline effects, as one of the model without (``asked``).
 
-    ``stages``: the effects that were put in, with the state then.
+    The effects are fitted together, so each is stated with the error and the confidence of all.
     """
-    design = Null.of(held, stages[-1][1]).held  # of the whole baseline, for the steps to it
-    before = begun = Null(design, expressed(asked, held, design))
-    # only all of them are refitted; beside what is missing, if that was found
-    ended = expressed(stages[-1][1], held, design)
-    if found.verdict == "missing":
-        ended = start(design, found.trials[0].state.model, [])
-    together = judged(begun, stages[-1][0], ended)
-    chance = float(confidences([together])[0])
-    baseline = []
-    first_error = error = Null.of(held, asked).error
-    for name, state in stages:
-        stage = Null(design, expressed(state, held, design))
-        effect = state.model.get(name)
-        assert effect is not None
-        words = [*evidence_for(design, before.state, stage.state, type(effect)), EVERY_SENSOR]
-        share = _share(first_error, error - stage.error)
-        baseline.append(Candidate(name, stage.error, share, chance, [], words))
-        before, error = stage, stage.error
+    null = Null.of(held, baseline)
+    before, ended = Null(null.held, expressed(asked, held, null.held)), null.state
+    if found.verdict == "missing":  # beside what is missing too
+        ended = start(null.held, found.trials[0].state.model, [])
+    chance = float(confidences([judged(before, EVERYDAY[-1], ended)])[0])
+    error = Null.of(held, asked).error
+    share = _share(error, error - null.error)
+    listed = [
+        Candidate(
+            effect.name, null.error, share, chance, [],
+            [*evidence_for(null.held, before.state, null.state, type(effect)), EVERY_SENSOR],
+        )
+        for name in EVERYDAY
+        if (effect := baseline.model.get(name)) is not None
+    ]  # fmt: skip
     others = [  # in shares of the same error
-        replace(c, explained=_share(first_error, found.error - c.error_after))
-        for c in found.candidates
+        replace(c, explained=_share(error, found.error - c.error_after)) for c in found.candidates
     ]
     first = int(found.verdict == "missing")
     return replace(
         found,
-        error=first_error,
+        error=error,
         verdict="missing" if found.verdict == "adequate" else found.verdict,
-        candidates=[*others[:first], *baseline, *others[first:]],
-        ordinary=[c.effect for c in baseline],
+        candidates=[*others[:first], *listed, *others[first:]],
+        ordinary=[c.effect for c in listed],
     )
 
 

@@ -14,7 +14,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from dnanalyze.comparator.error import LUCK
-from dnanalyze.diagnosis.baseline import EVERY_SENSOR, far_off, lacks_baseline, with_baseline
+from dnanalyze.diagnosis.baseline import (
+    EVERY_SENSOR,
+    baseline_fitted,
+    baseline_start,
+    far_off,
+    lacks_baseline,
+)
 from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
@@ -157,6 +163,27 @@ class Path:
         return self.steps[-1].error
 
 
+def descending(steps: Sequence[Step]) -> list[Step]:
+    """The steps without those by which the model error rises, and with which it never falls.
+
+    A Wang 2025 model has tables of its own for every operating point; where much is missing, the
+    baseline effects describe a sensor worse until some of that is found. They then enter with the
+    first effect that takes the error below the one before, and share its error.
+    """
+    made: list[Step] = []
+    waiting: list[Step] = []
+    for step in steps:
+        rises = bool(made) and step.error > made[-1].error
+        if rises and (waiting or step.added in EVERYDAY):
+            waiting.append(step)
+            continue
+        words = f"it enters with {step.added}: without that the model error would rise"
+        made += [replace(w, error=step.error, evidence=[*w.evidence, words]) for w in waiting]
+        made.append(step)
+        waiting = []
+    return made
+
+
 @dataclass(frozen=True)
 class Search:
     """A stepwise search and its limits.
@@ -180,17 +207,23 @@ class Search:
 
     def run(self, state: State, exclude: Sequence[str] = ()) -> Path:
         """From a fitted model to one in which nothing more is significant, or to a limit."""
-        path = self._noted(Path(state), state, None)
+        begun = path = self._noted(Path(state), state, None)
         self._kept(path)
         if lacks_baseline(state.model, exclude):
-            stages: list[tuple[str, State]] = []
-            full = with_baseline(self.held, state, exclude, lambda *stage: stages.append(stage))
-            design = Null.of(self.held, full).held  # of the whole baseline, for the steps to it
-            for name, stage in stages:
-                error = error_of(design, expressed(stage, self.held, design))
-                path = self._noted(path, stage, name, why=[EVERY_SENSOR], error=error)
-            self._kept(path)
-        return self._searched(self._on_part(path))
+            path = self._with_baseline(path, exclude)
+        path = self._searched(self._on_part(path))
+        steps = descending(path.steps)
+        return replace(path, steps=tuple(steps)) if len(steps) == len(path.steps) else begun
+
+    def _with_baseline(self, path: Path, exclude: Sequence[str]) -> Path:
+        """The baseline effects in the model, one step each, with the error of all of them."""
+        begun = baseline_start(self.held, exclude, path.state.model.seed)
+        state = baseline_fitted(self.held, begun)
+        error = self._error(state)
+        for name in (n for n in EVERYDAY if state.model.get(n) is not None):
+            path = self._noted(path, state, name, why=[EVERY_SENSOR], error=error)
+        self._kept(path)
+        return path
 
     def _on_part(self, path: Path) -> Path:
         """The forward steps that a part of the field decides, confirmed on the whole field.
@@ -334,9 +367,10 @@ class Search:
         error: float | None = None,
     ) -> Path:
         error = self._error(state) if error is None else error
-        step = Step(name, error, sure, list(why), list(near))
-        self.tell(step)
-        return replace(path, state=state, steps=(*path.steps, step))
+        steps = (*path.steps, Step(name, error, sure, list(why), list(near)))
+        for step in descending(steps)[len(descending(path.steps)) :]:
+            self.tell(step)
+        return replace(path, state=state, steps=steps)
 
     def _error(self, state: State) -> float:
         """Model error by the yardstick of the model itself."""
@@ -351,7 +385,9 @@ class Search:
         return expressed(state, null.held, self.held)
 
     def _kept(self, path: Path) -> None:
-        self.keep(replace(path, state=self._on_whole(path.state)))
+        steps = descending(path.steps)
+        if len(steps) == len(path.steps):
+            self.keep(replace(path, state=self._on_whole(path.state), steps=tuple(steps)))
 
     def _on_whole(self, state: State) -> State:
         return state if self.whole is None else carried(state, self.held, self.whole)

@@ -202,7 +202,8 @@ def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
         halves = measured[2 * number : 2 * number + 2]
         train, test = target(halves, 0), target(halves, 1)
         signals = dark_signals(halves[0], train, known.black)
-        train = replace(train, allowed=allowed(train, signals))
+        points = [point for point, _ in plans[number].settings]
+        train = replace(train, allowed=allowed(train, signals, points, known.black))
         return Bench(
             plans[number], halves, train, test, memo, predictions, helpers, part, number > 0, known
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,11 +13,10 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
-from dnanalyze.model.laws import Law, TableLaw, value_at
+from dnanalyze.model.laws import TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, built_in
+from dnanalyze.model.registry import built_in
 
-SCRAP = 1e-3  # share of a variance that is left at least once what is named is taken off
 # Shot noise has this share of the temporal variance at least, for of none a fit sees no slope; but
 # where there is hardly any charge no share makes a gain of more than that, DN/e-.
 SEEN, FAINT = 0.02, 0.1
@@ -116,56 +114,6 @@ def ordinary_model(
         known["quantization"](bits=bits),  # type: ignore[call-arg]
     )
     return NoiseModel(effects, black, reference)
-
-
-def partly_named(
-    m: Moments, paper: NoiseModel, full: NoiseModel, names: Sequence[str], pedestal: Law
-) -> NoiseModel:
-    """The paper's fitted model less what has a name.
-
-    Parameters
-    ----------
-    m : Moments
-    paper : NoiseModel
-        Fitted, with the base alone.
-    full : NoiseModel
-        Fitted, with all effects of an ordinary sensor.
-    names : sequence of str
-        Effects of ``full`` that are named: their shares of the measured variances are taken off
-        what the paper's seed and kernel make up for.
-    pedestal : Law
-        Black level above which the seed is to lie, DN.
-    """
-    named = tuple(e for e in full.effects if e.name in names)
-    base = paper.get(BASE)
-    assert base is not None
-    mu, spread, sigma = (
-        np.array([base.value(n, p) for p in m.points]) for n in ("mu", "delta", "sigma")
-    )
-    lit = np.array([p.exposure_over(paper.reference) for p in m.points])
-    was = np.exp(mu + spread**2 / 2) * (lit if getattr(base, "exposure", "") != "none" else 1.0)
-    shift = [value_at(paper.pedestal, p) - value_at(pedestal, p) for p in m.points]
-    signal = np.maximum(was + shift, 1e-3 * np.sqrt(m.total))
-    gain = np.array([p.gain_over(full.reference) for p in m.points])
-    temporal, pattern = np.zeros_like(signal), np.zeros_like(signal)
-    for e in named:
-        if e.name == "dark_shot_noise":
-            temporal += [e.value("dn_per_e", p) for p in m.points] * gain * signal
-        elif e.name in ("read_noise", "pixel_fpn"):
-            part = temporal if e.name == "read_noise" else pattern
-            part += np.array([e.variance(p) for p in m.points]) * gain**2
-    fixed = was**2 * np.expm1(spread**2) * np.maximum(1.0 - pattern / m.pattern, SCRAP)
-    moving = (was * sigma) ** 2 * np.exp(spread**2) * np.maximum(1.0 - temporal / m.temporal, SCRAP)
-    spread = np.sqrt(np.log1p(fixed / signal**2))
-    sigma = np.sqrt(moving / (signal**2 * np.exp(spread**2)))
-    rest = replace(  # type: ignore[call-arg]
-        base,
-        mu=_table(m.points, np.log(signal) - spread**2 / 2),
-        delta=_table(m.points, np.clip(spread, 1e-4, 4.0)),
-        sigma=_table(m.points, np.clip(sigma, 1e-6, 1e5)),
-        exposure="none",
-    )
-    return replace(paper, effects=(rest, *named), pedestal=pedestal)
 
 
 def _two(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray:

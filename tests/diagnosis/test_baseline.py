@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.baseline import lacks_baseline, with_baseline
+from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start, lacks_baseline
+from dnanalyze.diagnosis.stepwise import Path, Search
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import EVERYDAY, built_in
+from dnanalyze.model.registry import BASE, EVERYDAY, built_in
 
 
 @pytest.fixture(scope="module")
@@ -25,40 +26,34 @@ def held():
 
 
 @pytest.fixture(scope="module")
-def stages(held):
-    told = []
-    full = with_baseline(held, start(held, paper_start(held), []), (), lambda *s: told.append(s))
-    assert told[-1][1] is full
-    return told
+def model(held):
+    return baseline_fitted(held, baseline_start(held)).model
 
 
-def test_each_of_the_four_is_stated_with_its_state(stages):
-    assert [name for name, _ in stages] == list(EVERYDAY)
-    for count, (_, state) in enumerate(stages, 1):
-        assert set(EVERYDAY[:count]) <= set(state.model.names)
-        assert not set(EVERYDAY[count:]) & set(state.model.names)
-    assert stages[-1][1].loss < stages[0][1].loss
+def test_all_four_are_in_the_model(model):
+    assert set(model.names) == {BASE, *EVERYDAY}
 
 
-def test_the_conversion_gain_and_the_noise_are_the_sensors(stages):
-    model = stages[-1][1].model
+def test_the_conversion_gain_and_the_noise_are_the_sensors(model):
     # 8,192 pixels of 4 frames at 5 temperatures: the slope of the variance is good to 2 %
     assert model.get("dark_shot_noise").dn_per_e == pytest.approx(1.5, rel=0.1)
     assert model.get("read_noise").sigma == pytest.approx(6.0, rel=0.1)
 
 
 def test_an_excluded_effect_is_left_out(held):
-    told = []
-    paper = start(held, paper_start(held), [])
-    full = with_baseline(held, paper, ("dark_shot_noise",), lambda name, _: told.append(name))
-    assert told == [n for n in EVERYDAY if n != "dark_shot_noise"]
-    assert full.model.get("dark_shot_noise") is None
+    begun = baseline_start(held, ["dark_shot_noise"])
+    assert set(begun.names) == {BASE, *EVERYDAY} - {"dark_shot_noise"}
 
 
-def test_the_simulated_sensor_stays_that_of_the_seed(held):
-    paper = replace(paper_start(held), seed=5)
-    full = with_baseline(held, start(held, paper, []), (), lambda *_: None)
-    assert full.model.seed == 5
+def test_the_simulated_sensor_is_that_of_the_seed(held):
+    assert baseline_start(held, seed=5).seed == 5
+
+
+def test_a_search_states_them_one_by_one_with_the_error_of_all(held):
+    search = Search(held, {})
+    path = search._with_baseline(Path(start(held, paper_start(held), [])), ())
+    assert [s.added for s in path.steps] == list(EVERYDAY)
+    assert len({s.error for s in path.steps}) == 1
 
 
 def test_a_model_with_any_of_them_lacks_none():

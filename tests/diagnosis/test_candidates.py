@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.baseline import with_baseline
+from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.from_part import fitted
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.column_fpn import ColumnFpn
@@ -31,8 +29,7 @@ def null() -> Null:
     hidden = {"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}}
     drawn = draw_sensor(np.random.default_rng(11))
     held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
-    paper = fitted(held, paper_start(held))
-    return Null(held, with_baseline(held, paper, (), lambda *_: None))
+    return Null(held, baseline_fitted(held, baseline_start(held)))
 
 
 def of(*names):
@@ -78,8 +75,7 @@ def alike() -> Null:
     drawn = draw_sensor(np.random.default_rng(11))
     hidden = {"dark_current_steps": {"level": "middling"}}
     held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
-    paper = fitted(held, paper_start(held))
-    return Null(held, with_baseline(held, paper, (), lambda *_: None))
+    return Null(held, baseline_fitted(held, baseline_start(held)))
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from dnanalyze.diagnosis.stepwise import (
     Path,
     Search,
     choose,
+    descending,
     reduced,
     supported,
     swapped,
@@ -218,3 +219,18 @@ def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
     tested.clear()
     assert search._searched(path).steps == begun.steps
     assert set(tested) == set(path.open)  # one of them is significant: no other is tested
+
+
+def test_baseline_effects_that_raise_the_error_enter_with_the_first_that_lowers_it():
+    rising = [Step(None, 20.0), Step("read_noise", 30.0), Step("quantization", 30.0)]
+    assert descending(rising) == rising[:1]
+    found = [*rising, Step("column_taps", 24.0), Step("column_fpn", 8.0, 0.9), Step("rts", 3.0)]
+    steps = descending(found)
+    assert [s.added for s in steps] == [s.added for s in found]
+    assert [s.error for s in steps] == [20.0, 8.0, 8.0, 8.0, 8.0, 3.0]
+    assert "enters with column_fpn" in steps[1].evidence[-1]
+
+
+def test_falling_steps_stay_as_they_are():
+    falling = [Step(None, 4.0), Step("read_noise", 2.0), Step("column_fpn", 0.9)]
+    assert descending(falling) == falling

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from dnanalyze.model.registry import EVERYDAY
 from dnanalyze.report.figures.style import (
     ACCENT,
     GAUSSIAN,
@@ -18,43 +16,10 @@ from dnanalyze.report.figures.style import (
     Picture,
     panels,
 )
-from dnanalyze.report.words import is_number, number, step_name
+from dnanalyze.report.stages import BASELINE, stages
+from dnanalyze.report.words import is_number, number
 
-BASELINE = "baseline model"
 RANGE = 6.0  # ratio of the errors from which the axis is logarithmic
-
-
-@dataclass(frozen=True)
-class Stage:
-    """A bar of the waterfall.
-
-    Parameters
-    ----------
-    name : str
-    error : float
-        After it.
-    parts : tuple
-        The refinement's steps that it holds.
-    """
-
-    name: str
-    error: float
-    parts: tuple[Any, ...]
-
-
-def stages(steps: Sequence[Any]) -> list[Stage]:
-    """The steps of a refinement, the effects that every sensor has as one.
-
-    They are fitted together: before the last of them is in the model, the error may rise.
-    """
-    made = [Stage(step_name(s.added, n), s.error, (s,)) for n, s in enumerate(steps)]
-    first = 1
-    while first < len(made) and steps[first].added in EVERYDAY:
-        first += 1
-    if first < 3:  # one alone stands under its own name
-        return made
-    held = tuple(steps[1:first])
-    return [made[0], Stage(BASELINE, held[-1].error, held), *made[first:]]
 
 
 def draw_waterfall(ax: Any, steps: Sequence[Any]) -> Any:

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from dnanalyze.report import capture
-from dnanalyze.report.figures.waterfall import Stage, stages, waterfall
+from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
 from dnanalyze.report.pages.classifier import classifier_section
 from dnanalyze.report.pages.model import direct_section, model_section
+from dnanalyze.report.stages import Stage, stages
 from dnanalyze.report.words import (
     add_headline,
     naming,

@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from dnanalyze.report import words
+from dnanalyze.report.stages import stages
 from dnanalyze.report.terminal.classifier import classifier_line
 from dnanalyze.report.terminal.common import MOST_FAILURES, bar, points, table, verdict
 from dnanalyze.report.terminal.diagnosis import unexplained
@@ -30,12 +31,12 @@ def refinement(console: Console, captures: Any, result: Any, by_hand: bool | Non
         ("step", "", "model error", *(("confidence",) if sure else ())),
         (
             (
-                words.naming(words.step_name(step.added, place), step.confidence),
-                bar(step.error / top if words.is_number(step.error) else 0),
-                number(step.error),
-                *((words.percent(step.confidence),) if sure else ()),
+                words.naming(stage.name, stage.parts[-1].confidence),
+                bar(stage.error / top if words.is_number(stage.error) else 0),
+                number(stage.error),
+                *((words.percent(stage.parts[-1].confidence),) if sure else ()),
             )
-            for place, step in enumerate(steps)
+            for stage in stages(steps)
         ),
         left=2,
     )

@@ -1,0 +1,112 @@
+"""How far the levels of the captures are from black level and dark signal by their laws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from dnanalyze.fitting.moments import temperature_knots
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.laws import Law, TableLaw, value_at
+
+LARGEST = 50.0  # |ln(DN/s)| of a dark signal
+
+
+def beyond_laws(
+    points: Sequence[OperatingPoint],
+    levels: np.ndarray,
+    tolerance: np.ndarray,
+    black: Law | None = None,
+) -> np.ndarray:
+    """Part of each level that no baseline model explains: that of the best fit of its laws.
+
+    Level = black + exp(mu) t, with mu a line in 1/T between rows as far apart as a model's, for
+    every gain and channel of its own. Sessions of different black levels, a signal that is not
+    proportional to the exposure time and wrong temperatures remain.
+
+    Parameters
+    ----------
+    points : sequence of OperatingPoint
+    levels : ndarray
+        DN, one a point.
+    tolerance : ndarray
+        Error of each that does not matter, DN.
+    black : Law, optional
+        Black level where it is measured to move; else one number is fitted.
+
+    Returns
+    -------
+    ndarray
+        DN, level less law, one a point.
+
+    Examples
+    --------
+    Dark signals of 10 DN/s at a black level of 100 DN, and one of 30 DN too much:
+
+    >>> points = [OperatingPoint(20.0, float(t)) for t in range(6)]
+    >>> levels = np.array([100.0, 110.0, 120.0, 130.0, 140.0, 150.0])
+    >>> bool(np.abs(beyond_laws(points, levels, np.ones(6))).max() < 1e-6)
+    True
+    >>> beyond_laws(points, levels + [0, 0, 0, 30, 0, 0], np.ones(6)).round() + 0.0
+    array([ 0.,  0.,  0., 30.,  0.,  0.])
+    """
+    rest = np.zeros(len(points))
+    for kind in dict.fromkeys((p.gain, p.channel) for p in points):
+        own = [i for i, p in enumerate(points) if (p.gain, p.channel) == kind]
+        laws = _Laws.of([points[i] for i in own], black)
+        if len(own) > laws.free:
+            rest[own] = laws.residual(levels[own], tolerance[own])
+    return rest
+
+
+@dataclass(frozen=True)
+class _Laws:
+    """Laws of the levels of one gain and channel: their points, exposures and rows of mu."""
+
+    points: list[OperatingPoint]
+    exposure: np.ndarray
+    rows: tuple[OperatingPoint, ...]
+    black: np.ndarray | None
+
+    @classmethod
+    def of(cls, points: list[OperatingPoint], black: Law | None) -> _Laws:
+        exposure = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in points])
+        lit = [p.temperature_c for p in points if p.exposure_s is None or p.exposure_s > 0]
+        knots = temperature_knots([t for t in lit if t is not None])
+        rows = tuple(OperatingPoint(t) for t in knots) or (OperatingPoint(),)
+        known = None if black is None else np.array([value_at(black, p) for p in points])
+        return cls(points, exposure, rows, known)
+
+    @property
+    def free(self) -> int:
+        """Number of free parameters."""
+        return len(self.rows) + (self.black is None)
+
+    def at(self, free: np.ndarray) -> np.ndarray:
+        """Levels, DN."""
+        mu = TableLaw(self.rows, tuple(free[: len(self.rows)]))
+        rate = np.exp([np.clip(mu.at(p), -LARGEST, LARGEST) for p in self.points])
+        return np.asarray((free[-1] if self.black is None else self.black) + rate * self.exposure)
+
+    def residual(self, levels: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
+        """Levels less those of the best laws, DN."""
+        foot = np.min(levels) if self.black is None else self.black
+        bright = np.argsort(self.exposure)
+        rate = np.maximum(levels - foot, tolerance) / np.maximum(self.exposure, 1e-9)
+        mu = np.full(len(self.rows), np.log(np.median(rate[bright[len(bright) // 2 :]])))
+        for n, row in enumerate(self.rows):
+            at = [i for i in bright if self.points[i].temperature_c == row.temperature_c]
+            if at and self.exposure[at[-1]] > 0:
+                mu[n] = np.log(rate[at[-1]])
+        begun = [*np.clip(mu, -LARGEST, LARGEST), *([float(foot)] if self.black is None else [])]
+        found = least_squares(
+            lambda x: (levels - self.at(x)) / tolerance,
+            begun,
+            loss="soft_l1",  # one session of another black level is not to move all others
+            x_scale="jac",
+            max_nfev=200,
+        )
+        return np.asarray(levels - self.at(found.x))
