@@ -18,6 +18,7 @@ from dnanalyze.diagnosis.refine import Refinement, refine
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.report.stages import stages
 
 OUT = Path(__file__).resolve().parent / "figures" / "story.png"
 HIDDEN, SEED, SHAPE, FRAMES = "column_fpn", 1, (256, 256), 6  # as `dnanalyze demo` has them
@@ -48,8 +49,9 @@ def draw(captures: CaptureSet, refined: Refinement) -> None:
         image.set_xlabel(f"mean of {len(coldest.frames)}, a crop")
         image.grid(False)
 
-        names = ["Wang 2025 model", *(f"+ {s.added}" for s in refined.steps[1:])]
-        errors = [s.error for s in refined.steps]
+        shown = stages(refined.steps)
+        names = ["Wang 2025 model", *(f"+ {s.name}" for s in shown[1:])]
+        errors = [s.error for s in shown]
         colours = [ACCENT if HIDDEN in n else QUIET for n in names]
         steps.barh(range(len(names)), errors, color=colours, height=0.62)
         for row, error in enumerate(errors):
