@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
     from dnanalyze.diagnosis.refine import Refinement, add, refine
     from dnanalyze.errors import InputError
+    from dnanalyze.estimate import Estimate
     from dnanalyze.fitting.fit import Fit, fit
     from dnanalyze.loaders.arrays import from_arrays
     from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
@@ -63,6 +64,7 @@ __all__ = [
     "Detection",
     "Diagnosis",
     "Effect",
+    "Estimate",
     "Fit",
     "InputError",
     "LearnedPattern",
@@ -120,6 +122,7 @@ _HOME = {
     "dnanalyze.diagnosis.diagnose": ("Diagnosis", "diagnose"),
     "dnanalyze.diagnosis.refine": ("Refinement", "add", "refine"),
     "dnanalyze.errors": ("InputError",),
+    "dnanalyze.estimate": ("Estimate",),
     "dnanalyze.fitting.fit": ("Fit", "fit"),
     "dnanalyze.loaders.arrays": ("from_arrays",),
     "dnanalyze.loaders.captures": ("CaptureSet", "OperatingPoint", "Window"),

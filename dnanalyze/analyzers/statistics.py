@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dnanalyze.estimate import NORMAL_95, Estimate, place, qtable
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
+    from astropy.table import QTable
 
     from dnanalyze.emva.quantity import Emva
 
-NORMAL_95 = 1.96  # standard errors of an interval of 95 %
 SATURATION = "saturation"  # what is missing of a setting most of whose pixels are saturated
 
 
@@ -145,6 +146,36 @@ class SettingStatistics:
     curves: dict[str, np.ndarray] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
 
+    def __getitem__(self, name: str) -> Estimate:
+        """Return one statistic with its standard error, interval of 95 % and unit.
+
+        Raises
+        ------
+        KeyError
+            These frames do not determine it, or no statistic has that name.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> noise = dnanalyze.analyze(tiny()).settings[0]["temporal_noise"]
+        >>> noise.unit, noise.low < noise.value < noise.high
+        ('DN', True)
+        """
+        from dnanalyze.analyzers.catalogue import catalogue
+
+        if name not in self.values:
+            raise KeyError(self.missing.get(name) or _unknown(name, list(self.values)))
+        info, found = catalogue()[name], self.values[name]
+        error = info.scale.plain_error(found.value, found.se)
+        ends = info.scale.ends(found.value, found.se, NORMAL_95)
+        return Estimate(found.value, error, info.unit, ends)
+
+
+def _unknown(name: str, known: list[str]) -> str:
+    near = get_close_matches(name, known, 3) or known[:8]
+    return f"{name}: not measured; such as: {', '.join(near)}"
+
 
 @dataclass(frozen=True, repr=False)
 class Statistics(Result):
@@ -220,10 +251,34 @@ class Statistics(Result):
         table = self.to_dataframe()
         own = table[table["name"] == name]
         if not len(own):
-            known = table["name"].unique().tolist()
-            near = get_close_matches(str(name), known, 3) or known[:8]
-            raise KeyError(f"{name}: not measured; such as: {', '.join(near)}")
+            raise KeyError(_unknown(str(name), table["name"].unique().tolist()))
         return own.drop(columns=["name", "family", "se_scaled", "scale"]).reset_index(drop=True)
+
+    def to_qtable(self) -> QTable:
+        """Return all statistics as a table of quantities with units.
+
+        Returns
+        -------
+        astropy.table.QTable
+            One row an operating point and colour plane; each statistic and, as ``name_se``, its
+            standard error in the unit of the value.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> table = dnanalyze.analyze(tiny()).to_qtable()
+        >>> len(table), table["temporal_noise"].unit, table["exposure_s"].unit
+        (3, Unit("DN"), Unit("s"))
+        """
+        names = dict.fromkeys(name for s in self.settings for name in s.values)
+        return qtable(
+            [
+                {**place(s.point), "plane": s.plane}
+                | {name: s[name] for name in names if name in s.values}
+                for s in self.settings
+            ]
+        )
 
     def _brief(self) -> str:
         points = len({s.point for s in self.settings})

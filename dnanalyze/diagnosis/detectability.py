@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from dnanalyze.diagnosis.selection import CERTAIN, LEAST
 from dnanalyze.digits import number, unit_text
+from dnanalyze.estimate import Estimated
 from dnanalyze.fitting.from_part import Changes
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
@@ -24,7 +26,7 @@ STRENGTHS = (
 
 
 @dataclass(frozen=True)
-class DetectionLimit:
+class DetectionLimit(Estimated):
     """Smallest strength of an effect that the captures could show; its text is a sentence.
 
     Parameters
@@ -41,6 +43,7 @@ class DetectionLimit:
     parameter: str
     value: float
     unit: str
+    se: float = math.nan  # a limit has none
 
     def __str__(self) -> str:
         """Such as ``column_fpn is detectable from sigma = 0.02 DN``."""

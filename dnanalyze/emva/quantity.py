@@ -7,11 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze.analyzers.statistics import NORMAL_95, Value
+from dnanalyze.analyzers.statistics import Value
+from dnanalyze.estimate import Estimated, place, qtable
 from dnanalyze.loaders.captures import OperatingPoint
 
 if TYPE_CHECKING:
     import pandas as pd
+    from astropy.table import QTable
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(Estimated):
     """A determined quantity, or the reason why it is not determined.
 
     Parameters
@@ -56,6 +58,11 @@ class Quantity:
     se: float | None = None
     reason: str = ""
     note: str = ""
+
+    @property
+    def unit(self) -> str:
+        """Of the value."""
+        return self.kind.unit
 
     @property
     def determined(self) -> bool:
@@ -232,38 +239,65 @@ class Emva:
         """
         import pandas as pd
 
-        return pd.DataFrame([row for group in self.groups for row in _rows(group)])
+        return pd.DataFrame(
+            [_row(point, g.plane, q) for g in self.groups for point, q in _placed(g)]
+        )
+
+    def to_qtable(self) -> QTable:
+        """Return all determined quantities as a table with units.
+
+        Returns
+        -------
+        astropy.table.QTable
+            One row for each gain, channel and colour plane, for each of their temperatures, and for
+            each operating point; a quantity and, as ``name_se``, its standard error.
+
+        Examples
+        --------
+        >>> import dnanalyze
+        >>> from dnanalyze.demo import tiny
+        >>> table = dnanalyze.analyze(tiny()).emva.to_qtable()
+        >>> table["temporal_dark_noise_dn"].unit
+        Unit("DN")
+        """
+        found: dict[tuple[OperatingPoint, str], dict[str, Any]] = {}
+        for group in self.groups:
+            for point, quantity in _placed(group):
+                cells = {**place(point), "plane": group.plane}
+                own = found.setdefault((point, group.plane), cells)
+                if quantity.determined:
+                    own[quantity.kind.key] = quantity
+        return qtable(list(found.values()))
 
     def _repr_html_(self) -> str:
         """The table, for a notebook."""
         return self.to_dataframe().to_html(index=False, na_rep="")
 
 
-def _rows(group: Group) -> Iterator[dict[str, Any]]:
+def _placed(group: Group) -> Iterator[tuple[OperatingPoint, Quantity]]:
     """The quantities of a group with where they hold."""
     of_sensor = OperatingPoint(gain=group.gain, channel=group.channel)
     for quantity in group.quantities:
-        yield _row(of_sensor, group.plane, quantity)
+        yield of_sensor, quantity
     for current in group.dark_currents:
         at = replace(of_sensor, temperature_c=current.temperature_c)
-        yield from (_row(at, group.plane, quantity) for quantity in current.quantities)
+        yield from ((at, quantity) for quantity in current.quantities)
     for point in group.points:
-        yield from (_row(point.point, group.plane, quantity) for quantity in point.quantities)
+        yield from ((point.point, quantity) for quantity in point.quantities)
 
 
 def _row(point: OperatingPoint, plane: str, found: Quantity) -> dict[str, Any]:
-    kind, value, se = found.kind, found.value, found.se
-    reach = None if se is None else NORMAL_95 * se
+    kind, told = found.kind, found.value is not None and found.se is not None
     return {
         **vars(point),
         "plane": plane,
         "quantity": kind.key,
         "symbol": kind.symbol,
         "name": kind.name,
-        "value": value,
-        "se": se,
-        "low": None if value is None or reach is None else value - reach,
-        "high": None if value is None or reach is None else value + reach,
+        "value": found.value,
+        "se": found.se,
+        "low": found.low if told else None,
+        "high": found.high if told else None,
         "unit": kind.unit,
         "note": found.reason or found.note,
     }

@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
 from dnanalyze.errors import InputError
+from dnanalyze.estimate import Estimated, qtable
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.from_part import converge, derived_anew
@@ -45,6 +46,9 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
+if TYPE_CHECKING:
+    from astropy.table import QTable
+
 REPLICATES = 24
 FEW = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
@@ -57,7 +61,7 @@ VAGUE = 1.0  # standard error on a log scale from which a parameter is called un
 
 
 @dataclass(frozen=True)
-class Parameter:
+class Parameter(Estimated):
     """A number with its standard error, in plain units: fitted, or as a statistic tells it.
 
     Parameters
@@ -93,6 +97,10 @@ class Parameters(tuple[Parameter, ...]):
             if one.name == key:
                 return one
         raise KeyError(f"{key}; valid: {', '.join(one.name for one in self)}")
+
+    def to_qtable(self) -> QTable:
+        """All parameters and, as ``name_se``, their standard errors in one row with units."""
+        return qtable([{one.name: one for one in self}])
 
 
 @dataclass(frozen=True, repr=False)

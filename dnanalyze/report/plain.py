@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.statistics import NORMAL_95
+from dnanalyze.estimate import NORMAL_95
 
 
 def plain(value: Any) -> Any:

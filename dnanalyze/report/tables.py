@@ -6,7 +6,8 @@ from collections.abc import Collection
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze.analyzers.statistics import NORMAL_95, Scale, StatisticInfo
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo
+from dnanalyze.estimate import NORMAL_95
 from dnanalyze.report.plain import estimate
 from dnanalyze.report.words import is_number, point_label, varied
 
