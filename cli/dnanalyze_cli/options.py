@@ -30,12 +30,17 @@ Json = Annotated[
 Report = Annotated[
     Path | None,
     typer.Option(
-        "--report", metavar="OUT.html", rich_help_panel=_FILES, help="Report, one HTML file."
+        "--report",
+        metavar="OUT.html",
+        rich_help_panel=_FILES,
+        help="Report, one HTML file; - prints it.",
     ),
 ]
 Csv = Annotated[
     Path | None,
-    typer.Option("--csv", metavar="OUT.csv", rich_help_panel=_FILES, help="Results as a table."),
+    typer.Option(
+        "--csv", metavar="OUT.csv", rich_help_panel=_FILES, help="Results as a table; - prints it."
+    ),
 ]
 Config = Annotated[
     Path | None,
@@ -140,7 +145,11 @@ Model = Annotated[
 ModelOut = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--output", metavar="M.yaml", rich_help_panel=_FILES, help="The new model file."
+        "-o",
+        "--output",
+        metavar="M.yaml",
+        rich_help_panel=_FILES,
+        help="The new model file; - prints it.",
     ),
 ]
 

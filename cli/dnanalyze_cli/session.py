@@ -103,7 +103,8 @@ class Session:
     """One run of one command.
 
     Outputs are checked when the session is made, before any long work, and written at its end,
-    each whole or not at all.
+    each whole or not at all. One of them may be "-", the standard output: what the command says
+    then goes to standard error.
     """
 
     command: str
@@ -124,12 +125,15 @@ class Session:
     def __post_init__(self) -> None:
         from rich.console import Console
 
+        printed = self._outputs.count(STDOUT)
+        if printed > 1:
+            raise InputError("-: named for two outputs; one of them can be printed")
         files = self.files
         for path in files:
             check_output(path, self.captures)
             if [p.resolve() for p in files].count(path.resolve()) > 1:
                 raise InputError(f"{path}: named for two outputs; give each its own file")
-        self.console = Console(stderr=self.json == STDOUT, highlight=False, soft_wrap=False)
+        self.console = Console(stderr=bool(printed), highlight=False, soft_wrap=False)
         if self.console.width > 110:
             self.console.width = 110
 
@@ -303,8 +307,13 @@ class Session:
     @property
     def files(self) -> list[Path]:
         """Files that were asked for."""
+        return [p for p in self._outputs if p != STDOUT]
+
+    @property
+    def _outputs(self) -> list[Path]:
+        """Files that were asked for; - is the standard output."""
         wanted = (self.output, self.json, self.report, self.csv)
-        return [p for p in wanted if p is not None and p != STDOUT]
+        return [p for p in wanted if p is not None]
 
     def _made(
         self,

@@ -119,6 +119,23 @@ def test_json_to_standard_output_is_all_that_stands_there(folder, capsys):
     assert "operating points" in shown.err
 
 
+@pytest.mark.parametrize(
+    ("option", "begins"),
+    [("-o", "schema: "), ("--csv", "step,added"), ("--report", "<!DOCTYPE html>"), ("--json", "{")],
+)
+def test_any_one_output_can_be_the_standard_output(option, begins, folder, calls, capsys):
+    assert main(["refine", str(folder), option, "-", "-q"]) == 0
+    shown = capsys.readouterr()
+    assert shown.out.startswith(begins)
+    assert "The model error" in shown.err
+
+
+def test_two_outputs_to_the_standard_output_are_refused(folder, calls, capsys):
+    assert main(["fit", str(folder), "--json", "-", "--csv", "-"]) == 2
+    assert "named for two outputs" in capsys.readouterr().err
+    assert not calls.get("fit")
+
+
 def test_the_new_model_is_written_and_can_be_read_again(folder, calls, tmp_path):
     for command in ("fit", "refine", "add"):
         path = tmp_path / f"{command}.yaml"

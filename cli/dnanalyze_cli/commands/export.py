@@ -24,7 +24,9 @@ def export(
     ],
     output: Annotated[
         Path,
-        typer.Option("-o", "--output", metavar="OUT", help="File to write.", show_default=False),
+        typer.Option(
+            "-o", "--output", metavar="OUT", help="File to write; - prints it.", show_default=False
+        ),
     ],
     format: Annotated[
         str,
