@@ -94,12 +94,13 @@ def _dark_signals(held: Bench, state: State) -> list[Agreement]:
     level = held.direct.level
     if level is None:
         return []
+    moved = () if held.direct.sessions is None else held.direct.sessions.moved
     halves = (held.train, state.train), (held.test, state.test)
     scale = catalogue()["median"].scale
     found = []
     for s, (point, _) in enumerate(held.plan.settings):
         known = level.at(point.temperature_c)
-        if known is None or not point.exposure_s:
+        if known is None or not point.exposure_s or point in moved:
             continue
         black, error = known
         measured, predicted, errors = [], [], []

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dnanalyze.analyzers.estimators.arrhenius import USUAL_EV, unusual
+from dnanalyze.digits import minus
 from dnanalyze.errors import InputError
 from dnanalyze.estimate import Estimated, qtable
 from dnanalyze.fitting.agreement import Agreement, agreements
@@ -42,6 +43,7 @@ from dnanalyze.fitting.ties import TRANSFER, misfits
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
@@ -390,10 +392,24 @@ def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarr
         for k, p in zip(knobs, parameters, strict=True)
         if _of_dark_current(state.model, k) and unusual(p.value, p.se)
     ]
+    doubts += _sessions_told(held, state.model)
     exact = _read_off(held, state.model)
     whole = np.eye(len(knobs) + len(exact))  # their errors are none of the fit's
     whole[: len(knobs), : len(knobs)] = correlations
     return Fit(state.model, Parameters([*parameters, *exact]), whole, doubts, held, state)
+
+
+def _sessions_told(held: Bench, model: NoiseModel) -> list[str]:
+    """Where the black level was fitted by itself."""
+    own = held.direct.sessions
+    if own is None or not isinstance(model.pedestal, TableLaw):
+        return []
+    usual = float(np.median(own.law.values))
+    return [
+        f"not determined: dark signal at {point.label()}; the black level there differs by "
+        f"{minus(f'{own.law.at(point) - usual:+.3g}')} DN from that of the other operating points"
+        for point in own.moved
+    ]
 
 
 def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:

@@ -53,13 +53,55 @@ def beyond_laws(
     >>> beyond_laws(points, levels + [0, 0, 0, 30, 0, 0], np.ones(6)).round() + 0.0
     array([ 0.,  0.,  0., 30.,  0.,  0.])
     """
-    rest = np.zeros(len(points))
+    return _split(points, levels, tolerance, black)[1]
+
+
+def session_levels(
+    points: Sequence[OperatingPoint],
+    levels: np.ndarray,
+    noise: np.ndarray,
+    tolerance: np.ndarray,
+    black: Law | None = None,
+) -> tuple[TableLaw, np.ndarray] | None:
+    """Black level of each operating point where it differs from one to the next.
+
+    A level that is off its laws by more than the noise of a pixel shows in every statistic of a
+    frame; no dark signal is that irregular.
+
+    Parameters
+    ----------
+    points, levels, tolerance, black
+        As for `beyond_laws`.
+    noise : ndarray
+        Temporal noise of a pixel, DN, one a point.
+
+    Returns
+    -------
+    (TableLaw, ndarray of bool) or None
+        The black level, DN, with a row for each operating point, and which of them differ; None
+        where none does.
+    """
+    base, rest = _split(points, levels, tolerance, black)
+    moved = np.abs(rest) > noise
+    if not moved.any() or not np.isfinite(base).all():
+        return None
+    return TableLaw(tuple(points), tuple(np.where(moved, base + rest, base).tolist())), moved
+
+
+def _split(
+    points: Sequence[OperatingPoint],
+    levels: np.ndarray,
+    tolerance: np.ndarray,
+    black: Law | None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Black level by its law, NaN where it is not told, and what is beyond all laws."""
+    base, rest = np.full(len(points), np.nan), np.zeros(len(points))
     for kind in dict.fromkeys((p.gain, p.channel) for p in points):
         own = [i for i, p in enumerate(points) if (p.gain, p.channel) == kind]
         laws = _Laws.of([points[i] for i in own], black)
         if len(own) > laws.free:
-            rest[own] = laws.residual(levels[own], tolerance[own])
-    return rest
+            base[own], rest[own] = laws.split(levels[own], tolerance[own])
+    return base, rest
 
 
 @dataclass(frozen=True)
@@ -91,8 +133,8 @@ class _Laws:
         rate = np.exp([np.clip(mu.at(p), -LARGEST, LARGEST) for p in self.points])
         return np.asarray((free[-1] if self.black is None else self.black) + rate * self.exposure)
 
-    def residual(self, levels: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
-        """Levels less those of the best laws, DN."""
+    def split(self, levels: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Black level of the best laws, and levels less these laws, DN."""
         foot = np.min(levels) if self.black is None else self.black
         bright = np.argsort(self.exposure)
         rate = np.maximum(levels - foot, tolerance) / np.maximum(self.exposure, 1e-9)
@@ -109,4 +151,5 @@ class _Laws:
             x_scale="jac",
             max_nfev=200,
         )
-        return np.asarray(levels - self.at(found.x))
+        black = np.full(len(levels), found.x[-1]) if self.black is None else self.black
+        return black, np.asarray(levels - self.at(found.x))

@@ -15,8 +15,10 @@ import numpy as np
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.emva import evaluate, kinds
 from dnanalyze.fitting.knobs import PEDESTAL, Knob
+from dnanalyze.fitting.level_laws import session_levels
 from dnanalyze.fitting.moments import BlackLevel, black_level
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -46,6 +48,25 @@ class Known:
 
 
 @dataclass(frozen=True)
+class SessionLevels:
+    """Black level of each operating point, where it differs from one to the next.
+
+    Parameters
+    ----------
+    law : TableLaw
+        DN, a row for each operating point.
+    errors : ndarray
+        Standard errors of its rows, DN.
+    moved : tuple of OperatingPoint
+        Those whose level is off the others' laws; their dark signal is not told from it.
+    """
+
+    law: TableLaw
+    errors: np.ndarray
+    moved: tuple[OperatingPoint, ...]
+
+
+@dataclass(frozen=True)
 class Direct:
     """Direct measurements that bind a fit.
 
@@ -55,14 +76,19 @@ class Direct:
         Setting of the gain, and system gain there, DN/e-.
     level : BlackLevel, optional
         Where bias frames or exposures show it.
+    sessions : SessionLevels, optional
+        Where the black level differs from one operating point to the next.
     """
 
     gains: tuple[tuple[float | None, Known], ...] = ()
     level: BlackLevel | None = None
+    sessions: SessionLevels | None = None
 
     @property
     def black(self) -> TableLaw | None:
-        """The black level over temperature, DN; None where it is not seen to move."""
+        """The black level where it moves, DN: by session, or over temperature."""
+        if self.sessions is not None:
+            return self.sessions.law
         return self.level.law if self.level is not None and self.level.moves else None
 
     def gains_at(self, setting: float | None) -> list[Known]:
@@ -101,6 +127,11 @@ class Direct:
 
     def _of_black(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
         law, level = model.pedestal, self.level
+        if self.sessions is not None and isinstance(law, TableLaw):
+            own, row = self.sessions, int(knob.part)
+            if law.points != own.law.points:
+                return []
+            return [Tie(at, own.law.values[row], float(own.errors[row]))]
         if level is None:
             return []
         if not isinstance(law, TableLaw):
@@ -142,7 +173,24 @@ def direct(statistics: Statistics) -> Direct:
         recorded = own[0][kinds.GAIN.key].value if kinds.GAIN.key in own[0] else None
         if recorded is not None:
             gains.append((setting, Known(recorded, RECORDED * recorded, "recorded")))
-    return Direct(tuple(gains), level)
+    return Direct(tuple(gains), level, _sessions(seen, level))
+
+
+def _sessions(seen: Readings, level: BlackLevel | None) -> SessionLevels | None:
+    """The black levels of operating points that do not follow the laws of the others."""
+    medians, errors = seen.value("median"), seen.error("median")
+    noise = seen.value("temporal_noise_core")
+    noise = np.where(np.isfinite(noise), noise, seen.value("frame_noise_core"))
+    signal = np.maximum(medians - np.nanmin(medians), 0.0)
+    off = np.maximum.reduce([2.0 * errors, 0.05 * noise, 0.01 * signal, np.full_like(noise, 1e-3)])
+    if not (np.isfinite(medians).all() and np.isfinite(off).all()):
+        return None
+    black = level.law if level is not None and level.moves else None
+    found = session_levels(seen.points, medians, noise, off, black)
+    if found is None:
+        return None
+    law, moved = found
+    return SessionLevels(law, off, tuple(p for p, m in zip(seen.points, moved, strict=True) if m))
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dnanalyze.fitting.level_laws import beyond_laws
+from dnanalyze.fitting.level_laws import beyond_laws, session_levels
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.thermal import arrhenius
@@ -64,3 +64,14 @@ def test_gains_have_levels_of_their_own():
 def test_fewer_levels_than_free_parameters_are_all_within_them(points):
     rest = beyond_laws(points, np.linspace(100.0, 110.0, len(points)), np.ones(len(points)))
     assert not rest.any()
+
+
+def test_a_session_has_a_black_level_of_its_own_and_the_others_share_theirs():
+    seen, noise, still = levels(SERIES), np.full(len(SERIES), 4.0), np.full(len(SERIES), 0.1)
+    assert session_levels(SERIES, seen, noise, still) is None
+    seen[7] -= 9.0
+    law, moved = session_levels(SERIES, seen, noise, still)
+    assert moved.tolist() == [i == 7 for i in range(len(SERIES))]
+    assert law.at(SERIES[7]) == pytest.approx(91.0, abs=0.5)
+    assert law.at(SERIES[6]) == pytest.approx(100.0, abs=0.5)
+    assert session_levels(SERIES, seen, 10.0 + noise, still) is None  # within a pixel's noise
