@@ -1,0 +1,174 @@
+"""What a sensor shows that white noise and single hot pixels do not, by its statistics alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.report.fields import FRAME, MEAN, TEMPORAL, Place
+from dnanalyze.report.tables import info
+from dnanalyze.report.words import number, point_label, varied
+
+SIGMA = 6.0  # standard errors from which a difference from chance counts
+
+
+@dataclass(frozen=True)
+class Sign:
+    """A statistic that chance holds at a known value.
+
+    Parameters
+    ----------
+    name : str
+    chance : float
+        What white noise gives.
+    least : float
+        Smallest difference from it that matters, on the scale of the statistic.
+    kind : str
+        Picture in which it is seen.
+    text : str
+        What it says; ``{value}`` is the value, ``{percent}`` a hundred times it.
+    below : bool
+        Whether a value below chance counts too.
+    """
+
+    name: str
+    chance: float
+    least: float
+    kind: str
+    text: str
+    below: bool = False
+
+
+SIGNS = (
+    Sign("column_noise", 1.0, 0.2, MEAN,
+         "fixed vertical stripes: columns scatter {value} times as much as their pixels explain"),
+    Sign("row_noise", 1.0, 0.2, MEAN,
+         "fixed horizontal stripes: rows scatter {value} times as much as their pixels explain"),
+    Sign("temporal_column_noise", 1.0, 0.2, FRAME,
+         "vertical stripes that change with every frame: columns scatter {value} times as much as "
+         "their pixels explain"),
+    Sign("temporal_row_noise", 1.0, 0.2, FRAME,
+         "banding that changes with every frame: rows scatter {value} times as much as their "
+         "pixels explain"),
+    Sign("column_outliers", 0.0, 3.0, MEAN,
+         "defect columns: {value} lie 6 standard deviations off their neighbours"),
+    Sign("row_outliers", 0.0, 3.0, MEAN,
+         "defect rows: {value} lie 6 standard deviations off their neighbours"),
+    Sign("temporal_corr_10", 0.0, 0.03, FRAME,
+         "a filter, or noise along the readout: neighbours in a row are correlated by {value}",
+         True),
+    Sign("temporal_corr_01", 0.0, 0.03, FRAME,
+         "a filter: neighbours in a column are correlated by {value} within a frame", True),
+    Sign("pattern_corr_10", 0.0, 0.05, MEAN,
+         "fixed structure: neighbours in a row are correlated by {value} in the mean frame", True),
+    Sign("pattern_corr_01", 0.0, 0.05, MEAN,
+         "fixed structure: neighbours in a column are correlated by {value} in the mean frame",
+         True),
+    Sign("temporal_r1", 0.0, 0.03, FRAME,
+         "memory: each frame is correlated by {value} with the one before", True),
+    Sign("unused_codes", 0.0, 0.02, FRAME,
+         "missing codes: {percent} % of those within the distribution are never used"),
+    Sign("low_spike", 1.0, 3.0, FRAME,
+         "clipping: the lowest code is {value} times as frequent as its neighbours suggest"),
+    Sign("blinking_count", 0.0, 12.0, TEMPORAL,
+         "RTS: {value} pixels switch between levels from frame to frame"),
+)  # fmt: skip
+HOT = "hot_density_pattern"  # of a million pixels, beyond 5 robust standard deviations
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A structure that chance does not make, where it is plainest.
+
+    Parameters
+    ----------
+    sign : Sign
+    setting : SettingStatistics
+        The operating point of the largest difference.
+    size : float
+        Size of the difference, in units of the least that matters.
+    points : int
+        Operating points at which it is significant.
+    """
+
+    sign: Sign
+    setting: SettingStatistics
+    size: float
+    points: int
+
+    @property
+    def place(self) -> Place:
+        """Where to look."""
+        return Place(self.setting.point, self.setting.plane, self.sign.kind)
+
+
+def structures(measured: Statistics) -> list[Structure]:
+    """Every structure that is significant and large enough to matter, plainest first."""
+    found = []
+    for sign in SIGNS:
+        sized = [(size, s) for s in measured.settings if (size := _size(sign, s)) is not None]
+        if sized:
+            size, setting = max(sized, key=lambda pair: pair[0])
+            found.append(Structure(sign, setting, size, len(sized)))
+    kept = [f for f in found if not _told_by(f, found)]
+    return sorted(kept, key=lambda f: -f.size)
+
+
+def _told_by(one: Structure, others: Sequence[Structure]) -> bool:
+    """Lines that move are seen in single frames too, and said once."""
+    moving = {f.sign.name for f in others}
+    return one.sign.name in ("row_noise", "column_noise") and f"temporal_{one.sign.name}" in moving
+
+
+def _size(sign: Sign, setting: SettingStatistics) -> float | None:
+    value = setting.values.get(sign.name)
+    if value is None or not value.se > 0:
+        return None
+    scale = info(sign.name).scale
+    apart = scale.coordinate(value.value) - scale.coordinate(sign.chance)
+    apart = abs(apart) if sign.below else apart
+    return apart / sign.least if apart >= max(sign.least, SIGMA * value.se) else None
+
+
+def beyond(measured: Statistics, simulated: Statistics) -> list[Structure]:
+    """The structures that a model does not show at the same operating point."""
+    there = {(s.point, s.plane): s for s in simulated.settings}
+
+    def lacks(found: Structure) -> bool:
+        own = found.setting.values[found.sign.name]
+        other = there.get((found.setting.point, found.setting.plane))
+        value = None if other is None else other.values.get(found.sign.name)
+        if value is None:
+            return False
+        scale = info(found.sign.name).scale
+        apart = abs(scale.coordinate(own.value) - scale.coordinate(value.value))
+        return apart >= max(found.sign.least, SIGMA * own.se)
+
+    return [f for f in structures(measured) if lacks(f)]
+
+
+def sentence_of(found: Structure, measured: Statistics) -> str:
+    """What it says, its size and where it is plainest."""
+    value = found.setting.values[found.sign.name].value
+    said = found.sign.text.format(value=number(value, 2), percent=number(100 * value, 2))
+    apart = varied(vars(s.point) | {"plane": s.plane} for s in measured.settings)
+    if not apart:
+        return said
+    where = point_label(vars(found.setting.point) | {"plane": found.setting.plane}, apart)
+    return f"{said} (plainest at {where})"
+
+
+def hot_share(measured: Statistics) -> tuple[float, SettingStatistics] | None:
+    """Largest share of hot pixels, and its operating point."""
+    known = [(s.values[HOT].value / 1e6, s) for s in measured.settings if HOT in s.values]
+    return max(known, key=lambda pair: pair[0], default=None)
+
+
+def plainest(measured: Statistics) -> Place | None:
+    """Where structure is plainest; the middle operating point where there is none."""
+    found = structures(measured)
+    if found:
+        return found[0].place
+    some = measured.settings
+    return Place(some[len(some) // 2].point, some[len(some) // 2].plane) if some else None
