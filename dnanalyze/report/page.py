@@ -29,7 +29,7 @@ class Table:
     title : str
         What stands on the fold, where ``folded``.
     folded : bool
-        Closed until the reader opens it; printed in full.
+        Closed until the reader opens it.
     sortable : bool
         By a click on a column's name; the page then carries the few lines of script for it.
     narrow : bool

@@ -113,7 +113,7 @@ def before_after(
 
 
 def _lines(title: str) -> str:
-    return "\n".join(wrap(title, 44, max_lines=2, placeholder=" …"))
+    return "\n".join(wrap(title, 56, max_lines=2, placeholder=" …"))
 
 
 def _apart(drawn: Sequence[Layer], name: str) -> float:

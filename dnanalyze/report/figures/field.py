@@ -10,10 +10,11 @@ import numpy as np
 
 from dnanalyze.report.fields import TEMPORAL, Fields
 from dnanalyze.report.figures.style import Cell, Picture, panels
-from dnanalyze.report.words import point_label, varied
+from dnanalyze.report.words import point_label, sentence, varied
 from dnanalyze.robust import robust_deviation
 
 CELLS = 400  # a side of a panel: about its pixels on the screen
+SMALL = 260  # the same of more than three panels
 REACH = 4.0  # robust standard deviations about the median that the colours span
 TONES = 24  # colours of an image: fewer tones make a lighter page
 MEASURED, LEFT = "cividis", "RdBu_r"
@@ -113,9 +114,14 @@ def draw_field(
     return ax
 
 
-def _cells(found: Fields) -> dict[str, np.ndarray]:
-    squares = found.place.kind == TEMPORAL
-    most = CELLS // 2 if squares else CELLS
+def _most(found: Fields, count: int) -> int:
+    """Cells a side of one of ``count`` panels; a standard deviation of few frames is averaged."""
+    most = CELLS if count <= 3 else SMALL
+    return most // 2 if found.place.kind == TEMPORAL else most
+
+
+def _cells(found: Fields, count: int) -> dict[str, np.ndarray]:
+    squares, most = found.place.kind == TEMPORAL, _most(found, count)
     return {name: block_means(image, most, squares) for name, image in found.images.items()}
 
 
@@ -141,9 +147,10 @@ def field_row(found: Fields | None) -> Picture | None:
     """Measured, each model, and the difference of measured and the last, side by side."""
     if found is None:
         return None
-    cells, size = _cells(found), next(iter(found.images.values())).shape
+    size = next(iter(found.images.values())).shape
+    count = len(found.images) + (len(found.images) > 1)
+    cells = _cells(found, count)
     ends = robust_range(*cells.values())
-    count = len(cells) + (len(cells) > 1)
     made = [
         _panel(name, image, ends, MEASURED, (size[0], size[1]), count)
         for name, image in cells.items()
@@ -160,7 +167,7 @@ def field_row(found: Fields | None) -> Picture | None:
         )
     return panels(
         made,
-        f"{_where(found)}: {_what(found)}. {SCALE}{more}",
+        f"{_where(found)}: {_what(found, count)}. {SCALE}{more}",
         "Images of the sensor: " + ", ".join([*cells, "difference"][:count]),
     )
 
@@ -172,7 +179,7 @@ def field_series(found: Sequence[Fields]) -> Picture | None:
     made = []
     apart = varied(vars(f.place.point) for f in found)
     for one in found:
-        image = _cells(one)["measured"]
+        image = _cells(one, len(found))["measured"]
         rows, columns = one.images["measured"].shape
         title = point_label(one.place.point, apart)
         ends = robust_range(image)
@@ -180,15 +187,14 @@ def field_series(found: Sequence[Fields]) -> Picture | None:
     plane = f" Colour plane {found[0].place.plane}." if found[0].place.plane else ""
     return panels(
         made,
-        f"{_what(found[0])[:1].upper()}{_what(found[0])[1:]}. {SCALE}{plane}",
+        f"{sentence(_what(found[0], len(found)))} {SCALE}{plane}",
         f"Images of the sensor at {len(found)} operating points.",
     )
 
 
-def _what(found: Fields) -> str:
+def _what(found: Fields, count: int) -> str:
     rows, columns = next(iter(found.images.values())).shape
-    most = CELLS // 2 if found.place.kind == TEMPORAL else CELLS
-    k = side_of((rows, columns), most)
+    k = side_of((rows, columns), _most(found, count))
     text = f"{found.place.kind} of {found.frames} frames" if found.frames > 1 else found.place.kind
     return f"{text}, {rows} × {columns} pixels" + (f", means of {k} × {k} pixels" if k > 1 else "")
 

@@ -32,9 +32,9 @@ from dnanalyze.report.figures.style import (
 from dnanalyze.report.words import point_label
 
 MOST = 8  # operating points in one figure
-WARMTH = "plasma"
+# from cold to hot, of one lightness, so that they show on light and on dark paper
+WARMTH = ["#2f7fd6", "#7d6bd8", "#c0519f", "#dd5a5a", "#e08a1e"]
 DASHES = "-", (0, (4, 1.6))  # measured, model
-ENDS = 0.05, 0.82  # of the colours, which are told apart on light and on dark paper
 
 
 def parts_of(measured: Any) -> list[str]:
@@ -79,9 +79,10 @@ def draw_spectra_over(
 
     The first layer is solid, the others are dashed.
     """
-    from matplotlib import colormaps
+    from matplotlib.colors import LinearSegmentedColormap
 
-    tones = colormaps[WARMTH](np.linspace(*ENDS, max(len(settings), 2)))
+    warmth = LinearSegmentedColormap.from_list("warmth", WARMTH)
+    tones = warmth(np.linspace(0, 1, max(len(settings), 2)))
     looks = list(zip(drawn, DASHES, strict=False))
     for place, (layer, dash) in enumerate(looks):
         for tone, setting, title in zip(tones, settings, labels(settings), strict=False):
