@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.report.fields import FRAME, MEAN, TEMPORAL, Place
 from dnanalyze.report.tables import info
 from dnanalyze.report.words import number, point_label, varied
@@ -40,7 +42,10 @@ class Sign:
     below: bool = False
 
 
+SHADING = "shading"  # not one statistic: all orders of it, over the noise of a frame
 SIGNS = (
+    Sign(SHADING, 0.0, 0.25, MEAN,
+         "shading: the slow shape of the field scatters {value} times as much as the pixels of a frame"),
     Sign("column_noise", 1.0, 0.2, MEAN,
          "fixed vertical stripes: columns scatter {value} times as much as their pixels explain"),
     Sign("row_noise", 1.0, 0.2, MEAN,
@@ -71,9 +76,12 @@ SIGNS = (
          "missing codes: {percent} % of those within the distribution are never used"),
     Sign("low_spike", 1.0, 3.0, FRAME,
          "clipping: the lowest code is {value} times as frequent as its neighbours suggest"),
-    Sign("blinking_count", 0.0, 12.0, TEMPORAL,
+    Sign("blinking_count", 0.0, 25.0, TEMPORAL,
          "RTS: {value} pixels switch between levels from frame to frame"),
 )  # fmt: skip
+ORDER = re.compile(r"shading_\d_\d")
+ALONG = {"column": r"shading_\d_0", "row": r"shading_0_\d"}  # orders across, down
+MOSTLY = 0.4  # share of the variance of line means, from which it is shading
 HOT = "hot_density_pattern"  # of a million pixels, beyond 5 robust standard deviations
 
 
@@ -121,9 +129,32 @@ def _told_by(one: Structure, others: Sequence[Structure]) -> bool:
     return one.sign.name in ("row_noise", "column_noise") and f"temporal_{one.sign.name}" in moving
 
 
+def value_of(sign: Sign, setting: SettingStatistics) -> Value | None:
+    """The value that a sign is read off."""
+    if sign.name != SHADING:
+        return setting.values.get(sign.name)
+    noise = setting.values.get("frame_noise_core")
+    orders = [v for name, v in setting.values.items() if ORDER.fullmatch(name)]
+    if noise is None or not orders or not noise.value > 0:
+        return None
+    size = math.sqrt(sum(v.value**2 for v in orders))
+    # the errors of whole rows and columns hold what another sensor would differ by
+    return Value(size / noise.value, min(v.se for v in orders) / noise.value)
+
+
+def _smooth(sign: Sign, setting: SettingStatistics) -> bool:
+    """Whether columns, or rows, differ by the slow shape of the field rather than by stripes."""
+    side, _, rest = sign.name.partition("_")
+    total = setting.values.get(f"{side}_mean_sd")
+    if rest != "noise" or side not in ALONG or total is None:
+        return False
+    slow = [v.value**2 for n, v in setting.values.items() if re.fullmatch(ALONG[side], n)]
+    return sum(slow) > MOSTLY * total.value**2
+
+
 def _size(sign: Sign, setting: SettingStatistics) -> float | None:
-    value = setting.values.get(sign.name)
-    if value is None or not value.se > 0:
+    value = value_of(sign, setting)
+    if value is None or not value.se > 0 or _smooth(sign, setting):
         return None
     scale = info(sign.name).scale
     apart = scale.coordinate(value.value) - scale.coordinate(sign.chance)
@@ -136,10 +167,10 @@ def beyond(measured: Statistics, simulated: Statistics) -> list[Structure]:
     there = {(s.point, s.plane): s for s in simulated.settings}
 
     def lacks(found: Structure) -> bool:
-        own = found.setting.values[found.sign.name]
+        own = value_of(found.sign, found.setting)
         other = there.get((found.setting.point, found.setting.plane))
-        value = None if other is None else other.values.get(found.sign.name)
-        if value is None:
+        value = None if other is None else value_of(found.sign, other)
+        if value is None or own is None:
             return False
         scale = info(found.sign.name).scale
         apart = abs(scale.coordinate(own.value) - scale.coordinate(value.value))
@@ -150,7 +181,8 @@ def beyond(measured: Statistics, simulated: Statistics) -> list[Structure]:
 
 def sentence_of(found: Structure, measured: Statistics) -> str:
     """What it says, its size and where it is plainest."""
-    value = found.setting.values[found.sign.name].value
+    known = value_of(found.sign, found.setting)
+    value = math.nan if known is None else known.value
     said = found.sign.text.format(value=number(value, 2), percent=number(100 * value, 2))
     apart = varied(vars(s.point) | {"plane": s.plane} for s in measured.settings)
     if not apart:

@@ -59,6 +59,19 @@ def test_what_chance_makes_is_no_structure():
     assert structures(measured(temporal_corr_10=[(0.2, 0.1), (0.02, 0.001)])) == []
 
 
+def test_columns_that_differ_by_a_slow_shape_are_shading_and_no_stripes():
+    slow = measured(
+        column_noise=[(5.0, 0.03)] * 2,
+        column_mean_sd=[(35.0, 0.2)] * 2,
+        frame_noise_core=[(40.0, 0.01)] * 2,
+        shading_1_0=[(10.0, 13.0)] * 2,
+        shading_2_0=[(29.0, 13.0)] * 2,
+        shading_0_1=[(1.0, 0.1)] * 2,
+    )
+    (one,) = structures(slow)
+    assert sentence_of(one, slow).startswith("shading: the slow shape of the field scatters 0.77")
+
+
 def test_lines_that_move_are_said_once():
     found = structures(
         measured(row_noise=[(3, 0.04), (2, 0.04)], temporal_row_noise=[(3, 0.04), (2, 0.04)])
