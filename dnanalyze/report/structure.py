@@ -45,7 +45,8 @@ class Sign:
 SHADING = "shading"  # not one statistic: all orders of it, over the noise of a frame
 SIGNS = (
     Sign(SHADING, 0.0, 0.25, MEAN,
-         "shading: the slow shape of the field scatters {value} times as much as the pixels of a frame"),
+         "shading: the slow shape of the field scatters {value} times as much as the pixels of a "
+         "frame"),
     Sign("column_noise", 1.0, 0.2, MEAN,
          "fixed vertical stripes: columns scatter {value} times as much as their pixels explain"),
     Sign("row_noise", 1.0, 0.2, MEAN,
