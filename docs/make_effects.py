@@ -92,6 +92,51 @@ OVER_TIME = {
     "persistence": "correlation of a pixel over time",
     "temporal_denoise": "correlation of a pixel over time",
 }
+# what the field calls it, for whoever searches by that name
+ALSO = {
+    "amp_glow": ("amplifier glow", "electroluminescence", "corner glow"),
+    "black_clipping": ("black crush", "clipped black level", "zero clipping"),
+    "cfa_mismatch": ("Bayer offset", "green imbalance"),
+    "column_fpn": ("vertical stripes", "vertical fixed-pattern noise", "column offsets"),
+    "column_gain": ("column PRNU", "column amplifier gain mismatch"),
+    "column_noise": ("vertical banding", "temporal column noise"),
+    "column_taps": ("odd-even columns", "channel mismatch", "tap mismatch", "quadrants"),
+    "convolved_lognormal": ("Wang 2025 model",),
+    "cosmic_rays": ("cosmics", "particle hits", "single-event transients"),
+    "crosstalk": ("interpixel capacitance (IPC)", "charge diffusion", "blur"),
+    "dark_current_fpn": ("dark signal nonuniformity (DSNU)", "dark current nonuniformity"),
+    "dark_current_steps": ("dark current spectroscopy", "quantized dark current"),
+    "dark_gradient": ("thermal gradient", "shading"),
+    "dark_shading": ("shading", "nonuniform dark current"),
+    "dark_shot_noise": ("Poisson noise of the dark current",),
+    "dead_pixels": ("cold pixels", "dark pixels"),
+    "defect_lines": ("bad columns", "dead rows", "bright columns"),
+    "denoise": ("noise reduction (NR)", "smoothing", "spatial filter", "star eater"),
+    "digital_gain": ("scaled codes", "histogram gaps", "comb histogram"),
+    "dpc": ("bad-pixel correction (BPC)", "hot-pixel suppression", "defect concealment"),
+    "electron_multiplication": ("EMCCD", "EM gain", "clock-induced charge (CIC)"),
+    "flicker_fpn": ("fixed 1/f noise", "low-frequency fixed pattern"),
+    "flicker_noise": ("1/f noise", "pink noise", "banding along the rows"),
+    "heavy_tailed_read_noise": ("non-Gaussian read noise", "Student-t read noise"),
+    "hot_clusters": ("clusters of hot pixels", "bright clusters"),
+    "hot_pixels": ("warm pixels", "bright pixels", "white defects"),
+    "missing_codes": ("differential nonlinearity (DNL)", "converter nonlinearity"),
+    "noisy_pixels": ("blinkers", "flickering pixels"),
+    "offset_drift": ("black-level drift", "bias drift", "frame-to-frame flicker"),
+    "offset_gradient": ("bias gradient", "black-level shading"),
+    "periodic_pattern": ("hum", "interference (EMI)", "herringbone", "ripple"),
+    "persistence": ("image lag", "ghosting", "residual image"),
+    "pixel_fpn": ("pixel offsets", "offset DSNU", "fixed-pattern noise (FPN)"),
+    "quantization": ("ADC rounding", "analog-to-digital conversion"),
+    "read_noise": ("readout noise", "noise floor"),
+    "row_fpn": ("horizontal stripes", "horizontal fixed-pattern noise", "row offsets"),
+    "row_noise": ("banding", "horizontal banding", "temporal row noise", "line noise"),
+    "rts": ("random telegraph noise (RTN)", "blinking pixels", "popcorn noise"),
+    "scaled_lines": ("columns of another gain", "hot columns"),
+    "stuck_pixels": ("dead pixels of a fixed code", "defective pixels"),
+    "temporal_denoise": ("3D noise reduction (3DNR)", "temporal filter", "recursive filter"),
+    "transfer_tails": ("charge-transfer inefficiency (CTI)", "deferred charge", "trailing"),
+}
 GROUPS = {
     "Base": (BASE,),
     "Baseline effects": EVERYDAY,
@@ -191,6 +236,7 @@ def page(effect: type[Effect], known: dict[str, type[Effect]]) -> str:
         f"{_sentence(effect.summary)}\n",
         f"![Frames without and with {effect.name}, distribution and spectrum]({effect.name}.png)\n",
         f"*{caption(effect)}*\n",
+        *([f"**Also called** {_also(effect.name)}.\n"] if effect.name in ALSO else []),
         f"{effect.physics}\n",
         f"**Formula.** `{effect.formula}`\n",
         f"**Place in the signal chain.** {effect.stage.name.lower().replace('_', ' ')}; "
@@ -219,6 +265,10 @@ def page(effect: type[Effect], known: dict[str, type[Effect]]) -> str:
     if effect.references:
         parts.append("## References\n\n" + _bullets(effect.references) + "\n")
     return "\n".join(parts)
+
+
+def _also(name: str) -> str:
+    return ", ".join(ALSO[name])
 
 
 def _parameters(effect: type[Effect]) -> Iterable[str]:
@@ -331,13 +381,22 @@ def draw(effect: type[Effect], path: Path) -> None:
 
 
 def save(figure: Any, path: Path) -> None:
+    """Save on light paper and, as ``NAME-dark.png``, on dark."""
+    from dark_figures import PAPER, darken
+
+    _save(figure, path, "white")
+    darken(figure)
+    _save(figure, path.with_stem(f"{path.stem}-dark"), PAPER)
+
+
+def _save(figure: Any, path: Path, paper: str) -> None:
     """As a PNG of 64 colours: grey noise does not need more, and the pages stay small."""
     from io import BytesIO
 
     from PIL import Image
 
     full = BytesIO()
-    figure.savefig(full, dpi=80, facecolor="white")
+    figure.savefig(full, dpi=80, facecolor=paper)
     Image.open(full).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
 
 

@@ -30,6 +30,8 @@ def on_config(config: Any) -> Any:
     tutorials = next(part["Tutorials"] for part in config.nav if "Tutorials" in part)
     tutorials.append({"Notebooks": [f"notebooks/{path.stem}.md" for path in _notebooks(config)]})
     reference = next(part["Reference"] for part in config.nav if "Reference" in part)
+    place = next(n for n, part in enumerate(reference) if "Effects" in part)
+    reference[place] = {"Effects": ["effects/index.md", *_effects(config)]}
     reference.append({"Python API": [{title: f"api/{key}.md"} for key, title in _groups().items()]})
     return config
 
@@ -46,10 +48,22 @@ def on_files(files: Any, config: Any) -> Any:
     return files
 
 
-def on_page_markdown(text: str, page: Any, **_: Any) -> str:
-    """Links to a notebook lead to its page; there the link is a download."""
+def on_page_markdown(text: str, page: Any, config: Any, **_: Any) -> str:
+    """Links to a notebook lead to its page, where the link is a download; figures have two tones.
+
+    A figure ``x.png`` beside which there is ``x-dark.png`` gives way to it in the dark scheme.
+    """
     if page.file.src_uri.startswith("notebooks/"):
         return text
+    folder = (Path(config.docs_dir) / page.file.src_uri).parent
+
+    def both(found: re.Match[str]) -> str:
+        words, stem = found[1], found[2]
+        if not (folder / f"{stem}-dark.png").exists():
+            return found[0]
+        return f"![{words}]({stem}.png#only-light)![{words}]({stem}-dark.png#only-dark)"
+
+    text = re.sub(r"!\[([^\]]*)\]\(([\w./-]+)\.png\)", both, text)
     return re.sub(r"\((notebooks/[\w-]+)\.ipynb\)", r"(\1.md)", text)
 
 
@@ -115,6 +129,11 @@ def _output(out: dict[str, Any]) -> str:
 def _bare(found: re.Match[str]) -> str:
     """A pandas table in the style of the site."""
     return "<table>" if found[0].startswith("<table") else ""
+
+
+def _effects(config: Any) -> list[str]:
+    found = sorted(Path(config.docs_dir).glob("effects/*.md"))
+    return [f"effects/{path.name}" for path in found if path.stem != "index"]
 
 
 def _notebooks(config: Any) -> list[Path]:

@@ -5,59 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE, Criterion
+from dnanalyze.benchmarking.figure import ABSENT, Figure
 from dnanalyze.benchmarking.laws import Reading
-from dnanalyze.errors import InputError
+from dnanalyze.benchmarking.modelled import Strength, modelled
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.progress import ignored
 
 ELECTRON = 1.602176634e-19  # C
 LEAST_SLOPE = 5.0  # standard errors from which the slope of variance over mean counts as the gain
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A number with its error; ``note`` says where it comes from, or why it is absent.
-
-    ``one_frame``: told by single frames, so that the fixed pattern is in it.
-    """
-
-    value: float
-    se: float
-    note: str = ""
-    one_frame: bool = False
-
-    @property
-    def known(self) -> bool:
-        """Whether there is a value."""
-        return math.isfinite(self.value)
-
-
-ABSENT = Figure(math.nan, math.nan, "not determined from these captures")
-
-
-@dataclass(frozen=True)
-class Strength:
-    """An effect of the refined model and how strong it is.
-
-    Parameters
-    ----------
-    effect : str
-    rms_dn : float or None
-        Where its variance has a closed form: its share of a pixel's noise at the model's reference.
-    parameters : dict
-        Value (at the reference) and unit of each number.
-    """
-
-    effect: str
-    rms_dn: float | None
-    parameters: dict[str, tuple[float, str]]
 
 
 @dataclass(frozen=True)
@@ -148,82 +109,13 @@ def record(
 
     tell(f"{name}: statistics")
     statistics = analyze(captures)
-    notes: list[str] = [*captures.notes, *law_doubts(statistics)]
-    errors, result = _modelled(name, captures, quick, tell, notes)
-    own_gain = _gain_of_model(result) if result else ABSENT
-    filtered, kind = _filtered(name, captures, tell, notes)
+    found = modelled(captures, quick, lambda what: tell(f"{name}: {what}"))
     return SensorRecord(
         name, folder, captures, statistics, readings_of(statistics), single_of(statistics),
-        own_gain if own_gain.known else gain_of(statistics), errors,
-        strengths(result.model) if result else [], result.verdict if result else "",
-        filtered, kind, notes, result.model.reference.label() if result else "",
+        found.gain if found.gain.known else gain_of(statistics), found.errors, found.effects,
+        found.verdict, found.filtered, found.filter_kind,
+        [*captures.notes, *law_doubts(statistics), *found.notes], found.reference,
     )  # fmt: skip
-
-
-def _modelled(
-    name: str, captures: CaptureSet, quick: bool, tell: Callable[[str], None], notes: list[str]
-) -> tuple[dict[str, float], Any]:
-    """Errors of the Gaussian, the paper's and the refined model; the refinement, or None."""
-    from dnanalyze.comparator.compare import compare_on
-    from dnanalyze.diagnosis.refine import refine_on
-    from dnanalyze.fitting.design import design
-    from dnanalyze.fitting.predictor import bench
-
-    tell(f"{name}: Wang 2025 model")
-    try:
-        held = bench(design(captures))
-        comparison = compare_on(captures, held=held)
-    except InputError as error:
-        notes.append(f"no model could be compared with it: {error}")
-        return {}, None
-    errors = {k: comparison.baselines[k] for k in ("gaussian", "paper")}
-    if quick:
-        return errors, None
-    result = refine_on(captures, held=held, trying=lambda effect: tell(f"{name}: trying {effect}"))
-    errors["refined"] = result.steps[-1].error
-    return errors, result
-
-
-def strengths(model: Any) -> list[Strength]:
-    """Each effect of a model with its numbers at the model's reference."""
-    made = []
-    for effect in model.effects:
-        variance = effect.variance(model.reference)
-        numbers = {
-            key: (effect.value(key, model.reference), info.unit)
-            for key, info in effect.parameters().items()
-            if info.scale != "choice"
-        }
-        rms = math.sqrt(variance) if variance is not None and variance >= 0 else None
-        made.append(Strength(effect.name, rms, numbers))
-    return made
-
-
-def _gain_of_model(result: Any) -> Figure:
-    if result.model.get("dark_shot_noise") is None:
-        return ABSENT
-    from dnanalyze.fitting.fit import with_uncertainties
-
-    fitted = with_uncertainties(result.bench, result.state, 8)
-    estimates = {p.name: p for p in fitted.parameters}
-    gain = estimates.get("dark_shot_noise.dn_per_e")
-    if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
-        return ABSENT
-    return Figure(gain.value, gain.se, "shot noise of the refined model")
-
-
-def _filtered(
-    name: str, captures: CaptureSet, tell: Callable[[str], None], notes: list[str]
-) -> tuple[bool | None, str]:
-    from dnanalyze.detection import detect
-
-    tell(f"{name}: hidden filters")
-    try:
-        detection = detect(captures)
-    except InputError as error:
-        notes.append(f"it could not be tested for hidden filters: {error}")
-        return None, ""
-    return detection.filtered, detection.kind
 
 
 def _longest(statistics: Statistics) -> list[SettingStatistics]:

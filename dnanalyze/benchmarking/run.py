@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dnanalyze.benchmarking.criteria import CRITERIA, ERRORS, SINGLE, Criterion
+from dnanalyze.benchmarking.figure import ABSENT, Figure
 from dnanalyze.benchmarking.laws import common_temperatures, estimate
-from dnanalyze.benchmarking.record import ABSENT, ELECTRON, Figure, SensorRecord, record
+from dnanalyze.benchmarking.record import ELECTRON, SensorRecord, record
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.progress import Progress, reporter
@@ -143,9 +144,13 @@ def benchmark(
         raise InputError("benchmark: name two capture folders or more, or one of several channels")
     names = unique_names([c.name for c in parts])
     tell = reporter(progress)
+
+    def of(place: int) -> Callable[[str], None]:
+        return lambda what: tell(f"Sensor {place} of {len(parts)}, {what}")
+
     made = [
-        record(name, c.name, c, quick=quick, tell=tell)
-        for name, c in zip(names, parts, strict=True)
+        record(name, c.name, c, quick=quick, tell=of(n))
+        for n, (name, c) in enumerate(zip(names, parts, strict=True), 1)
     ]
     return side_by_side(made, at)
 

@@ -257,7 +257,10 @@ def add_on(
     yes = supported(null, [after]) is not None
     sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)
     why = evidence_for(null.held, null.state, after.state, kind)
-    steps = [Step(None, null.error), Step(name, ended.error, sure, why, supported=yes)]
+    steps = [
+        Step(None, null.error, model=null.state.model),
+        Step(name, ended.error, sure, why, supported=yes, model=after.state.model),
+    ]
     found = judge(captures.name, ended, [], None, known)
     return Refinement(
         captures.name, steps, after.state.model.names, found.verdict, after.state.model,

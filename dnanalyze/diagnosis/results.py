@@ -67,6 +67,8 @@ class Step:
         Effects that explained nearly as much of the same statistics.
     supported : bool
         Whether the captures support it; an effect that the user adds may not be.
+    model : NoiseModel, optional
+        The model after the step, before what a later step refits.
     """
 
     added: str | None
@@ -75,6 +77,7 @@ class Step:
     evidence: list[str] = field(default_factory=list)
     confused_with: list[str] = field(default_factory=list)
     supported: bool = True
+    model: NoiseModel | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, repr=False)

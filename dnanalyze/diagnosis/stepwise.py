@@ -336,7 +336,7 @@ class Search:
             return path
         state = converge(self.held, path.state)
         *steps, last = path.steps
-        last = replace(last, error=self._error(state))
+        last = replace(last, error=self._error(state), model=state.model)
         path = replace(path, state=state, steps=(*steps, last), converged=True)
         if last.added in self._added(state) and last.error > steps[-1].error:
             without = converge(self.held, removal(self.held, state, last.added))
@@ -367,7 +367,7 @@ class Search:
         error: float | None = None,
     ) -> Path:
         error = self._error(state) if error is None else error
-        steps = (*path.steps, Step(name, error, sure, list(why), list(near)))
+        steps = (*path.steps, Step(name, error, sure, list(why), list(near), model=state.model))
         for step in descending(steps)[len(descending(path.steps)) :]:
             self.tell(step)
         return replace(path, state=state, steps=steps)

@@ -55,6 +55,11 @@ def facts(captures: Any) -> dict[str, str]:
 
 def one_line(captures: Any) -> str:
     """``column: 5 operating points, 25 to 105 °C, 30 frames of 384 × 384``."""
+    return f"{title(captures)}: {about(captures)}"
+
+
+def about(captures: Any) -> str:
+    """``5 operating points, 25 to 105 °C, 30 frames of 384 × 384``."""
     sensor = captures.sensor
     channels = list(dict.fromkeys(s.point.channel for s in captures.settings if s.point.channel))
     named = f"channel {channels[0]}" if len(channels) == 1 else plural(len(channels), "channel")
@@ -64,7 +69,7 @@ def one_line(captures: Any) -> str:
         spread(known(captures, "temperature_c"), "°C"),
         f"{plural(captures.frame_count, 'frame')} of {sensor.shape[0]} × {sensor.shape[1]}",
     ]
-    return f"{title(captures)}: " + ", ".join(p for p in parts if p)
+    return ", ".join(p for p in parts if p)
 
 
 def codes(seen: Mapping[str, Any]) -> dict[str, str]:

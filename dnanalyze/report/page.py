@@ -29,7 +29,7 @@ class Table:
     title : str
         What stands on the fold, where ``folded``.
     folded : bool
-        Closed until the reader opens it; printed in full.
+        Closed until the reader opens it.
     sortable : bool
         By a click on a column's name; the page then carries the few lines of script for it.
     narrow : bool
@@ -50,6 +50,7 @@ class Section:
     """A heading with sentences, figures and tables.
 
     ``badge`` is a number beside the heading (the family's error); ``calm`` says that it is good.
+    ``half``: two such stand side by side where there is room.
     """
 
     key: str
@@ -61,6 +62,7 @@ class Section:
     badge: str = ""
     calm: bool = True
     code: str = ""
+    half: bool = False
 
     @property
     def empty(self) -> bool:
@@ -89,8 +91,13 @@ class Page:
     facts : dict
         Of the captures.
     sections : sequence of Section
+        Folded where the page has a front.
     notes : sequence of str
         What the loader had to assume.
+    front : sequence of Section
+        What is read first: two pages, open.
+    about : str
+        The captures in a line, under the title.
     """
 
     kind: str
@@ -102,6 +109,8 @@ class Page:
     figures: Sequence[tuple[str, str]] = ()
     facts: dict[str, str] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    front: Sequence[Section] = ()
+    about: str = ""
 
 
 def render(page: Page, made: datetime | None = None) -> str:
@@ -134,6 +143,7 @@ def render(page: Page, made: datetime | None = None) -> str:
     return environment.get_template("page.html.j2").render(
         page=page,
         sections=shown,
+        front=[s for s in page.front if not s.empty],
         sortable=sortable,
         when=when,
         version=dnanalyze.__version__,

@@ -14,8 +14,10 @@ from rich.console import Console
 
 from dnanalyze.benchmarking import record as records
 from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE
+from dnanalyze.benchmarking.figure import ABSENT, Figure
 from dnanalyze.benchmarking.laws import Reading, common_temperatures, estimate
-from dnanalyze.benchmarking.record import ABSENT, Figure, SensorRecord, gain_of, strengths
+from dnanalyze.benchmarking.modelled import modelled, strengths
+from dnanalyze.benchmarking.record import SensorRecord, gain_of
 from dnanalyze.benchmarking.run import benchmark, side_by_side, unique_names
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
@@ -307,7 +309,7 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     from dnanalyze.fitting.fit import fit_on
     from dnanalyze.report.benchmark import document
 
-    def right(captures, held, trying):
+    def right(captures, model, held, trying):
         truth = sensors[captures.name]
         done = fit_on(captures, truth, held=held, replicates=0)
         return SimpleNamespace(
@@ -372,3 +374,33 @@ def test_the_headline_compares_electrons_where_they_are_known():
     )
     unknown = [made_record("low", 3.0), made_record("high", 9.0)]
     assert "low is best in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))
+
+
+def test_what_was_found_of_the_same_files_is_not_worked_out_again(
+    no_filters, tmp_path, monkeypatch
+):
+    from dnanalyze.comparator import compare as comparison
+    from dnanalyze.loaders import load, write_captures
+
+    write_captures(virtual("cool", 3.0, 1), tmp_path / "cool", "npy")
+    captures = load(str(tmp_path / "cool")).cached(str(tmp_path / "cache"))
+    told = []
+    first = modelled(captures, True, told.append)
+    assert told == ["Wang 2025 model", "hidden filters"]
+    monkeypatch.setattr(comparison, "compare_on", None)  # would fail
+    second = modelled(captures, True, told.append)
+    assert len(told) == 2
+    assert second.errors == first.errors
+    assert (second.filtered, second.notes) == (first.filtered, first.notes)
+    assert set(second.errors) == {"gaussian", "paper"}
+
+
+def test_a_sensor_is_read_back_as_it_was_kept():
+    from dnanalyze.benchmarking import modelled as kept
+
+    model, _ = virtual_model(3.0, 1)
+    found = kept.Modelled(
+        {"gaussian": 9.0}, Figure(0.5, 0.01, "n"), strengths(model), "adequate", "45 °C", True,
+        "dpc", ["a note"],
+    )  # fmt: skip
+    assert kept._read(json.loads(json.dumps(kept._plain(found)))) == found

@@ -20,7 +20,29 @@ def test_gallery_is_in_step_with_the_registry():
 
 def test_every_effect_has_its_figure():
     figures = {p.stem for p in (tree.DOCS / "effects").glob("*.png")}
-    assert figures == set(built_in()), "run: python docs/make_effects.py"
+    both = {f"{name}{tone}" for name in built_in() for tone in ("", "-dark")}
+    assert figures == both, "run: python docs/make_effects.py"
+
+
+def test_other_names_are_of_effects_of_the_catalogue():
+    also = tree.script("make_effects").ALSO
+    assert set(also) <= set(built_in())
+    assert "banding" in also["row_noise"]
+
+
+def test_a_figure_in_dark_keeps_its_images_and_turns_its_lines():
+    from matplotlib.figure import Figure
+
+    from dnanalyze.report.figures.palette import TONES
+
+    module = tree.script("dark_figures")
+    figure = Figure()
+    ax = figure.subplots()
+    (line,) = ax.plot([0, 1], color=TONES["model"][0])
+    image = ax.imshow([[0.0, 1.0]], cmap="gray")
+    module.darken(figure)
+    assert line.get_color() == TONES["model"][1]
+    assert image.get_cmap().name == "gray"
 
 
 @pytest.mark.parametrize("page", ["statistics", "commands"])

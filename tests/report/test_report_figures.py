@@ -207,7 +207,7 @@ def test_white_noise_pools_to_its_variance_and_its_modes_to_the_plane():
     f = np.arange(1, 46) / 64
     modes = np.pi * f * np.gradient(f) * 64 * 64
     s = 9.0 * rng.gamma(modes) / modes
-    radius, power, held = spectrum._pooled((f, s), setting)
+    radius, power, held = spectrum.pooled((f, s), setting)
     assert np.all(held[:-1] >= spectrum.FEWEST_MODES)
     assert held.sum() == pytest.approx(modes.sum())
     assert np.all(np.diff(radius) > 0)

@@ -58,12 +58,10 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         not_kept(session.console)
 
     def page() -> str:
-        from dnanalyze.comparator.compare import compare_on
-        from dnanalyze.report.pages.refine import refine_page
+        from dnanalyze.report.pages.refine import refine_report
 
         with session.progress("Comparing the model with the captures"):
-            comparison = compare_on(found, result.model, held=result.bench)
-        return refine_page(found, result, comparison, by_hand=True)
+            return refine_report(found, result)
 
     session.write(
         documents.addition(options.captures, effect, result, output),

@@ -48,9 +48,11 @@ def compare(
         classifier_line(session.console, judged)
 
     def page() -> str:
+        from dnanalyze.comparator.rivals import Rivals, unfiltered
         from dnanalyze.report.pages.compare import compare_page
 
-        return compare_page(found, comparison, judged)
+        beside = Rivals(raw=unfiltered(held, comparison.model))
+        return compare_page(found, comparison, judged, beside)
 
     session.write(
         documents.comparison(options.captures, comparison, judged=judged),

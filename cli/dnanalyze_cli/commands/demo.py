@@ -95,9 +95,9 @@ def _tell(
     )
 
     def page() -> str:
-        from dnanalyze.report.pages.refine import refine_page
+        from dnanalyze.report.pages.refine import refine_report
 
-        return refine_page(found, result, compare_on(found, result.model, held=result.bench))
+        return refine_report(found, result)
 
     session.write(
         documents.refinement(str(folder), result, None)

@@ -48,11 +48,13 @@ def diagnose(
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare_on
+        from dnanalyze.comparator.rivals import of_diagnosis
         from dnanalyze.report.pages.diagnose import diagnose_page
 
         with session.progress("Comparing the model with the captures"):
             comparison = compare_on(found, diagnosis.model, held=held)
-        return diagnose_page(found, diagnosis, comparison)
+            beside = of_diagnosis(held, diagnosis)
+        return diagnose_page(found, diagnosis, comparison, beside)
 
     session.write(
         documents.diagnosis(options.captures, diagnosis) | more,

@@ -63,7 +63,7 @@ def refine(
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables, words
-    from dnanalyze.report.pages.refine import refine_page
+    from dnanalyze.report.pages.refine import refine_page, refine_report
     from dnanalyze.report.terminal.refinement import not_kept
     from dnanalyze.report.terminal.refinement import refinement as show
     from dnanalyze_cli import over_channels
@@ -142,11 +142,8 @@ def refine(
             not_kept(session.console)
 
         def page() -> str:
-            from dnanalyze.comparator.compare import compare_on
-
             with session.progress("Comparing the model with the captures"):
-                comparison = compare_on(found, result.model, held=result.bench)
-            return refine_page(found, result, comparison)
+                return refine_report(found, result)
 
         session.write(
             documents.refinement(captures, result, output) | more,

@@ -23,7 +23,7 @@ class Panel:
     ----------
     svg : str
     width : float
-        Natural width, inch (96 CSS pixels); the page shrinks it to four fifths at most.
+        Natural width, inch (96 CSS pixels); the page shrinks it to seven tenths at most.
     """
 
     svg: str

@@ -31,7 +31,11 @@ FULL = "measured, with whole rows and columns"
 
 
 def draw_spectrum(
-    ax: Any, drawn: Sequence[Layer], setting: SettingStatistics, part: str = "pattern"
+    ax: Any,
+    drawn: Sequence[Layer],
+    setting: SettingStatistics,
+    part: str = "pattern",
+    whole: bool = False,
 ) -> Any:
     """Radial power spectrum off the axes, up to the corner of the frequency plane.
 
@@ -39,22 +43,26 @@ def draw_spectrum(
     ----------
     part : str
         "pattern" (DSNU), "temporal" (temporal dark noise) or "frame" (a single frame).
+    whole : bool
+        With the axes, where whole rows and columns show; without them those of the measured are a
+        thin grey line.
     """
-    if curve(setting, *_names(part)) is None:
+    names = names_of(part, whole)
+    if curve(setting, *names) is None:
         return ax
     repeats = max(1, setting.frames - 1) if part == "temporal" else 1
     for layer in drawn:
-        found = curve(layer.like(setting), *_names(part))
+        found = curve(layer.like(setting), *names)
         if found is None:
             continue
-        f, s, modes = _pooled(found, setting)
+        f, s, modes = pooled(found, setting)
         ax.plot(f, s, **layer.line)
         if layer.band:
             spread = np.exp(2 / np.sqrt(modes * repeats))
             ax.fill_between(f, s / spread, s * spread, color=INK, alpha=0.15, lw=0)
-    full = curve(setting, f"{part}_radial_f", f"{part}_radial_full_s")
-    if full is not None:
-        f, s, _ = _pooled(full, setting)
+    full = curve(setting, *names_of(part, True))
+    if full is not None and not whole:
+        f, s, _ = pooled(full, setting)
         ax.plot(f, s, color=QUIET, linewidth=0.7, zorder=1.5, label=FULL)
     ax.set_yscale("log")
     log_axis(ax.yaxis)
@@ -66,7 +74,7 @@ def draw_spectrum(
 def spectra(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
     """Rows of panels are the parts that the frames can tell."""
     measured = drawn[0].statistics
-    some = [p for p in PARTS if main_run(measured, has(*_names(p)))]
+    some = [p for p in PARTS if main_run(measured, has(*names_of(p)))]
     if "temporal" in some and "frame" in some:
         some.remove("frame")
 
@@ -78,7 +86,7 @@ def spectra(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
 
     cells, shown = [], []
     for part in some:
-        shown = chosen(measured, most, has(*_names(part)))
+        shown = chosen(measured, most, has(*names_of(part)))
         cells += [cell(part, s, t) for s, t in zip(shown, labels(shown), strict=True)]
     return panels(
         cells,
@@ -90,11 +98,12 @@ def spectra(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
     )
 
 
-def _names(part: str) -> tuple[str, str]:
-    return f"{part}_radial_f", f"{part}_radial_s"
+def names_of(part: str, whole: bool = False) -> tuple[str, str]:
+    """Curves of the radial spectrum of a part: frequency, power (with whole rows and columns)."""
+    return f"{part}_radial_f", f"{part}_radial_{'full_' if whole else ''}s"
 
 
-def _pooled(
+def pooled(
     found: tuple[np.ndarray, ...], setting: SettingStatistics, most: int = 70
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rings pooled into steps of nearly equal ratio with enough modes each: f, power, modes.

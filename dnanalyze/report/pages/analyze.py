@@ -12,10 +12,13 @@ from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.sensor_maps import sensor_maps
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.page import Page, Section, Table, render
+from dnanalyze.report.pages.front import curves_sections, numbers_section, series_section
 from dnanalyze.report.pages.panels import family_panels
+from dnanalyze.report.structure import Structure, hot_share, plainest, sentence_of, structures
 from dnanalyze.report.tables import laws
-from dnanalyze.report.words import number, sentence, with_error
+from dnanalyze.report.words import number, point_label, sentence, with_error
 
+HOT_SHARE = 1e-4  # of the pixels, from which hot pixels are named
 OPEN_GROUPS = 2  # of gain, channel and colour plane, whose tables are not folded
 NOTE = (
     "Symbols of EMVA 1288 Release 4.0; ± is one standard error. Dark frames only: responsivity, "
@@ -123,22 +126,47 @@ def missing_section(measured: Any, quantities: Any = None) -> Section:
     )
 
 
+def lead(measured: Any, found: list[Structure]) -> str:
+    """What stands out of the noise, or that nothing does."""
+    hot = hot_share(measured)
+    if found:
+        return sentence(sentence_of(found[0], measured))
+    text = "No structure stands out: rows, columns, neighbouring pixels and codes are as by chance"
+    if hot is not None and hot[0] > HOT_SHARE:
+        where = point_label(hot[1].point)
+        text += f"; {number(100 * hot[0], 2)} % of the pixels are hot at {where}"
+    return sentence(text)
+
+
 def analyze_page(captures: Any, measured: Any, quantities: Any = None) -> str:
     """HTML of the page; the EMVA 1288 quantities are worked out where they are not given."""
     quantities = quantities or measured.emva
+    found, place, drawn = structures(measured), plainest(measured), layers(measured)
     page = Page(
         "Dark-frame statistics",
         capture.title(captures),
-        headline(measured, quantities),
+        lead(measured, found),
         [
             maps_section(measured),
             emva_section(quantities),
-            *family_panels(layers(measured)),
+            *family_panels(drawn),
             trend_section(measured),
             missing_section(measured, quantities),
         ],
-        points=[*law_doubts(measured), *missing(captures)],
+        tone="fair" if found else "good",
+        points=[
+            *(sentence(sentence_of(f, measured)) for f in found[1:]),
+            headline(measured, quantities),
+            *law_doubts(measured),
+            *missing(captures),
+        ],
         facts=capture.facts(captures),
         notes=captures.notes,
+        front=[
+            series_section(captures, measured, place),
+            *curves_sections(drawn, place),
+            *numbers_section(measured),
+        ],
+        about=capture.about(captures),
     )
     return render(page)

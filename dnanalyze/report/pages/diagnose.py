@@ -5,10 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.report import capture
 from dnanalyze.report.figures.candidates import candidates
+from dnanalyze.report.leads import diagnose_lead
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare
+from dnanalyze.report.pages.front import (
+    candidate_layers,
+    curves_sections,
+    direct_front,
+    effect_section,
+    frames_section,
+    labels_of,
+    numbers_section,
+    place_of,
+)
 from dnanalyze.report.pages.model import model_section
 from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
@@ -103,20 +115,40 @@ def _limits(limits: Any) -> list[Table]:
     return [Table(("limit",), rows, title=plural(len(rows), "effect"), folded=True)] if rows else []
 
 
-def diagnose_page(captures: Any, result: Any, comparison: Any = None) -> str:
+def diagnose_page(
+    captures: Any, result: Any, comparison: Any = None, rivals: Rivals | None = None
+) -> str:
     """HTML of the page; with a comparison its panels follow the diagnosis."""
     page = Page(
         "Diagnosis",
         capture.title(captures),
-        diagnose_headline(result),
+        diagnose_lead(result),
         [
             *sections(result),
             *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
             model_section(result.model),
         ],
         tone=TONES.get(result.verdict, "fair"),
-        points=_told(result),
+        points=[diagnose_headline(result), *_told(result)],
         facts=capture.facts(captures),
         notes=captures.notes,
+        front=_front(captures, result, comparison, rivals or Rivals()),
+        about=capture.about(captures),
     )
     return render(page)
+
+
+def _front(captures: Any, result: Any, comparison: Any, rivals: Rivals) -> list[Section]:
+    place = place_of(comparison, rivals)
+    models = {"model": result.model}
+    if rivals.after is not None:
+        models[labels_of(rivals.effect)[1]] = rivals.after.model
+    made = [frames_section(captures, place, models)]
+    if comparison is not None:
+        raw = None if rivals.raw is None else rivals.raw.statistics
+        made += curves_sections(
+            candidate_layers(comparison, rivals), place, comparison.simulated, raw
+        )
+        made += effect_section(comparison.measured, rivals)
+        made += numbers_section(comparison.measured, compare.HALF)
+    return [*made, *direct_front(result)]

@@ -5,11 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.report import capture
 from dnanalyze.report.figures.waterfall import waterfall
+from dnanalyze.report.leads import named_effects, refine_lead
 from dnanalyze.report.page import Page, Section, Table, render
 from dnanalyze.report.pages import compare, diagnose
 from dnanalyze.report.pages.classifier import classifier_section
+from dnanalyze.report.pages.front import (
+    classifier_front,
+    curves_sections,
+    direct_front,
+    effect_section,
+    frames_section,
+    labels_of,
+    model_layers,
+    numbers_section,
+    place_of,
+)
 from dnanalyze.report.pages.model import direct_section, model_section
 from dnanalyze.report.stages import Stage, stages
 from dnanalyze.report.words import (
@@ -58,17 +71,28 @@ def evidence(steps: Sequence[Any]) -> list[str]:
     ]
 
 
-def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: bool = False) -> str:
-    """HTML of the page; with a comparison of the final model its panels follow.
+def refine_report(captures: Any, result: Any) -> str:
+    """HTML of the page, the final model compared with the captures, and the step before it."""
+    from dnanalyze.comparator.compare import compare_on
+    from dnanalyze.comparator.rivals import of_steps
 
-    ``by_hand``: of `add`, where the user named the effect.
-    """
+    comparison = compare_on(captures, result.model, held=result.bench)
+    beside = of_steps(result.bench, result.steps, named_effects(result.steps))
+    return refine_page(captures, result, comparison, beside)
+
+
+def refine_page(
+    captures: Any, result: Any, comparison: Any = None, rivals: Rivals | None = None
+) -> str:
+    """HTML of the page; with a comparison of the final model its panels follow."""
     steps, told = list(result.steps), getattr(result, "classification", None)
+    by_hand = getattr(result, "by_hand", False)  # of `add`: the user named the effect
     rest = result.diagnosis
+    said = add_headline(result) if by_hand else refine_headline(result)
     page = Page(
         "Refinement",
         capture.title(captures),
-        add_headline(result) if by_hand else refine_headline(result),
+        said if by_hand else refine_lead(result),
         [
             Section(
                 "steps",
@@ -78,18 +102,36 @@ def refine_page(captures: Any, result: Any, comparison: Any = None, by_hand: boo
             ),
             model_section(result.model, result.parameters),
             *direct_section(result),
-            Section("why", "Evidence for each step", points=evidence(steps)),
             *([] if told is None else [classifier_section(told)]),
             *(diagnose.sections(rest) if rest is not None else []),
             *([compare.overview(comparison), *compare.families(comparison)] if comparison else []),
         ],
         tone=diagnose.TONES.get(result.verdict, "fair"),
+        points=[*([] if by_hand else [said]), *evidence(steps)],
         figures=[
             (number(steps[0].error), "model error at the start"),
             (number(steps[-1].error), "model error at the end"),
-            (str(len(result.effects)), "effects in the model"),
+            ("1", "a second sensor of the same design"),
         ],
         facts=capture.facts(captures),
         notes=captures.notes,
+        front=_front(captures, result, comparison, rivals or Rivals()),
+        about=capture.about(captures),
     )
     return render(page)
+
+
+def _front(captures: Any, result: Any, comparison: Any, rivals: Rivals) -> list[Section]:
+    place = place_of(comparison, rivals)
+    models = {"model": result.model}
+    if rivals.before is not None and rivals.after is not None:
+        names = labels_of(rivals.effect)
+        models = dict(zip(names, (rivals.before.model, rivals.after.model), strict=True))
+    made = [frames_section(captures, place, models)]
+    if comparison is not None:
+        raw = None if rivals.raw is None else rivals.raw.statistics
+        made += effect_section(comparison.measured, rivals)
+        made += curves_sections(model_layers(comparison, rivals), place, comparison.simulated, raw)
+        made += numbers_section(comparison.measured, compare.HALF)
+    made += direct_front(result)
+    return [*made, *classifier_front(getattr(result, "classification", None))]

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from dnanalyze.report import documents, tables, words
 from dnanalyze.report.figures.waterfall import waterfall
-from dnanalyze.report.pages.refine import refine_page
+from dnanalyze.report.pages.refine import refine_report
 from dnanalyze.report.presentation import Draw, Presentation
 from dnanalyze.report.presentations.families import family_plots
 from dnanalyze.report.presentations.fit import simulated
@@ -40,6 +40,6 @@ PRESENTATION = Presentation(
     _headline,
     _document,
     tables.steps,
-    lambda result: refine_page(result.capture_set, result, by_hand=result.by_hand),
+    lambda result: refine_report(result.capture_set, result),
     _plots,
 )

@@ -1,0 +1,195 @@
+"""What the models tell of a sensor: errors, effects, gain, hidden filters; kept on disk."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.streaming import cache
+from dnanalyze.benchmarking.figure import ABSENT, Figure
+from dnanalyze.errors import InputError
+from dnanalyze.loaders.captures import CaptureSet
+
+PACKAGE = Path(__file__).parents[1]
+REPLICATES = 8  # simulated sensors that tell the error of the gain
+
+
+@dataclass(frozen=True)
+class Strength:
+    """An effect of the refined model and how strong it is.
+
+    Parameters
+    ----------
+    effect : str
+    rms_dn : float or None
+        Where its variance has a closed form: its share of a pixel's noise at the model's reference.
+    parameters : dict
+        Value (at the reference) and unit of each number.
+    """
+
+    effect: str
+    rms_dn: float | None
+    parameters: dict[str, tuple[float, str]]
+
+
+@dataclass(frozen=True)
+class Modelled:
+    """What comparison, refinement and detection found of one sensor.
+
+    Parameters
+    ----------
+    errors : dict
+        "gaussian", "paper", "refined".
+    gain : Figure
+        Conversion gain by the shot noise of the refined model.
+    effects : list of Strength
+    verdict : str
+    reference : str
+        Operating point at which the strengths are told.
+    filtered : bool or None
+    filter_kind : str
+    notes : list of str
+        What could not be done, and why.
+    """
+
+    errors: dict[str, float] = field(default_factory=dict)
+    gain: Figure = ABSENT
+    effects: list[Strength] = field(default_factory=list)
+    verdict: str = ""
+    reference: str = ""
+    filtered: bool | None = None
+    filter_kind: str = ""
+    notes: list[str] = field(default_factory=list)
+
+
+def modelled(captures: CaptureSet, quick: bool, tell: Callable[[str], None]) -> Modelled:
+    """Compare, refine and detect; what was found before of the same files is read again.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    quick : bool
+        Leave the refinement out.
+    tell : callable
+        Called with what is under way.
+    """
+    entry = cache.held(captures, "benchmark", quick, cache.code(PACKAGE))
+    known = None if entry is None else entry.read(lambda plain, _: _read(plain))
+    if known is not None:
+        return known
+    made = _modelled(captures, quick, tell)
+    if entry is not None:
+        entry.write(_plain(made), {})
+    return made
+
+
+def _modelled(captures: CaptureSet, quick: bool, tell: Callable[[str], None]) -> Modelled:
+    notes: list[str] = []
+    errors, result = _refined(captures, quick, tell, notes)
+    filtered, kind = _filtered(captures, tell, notes)
+    if result is None:
+        return Modelled(errors, filtered=filtered, filter_kind=kind, notes=notes)
+    tell("standard error of the gain")
+    return Modelled(
+        errors, _gain(result), strengths(result.model), result.verdict,
+        result.model.reference.label(), filtered, kind, notes,
+    )  # fmt: skip
+
+
+def _refined(
+    captures: CaptureSet, quick: bool, tell: Callable[[str], None], notes: list[str]
+) -> tuple[dict[str, float], Any]:
+    """Errors of the Gaussian, the paper's and the refined model; the refinement, or None.
+
+    The search begins with the Wang 2025 model as the comparison has fitted it.
+    """
+    from dnanalyze.comparator.compare import compare_on
+    from dnanalyze.diagnosis.refine import refine_on
+    from dnanalyze.fitting.design import design
+    from dnanalyze.fitting.predictor import bench
+    from dnanalyze.fitting.processes import helpers_for
+
+    tell("Wang 2025 model")
+    try:
+        plan = design(captures)
+        held = bench(plan, helpers_for(plan.pixels))
+        comparison = compare_on(captures, held=held)
+    except InputError as error:
+        notes.append(f"no model could be compared with it: {error}")
+        return {}, None
+    errors = {k: comparison.baselines[k] for k in ("gaussian", "paper")}
+    if quick:
+        return errors, None
+    result = refine_on(
+        captures, comparison.model, held=held, trying=lambda effect: tell(f"trying {effect}")
+    )
+    return errors | {"refined": result.steps[-1].error}, result
+
+
+def strengths(model: Any) -> list[Strength]:
+    """Each effect of a model with its numbers at the model's reference."""
+    made = []
+    for effect in model.effects:
+        variance = effect.variance(model.reference)
+        numbers = {
+            key: (effect.value(key, model.reference), info.unit)
+            for key, info in effect.parameters().items()
+            if info.scale != "choice"
+        }
+        rms = math.sqrt(variance) if variance is not None and variance >= 0 else None
+        made.append(Strength(effect.name, rms, numbers))
+    return made
+
+
+def _gain(result: Any) -> Figure:
+    if result.model.get("dark_shot_noise") is None:
+        return ABSENT
+    from dnanalyze.fitting.fit import with_uncertainties
+
+    fitted = with_uncertainties(result.bench, result.state, REPLICATES)
+    estimates = {p.name: p for p in fitted.parameters}
+    gain = estimates.get("dark_shot_noise.dn_per_e")
+    if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
+        return ABSENT
+    return Figure(gain.value, gain.se, "shot noise of the refined model")
+
+
+def _filtered(
+    captures: CaptureSet, tell: Callable[[str], None], notes: list[str]
+) -> tuple[bool | None, str]:
+    from dnanalyze.detection import detect
+
+    tell("hidden filters")
+    try:
+        detection = detect(captures)
+    except InputError as error:
+        notes.append(f"it could not be tested for hidden filters: {error}")
+        return None, ""
+    return detection.filtered, detection.kind
+
+
+def _plain(found: Modelled) -> dict[str, Any]:
+    """As JSON holds it."""
+    plain = asdict(found)
+    for effect in plain["effects"]:
+        effect["parameters"] = {
+            key: (_number(value), unit) for key, (value, unit) in effect["parameters"].items()
+        }
+    return plain
+
+
+def _number(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _read(plain: Mapping[str, Any]) -> Modelled:
+    effects = [
+        Strength(e["effect"], e["rms_dn"], {k: tuple(v) for k, v in e["parameters"].items()})
+        for e in plain["effects"]
+    ]
+    return Modelled(**{**plain, "gain": Figure(**plain["gain"]), "effects": effects})

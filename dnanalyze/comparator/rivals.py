@@ -1,0 +1,96 @@
+"""Other models on the held-out half of the same field: before and after an effect, unfiltered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from dnanalyze.analyzers.statistics import Statistics
+from dnanalyze.comparator.compare import table
+from dnanalyze.diagnosis.results import Diagnosis, Step
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.model.noise_model import NoiseModel
+
+FILTERS = ("dpc", "denoise", "temporal_denoise")  # processing of the frames, no noise of a sensor
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A model, its statistics, and its rows of a comparison with the captures.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    statistics : Statistics
+        Simulated, of the held-out half, with their curves.
+    rows : list of dict
+        As ``Comparison.statistics``.
+    """
+
+    model: NoiseModel
+    statistics: Statistics
+    rows: list[dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Rivals:
+    """The models beside a comparison's; each may be absent.
+
+    Parameters
+    ----------
+    effect : str
+        The named effect; "" where there is none.
+    before, after : Rival, optional
+        The models of the steps without and with it.
+    raw : Rival, optional
+        The compared model without its filters.
+    """
+
+    effect: str = ""
+    before: Rival | None = None
+    after: Rival | None = None
+    raw: Rival | None = None
+
+
+def rival(held: Bench, model: NoiseModel | None) -> Rival | None:
+    """A model on the held-out half of these captures."""
+    if model is None:
+        return None
+    made = held.statistics(model, errors=True)
+    return Rival(model, made[1], table(held, made))
+
+
+def unfiltered(held: Bench, model: NoiseModel | None) -> Rival | None:
+    """The model without defect correction and denoise; None where it has none."""
+    filters = [n for n in FILTERS if model is not None and model.get(n) is not None]
+    if model is None or not filters:
+        return None
+    for name in filters:
+        model = model.without(name)
+    return rival(held, model)
+
+
+def of_steps(held: Bench, steps: Sequence[Step], named: Sequence[str]) -> Rivals:
+    """Of a refinement: the named effect with the largest fall of the error, before and after it."""
+    places = [n for n, s in enumerate(steps) if n and s.added in named and steps[n - 1].model]
+    model = steps[-1].model
+    if not places:
+        return Rivals(raw=unfiltered(held, model))
+    place = max(places, key=lambda n: steps[n - 1].error - steps[n].error)
+    return Rivals(
+        str(steps[place].added),
+        rival(held, steps[place - 1].model),
+        rival(held, steps[place].model),
+        unfiltered(held, model),
+    )
+
+
+def of_diagnosis(held: Bench, found: Diagnosis) -> Rivals:
+    """Of a diagnosis: the model, and with the leading candidate."""
+    effect = found.candidates[0].effect if found.candidates else ""
+    trial = next((t for t in found.trials if t.effect == effect), None)
+    raw = unfiltered(held, found.model)
+    if trial is None:
+        return Rivals(raw=raw)
+    return Rivals(effect, rival(held, found.model), rival(held, trial.state.model), raw)

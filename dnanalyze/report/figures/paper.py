@@ -1,0 +1,139 @@
+"""Figures 1 and 2 of Wang et al. (2025) for the user's own sensor.
+
+Figure 1: histogram on a log scale and radial spectra, measured and of models, on one axis.
+Figure 2: spectra of all temperatures on one axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.report.figures.distribution import draw_histogram
+from dnanalyze.report.figures.spectrum import PARTS, draw_spectrum, names_of, pooled
+from dnanalyze.report.figures.style import (
+    INK,
+    Cell,
+    Layer,
+    Picture,
+    chosen,
+    curve,
+    frequency_axis,
+    has,
+    labels,
+    log_axis,
+    main_run,
+    panels,
+    plane_note,
+)
+from dnanalyze.report.words import point_label
+
+MOST = 8  # operating points in one figure
+# from cold to hot, of one lightness, so that they show on light and on dark paper
+WARMTH = ["#2f7fd6", "#7d6bd8", "#c0519f", "#dd5a5a", "#e08a1e"]
+DASHES = "-", (0, (4, 1.6))  # measured, model
+
+
+def parts_of(measured: Any) -> list[str]:
+    """The parts whose spectra the frames can tell: DSNU and temporal noise, else a single frame."""
+    some = [p for p in PARTS if main_run(measured, has(*names_of(p, True)))]
+    return [p for p in some if p != "frame"] if "pattern" in some else some
+
+
+def figure_1(drawn: Sequence[Layer], setting: SettingStatistics) -> Picture | None:
+    """Histogram and radial spectra of one operating point, every layer on one axis.
+
+    Parameters
+    ----------
+    drawn : sequence of Layer
+        The measured first.
+    setting : SettingStatistics
+        Of the measured.
+    """
+
+    def spectrum(part: str) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_spectrum(ax, drawn, setting, part, whole=True)
+            ax.set_title(f"radial spectrum, {PARTS[part]}")
+
+        return Cell(draw, 3.35, 2.7)
+
+    def histogram(ax: Any) -> None:
+        draw_histogram(ax, drawn, setting).set_title("histogram, all pixels and frames")
+
+    return panels(
+        [Cell(histogram, 3.35, 2.7), *map(spectrum, parts_of(drawn[0].statistics))],
+        f"At {point_label(setting.point)}. Bands: two standard errors. White noise of variance s² "
+        "has a flat spectrum of power s².",
+        f"Histogram and radial power spectra: {', '.join(k.label for k in drawn)}.",
+    )
+
+
+def draw_spectra_over(
+    ax: Any, drawn: Sequence[Layer], settings: Sequence[SettingStatistics], part: str
+) -> Any:
+    """Radial spectra of several operating points on one axis, a colour each.
+
+    The first layer is solid, the others are dashed.
+    """
+    from matplotlib.colors import LinearSegmentedColormap
+
+    warmth = LinearSegmentedColormap.from_list("warmth", WARMTH)
+    tones = warmth(np.linspace(0, 1, max(len(settings), 2)))
+    looks = list(zip(drawn, DASHES, strict=False))
+    for place, (layer, dash) in enumerate(looks):
+        for tone, setting, title in zip(tones, settings, labels(settings), strict=False):
+            own = layer.like(setting)
+            found = curve(own, *names_of(part, True))
+            if found is None or own is None:
+                continue
+            f, s, _ = pooled(found, own)
+            ax.plot(f, s, color=tone, linestyle=dash, linewidth=1.3 - 0.2 * place,
+                    label="_" if place else title)  # fmt: skip
+    if ax.has_data():
+        ax.set_yscale("log")
+        log_axis(ax.yaxis)
+        frequency_axis(ax, "radial frequency [cycles/pixel]")
+        ax.set_ylabel(f"power of the {PARTS[part]} [DN²]")
+        for layer, dash in looks if len(looks) > 1 else ():  # names of the dashes
+            ax.plot([], [], color=INK, linestyle=dash, linewidth=1.2, label=layer.label)
+    return ax
+
+
+def figure_2(drawn: Sequence[Layer], raw: Layer | None = None) -> Picture | None:
+    """Radial spectra of all operating points on one axis, measured and model.
+
+    Parameters
+    ----------
+    drawn : sequence of Layer
+        The measured, and the model where there is one.
+    raw : Layer, optional
+        The model without its filters (defect correction, denoise), drawn beside what is processed.
+    """
+    measured = drawn[0].statistics
+    parts, shown = parts_of(measured), chosen(measured, MOST, has(*names_of("frame", True)))
+    shown = shown or chosen(measured, MOST)
+
+    def cell(part: str, layers: Sequence[Layer], title: str, wide: float) -> Cell:
+        def draw(ax: Any) -> None:
+            draw_spectra_over(ax, layers, shown, part).set_title(title)
+
+        return Cell(draw, wide, 3.1, share=f"{part} {raw is not None}")
+
+    cells = [cell(p, drawn, PARTS[p], 5.05) for p in parts]
+    note = ""
+    if raw is not None:
+        kinds = [p for p in ("frame", *parts) if chosen(measured, 1, has(*names_of(p, True)))][:1]
+        cells = [c for p in kinds for c in (
+            cell(p, [raw], f"{PARTS[p]}, {raw.label}", 5.05),
+            cell(p, drawn, f"{PARTS[p]}, processed: as in the files", 5.05),
+        )]  # fmt: skip
+        note = " Left: the model without its filters; right: the files and the model with them."
+    return panels(
+        cells,
+        "Radial power spectra of all operating points." + note + plane_note(measured, shown),
+        "Radial power spectra over the operating points.",
+    )

@@ -1,0 +1,107 @@
+"""The answer of a report in plain words: what is wrong with the sensor, or that nothing is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from dnanalyze.model.registry import BASE, EVERYDAY
+from dnanalyze.report.structure import beyond, sentence_of
+from dnanalyze.report.words import (
+    SURE,
+    closeness,
+    is_number,
+    leading,
+    listing,
+    net_additions,
+    percent,
+    sentence,
+    statistics_named,
+)
+
+CAPITALS = {"fpn": "FPN", "rts": "RTS", "dpc": "DPC", "cfa": "CFA"}
+NOTHING = "Nothing is wrong that these captures show"
+
+
+def plain_name(effect: str) -> str:
+    """``column_fpn`` as a reader says it: column FPN."""
+    return " ".join(CAPITALS.get(part, part) for part in effect.split("_"))
+
+
+def summary_of(effect: str) -> str:
+    """The catalogue's line on an effect, without its full stop; empty for one it does not know."""
+    from dnanalyze.model.registry import catalogue
+
+    kind = catalogue().get(effect)
+    text = kind.summary.rstrip(".") if kind is not None else ""
+    return text[:1].lower() + text[1:]
+
+
+def explained(effect: str) -> str:
+    """``column FPN (fixed vertical stripes: every column has its own offset)``."""
+    text = summary_of(effect)
+    return plain_name(effect) + (f" ({text})" if text else "")
+
+
+def compare_lead(result: Any) -> str:
+    """Whether the model describes the sensor, and where it fails most."""
+    text = sentence(closeness(result.error))
+    if is_number(result.error) and result.error < 1.3:
+        return text
+    shown = beyond(result.measured, result.simulated)
+    if shown:
+        return f"{text} It lacks {sentence_of(shown[0], result.measured)}."
+    worst = next(iter(result.failures), "")
+    return f"{text} {sentence(worst)}" if worst else text
+
+
+def diagnose_lead(found: Any) -> str:
+    """What the sensor has that the model lacks."""
+    best = leading(found)
+    if found.verdict == "adequate":
+        return f"{NOTHING}: the model describes the sensor, and no effect is missing in it."
+    if not found.finished:
+        return "Not finished: the time limit ended the search before every effect was tested."
+    if found.verdict == "missing" and best is not None:
+        if best.effect in found.ordinary:
+            return f"{NOTHING}: it has the noise that every sensor has, which the model lacks."
+        return f"The sensor has {_named([best.effect], [best.confidence])}, which the model lacks."
+    left = statistics_named(found.unexplained)
+    return "The sensor has something that no effect of the catalogue explains" + (
+        f"; it shows in: {left}." if left else "."
+    )
+
+
+def refine_lead(result: Any) -> str:
+    """What the sensor has beyond the noise of every sensor."""
+    sure = {s.added: s.confidence for s in result.steps}
+    found = named_effects(result.steps)
+    rest = ""
+    if not result.finished:
+        rest = " The search is not finished."
+    elif result.verdict == "unexplained":
+        rest = " Something remains that no effect of the catalogue explains."
+    elif result.verdict == "missing":
+        rest = " The search stopped before everything was explained."
+    if found:
+        named = _named(found, [sure.get(n) for n in found])
+        return f"Beyond the noise of every sensor, this one has {named}.{rest}"
+    if rest:
+        return f"No effect was found beyond the noise that every sensor has.{rest}"
+    return f"{NOTHING}: it has the noise that every sensor has, and no other effect is detectable."
+
+
+def named_effects(steps: Sequence[Any]) -> list[str]:
+    """Effects that a refinement added and kept, without those that every sensor has."""
+    kept = net_additions([s.added for s in steps])
+    return list(dict.fromkeys(n for n in kept if n not in (*EVERYDAY, BASE)))
+
+
+def _named(effects: Sequence[str], sure: Sequence[float | None]) -> str:
+    """One with its explanation, several by name; what is not sure says how sure it is."""
+    first = explained if len(effects) == 1 else plain_name
+    texts = [
+        f"possibly {first(n)} ({percent(p)})" if p is not None and p < SURE else first(n)
+        for n, p in zip(effects, sure, strict=True)
+    ]
+    return listing(texts, "; " if any("," in t for t in texts) else ", ")
