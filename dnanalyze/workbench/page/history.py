@@ -31,11 +31,6 @@ class HistoryPane:
         self.source = ColumnDataSource({k: [] for k in ("x", "top", "colour", "name", "error")})
         self.figure = self._make()
         self.bars = pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90)
-        button = {"stylesheets": style, "margin": (0, 4, 0, 0)}
-        self.undo = pn.widgets.Button(name="Undo", **button)
-        self.redo = pn.widgets.Button(name="Redo", **button)
-        self.undo.on_click(lambda _: context.act(session.undo))
-        self.redo.on_click(lambda _: context.act(session.redo))
         self.node = pn.widgets.Select(options={}, width=210, stylesheets=style, margin=0)
         self.node.param.watch(self._chosen, "value")
         self.name = pn.widgets.TextInput(
@@ -75,7 +70,7 @@ class HistoryPane:
         self.view = pn.Column(
             pn.Row(
                 pn.pane.HTML("<h2>History</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
-                self.undo, self.redo, self.node, self.name, margin=0, styles=WRAP,
+                self.node, self.name, margin=0, styles=WRAP,
             ),
             self.bars,
             self.text,
@@ -141,8 +136,6 @@ class HistoryPane:
             self.name.value = history.present.name
         finally:
             self._quiet = False
-        self.undo.disabled = history.present.parent is None
-        self.redo.disabled = not history.undone
         self._compare()
         self._recipe()
 
