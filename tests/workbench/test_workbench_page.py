@@ -233,7 +233,7 @@ def test_a_click_on_a_pixel_shows_its_values_and_the_tooltip_names_the_same(benc
     box = bench.page.locator(".measured").first.bounding_box()
     at = box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"]
     bench.page.mouse.move(*at)
-    tip = bench.page.locator(".bk-Tooltip").filter(has_text="simulated")
+    tip = bench.page.locator(".bk-tooltip-content").filter(has_text="simulated")
     bench.until(lambda: tip.count() and tip.first.is_visible(), "the tooltip")
     said = " ".join(tip.first.inner_text().split())
     bench.page.mouse.click(*at)

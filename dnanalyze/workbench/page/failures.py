@@ -69,7 +69,7 @@ class Failures:
             one=_place_of(1.0), stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_width",
             margin=(2, 0, 0, 0), css_classes=["failures"], max_height=222,
         )  # fmt: skip
-        self.table.param.watch(lambda e: self._clicked(e.new), "clicked")
+        self.table.param.watch(lambda e: context.back(lambda: self._clicked(e.new)), "clicked")
         self.figure = CurveFigure(context)
         self.title = pn.pane.HTML("<h2>Where it fails</h2>", stylesheets=style, margin=0)
         self.loading = pn.pane.HTML(

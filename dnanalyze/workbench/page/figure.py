@@ -36,7 +36,7 @@ class CurveFigure:
             options=["curve", "all points"], value="curve", stylesheets=style,
             margin=(0, 6, 0, 6), width=130,
         )  # fmt: skip
-        self.what.param.watch(lambda _: context.tell("curve"), "value")
+        self.what.param.watch(lambda _: context.later("curve"), "value")
         self.plot = CurvePlot(context.palette)
         self.view = pn.Column(
             pn.Row(

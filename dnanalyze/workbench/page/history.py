@@ -164,7 +164,7 @@ class HistoryPane:
             )
         self.comparison.object = text
         self.context.compared = node
-        self.context.tell("compared")
+        self.context.later("compared")
 
     def _recipe(self) -> None:
         session = self.context.session

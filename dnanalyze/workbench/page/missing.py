@@ -194,7 +194,7 @@ class Missing:
         plain = self._models.get(event.new)
         if plain is None:
             context.candidate = None
-            context.tell("candidate")
+            context.later("candidate")
             return
 
         def work() -> Any:
