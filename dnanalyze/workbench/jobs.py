@@ -9,12 +9,13 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
-from threading import Event, Lock, Thread
+from threading import Event, Lock, Thread, Timer
 from typing import Any
 
 from dnanalyze.workbench.source import CaptureSource
 from dnanalyze.workbench.worker import Task, serve
 
+IDLE_S = 60.0  # after a task, until its process ends: it holds the statistics in memory
 YIELD_S = 10.0  # for work in the background to end, before its process is
 PATIENCE_S = 0.5  # with a process that is asked to end, before it is killed
 
@@ -63,6 +64,7 @@ class Worker:
         self._process: SpawnProcess | None = None
         self._pipe: Connection | None = None
         self._lock = Lock()
+        self._rest: Timer | None = None
         self.job: Job | None = None
 
     def start(
@@ -84,6 +86,8 @@ class Worker:
             if self.job is not None:
                 raise RuntimeError("a task is under way")
             self.job = job = Job(task)
+            if self._rest is not None:
+                self._rest.cancel()
             self._begin()
         assert self._pipe is not None
         pipe = self._pipe
@@ -114,6 +118,9 @@ class Worker:
             finally:  # whoever waits for the task is not kept by an error of its callbacks
                 with self._lock:
                     self.job = None
+                    self._rest = Timer(IDLE_S, self.rest)
+                    self._rest.daemon = True
+                    self._rest.start()
                 job.over.set()
 
         Thread(target=listen, daemon=True).start()
@@ -141,9 +148,17 @@ class Worker:
         self._end()
         job.over.wait(PATIENCE_S)
 
+    def rest(self) -> None:
+        """End the process where no task is under way; the next task begins another."""
+        with self._lock:
+            if self.job is None:
+                self._end()
+
     def close(self) -> None:
-        """End the process."""
+        """End the task and the process."""
         self.cancel()
+        if self._rest is not None:
+            self._rest.cancel()
         self._end()
 
     def _begin(self) -> None:

@@ -31,6 +31,7 @@ from dnanalyze.workbench.worker import Task
 
 Event = Callable[[str], None]
 FADES_S = 5.0  # of a message that a task was cancelled
+MOVED = "set "  # begins the action of a node that a slider or a number field made
 KEPT = 4  # full evaluations held, some 10 MB each at 5 operating points of 512 x 512
 
 
@@ -70,6 +71,9 @@ class WorkbenchSession:
         Starting model; by default the Wang 2025 model is fitted first.
     loaded : CaptureSet, optional
         The captures of the source; read from it by default.
+    shared : callable, optional
+        Gives the statistics that sessions on the same captures share; each has
+        its own by default.
 
     Notes
     -----
@@ -91,6 +95,7 @@ class WorkbenchSession:
     source: CaptureSource
     model: NoiseModel | None = None
     loaded: CaptureSet | None = None
+    shared: Callable[[], Bench] | None = None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
     bench: Bench | None = field(init=False, default=None)
@@ -151,10 +156,14 @@ class WorkbenchSession:
         """Images of the captures and of models, for the screen."""
         return Pictures(self.pictured)
 
+    def left(self) -> None:
+        """No page shows the session any more: its worker ends when its task has."""
+        self.worker.rest()
+
     def prepare(self) -> None:
         """Take the statistics and set the starting model; takes seconds."""
         self.stage = f"statistics of {plural(self.captures.frame_count, 'frame')}"
-        found = bench(design(self.captures))
+        found = bench(design(self.captures)) if self.shared is None else self.shared()
         with self._lock:
             self.bench, self.stage = found, "error of the first model"
         self.changed("statistics")
@@ -230,9 +239,11 @@ class WorkbenchSession:
         self._measure()
 
     def _put(self, model: NoiseModel, action: str) -> None:
-        """A new node whose error is not known yet."""
+        """A new node whose error is not known yet; the last one, where a slider moves on."""
         with self._lock:
-            self.history = self._history().grown(action, model)
+            history = self._history()
+            again = action.startswith(MOVED) and history.present.action == action and history.open
+            self.history = history.revised(model) if again else history.grown(action, model)
         self.changed("history")
 
     def remove(self, effect: str) -> None:

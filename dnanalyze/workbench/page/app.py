@@ -108,6 +108,8 @@ def _all(context: Context) -> None:
 def _forget(session: WorkbenchSession, listener: Any) -> None:
     if listener in session.listeners:
         session.listeners.remove(listener)
+    if not session.listeners:
+        session.left()
 
 
 class TopBar:

@@ -36,9 +36,9 @@ class Model:
         button = {"stylesheets": self.style, "margin": 0}
         self.fit = pn.widgets.Button(name="Fit", button_type="primary", width=52, **button)
         self.fit.on_click(lambda _: context.act(context.session.fit))
-        self.errors = pn.widgets.Button(name="± errors", width=68, **button)
+        self.errors = pn.widgets.Button(name="± errors", width=64, **button)
         self.errors.on_click(lambda _: context.act(context.session.standard_errors))
-        self.add_name = pn.widgets.Select(options={}, width=118, **button)
+        self.add_name = pn.widgets.Select(options={}, width=106, **button)
         self.add = pn.widgets.Button(name="Add", width=50, **button)
         self.add.on_click(lambda _: self._add())
         self.list = pn.Column(
@@ -49,7 +49,7 @@ class Model:
                 "overflow-x": "hidden",
                 "min-height": "0",
                 "padding-right": "4px",
-                "margin-top": "4px",
+                "padding-top": "16px",  # the bubble of the first slider
             },
         )
         self.loading = pn.pane.HTML(

@@ -55,10 +55,11 @@ class Pixel:
         self.title = pn.pane.HTML(
             "<span class=quiet>A click on a pixel shows its values.</span>",
             stylesheets=style, margin=(2, 0, 0, 0), css_classes=["pixel"],
+            sizing_mode="stretch_width",
         )  # fmt: skip
         self.view = pn.Column(
             pn.Row(
-                self.title, pn.layout.HSpacer(),
+                self.title,
                 *downloads("pixel", self._table, self._picture, style, "values of the pixel"),
                 margin=0, sizing_mode="stretch_width",
             ),

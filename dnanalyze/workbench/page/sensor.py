@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -127,15 +128,21 @@ class Sensor:
         self.which = pn.widgets.RadioButtonGroup(
             options=list(SIDES), value=SIDES[0], width=140, stylesheets=style, margin=0
         )
-        for widget in (self.point, self.kind, self.frame, self.plane):
-            widget.param.watch(lambda _: self._chosen(), "value")
-        for widget in (self.colours, self.mode, self.hot):
-            widget.param.watch(lambda _: self._changed(), "value")
-        for widget in (self.low, self.high):
-            widget.param.watch(lambda _: self._typed(), "value")
-        self.auto.param.watch(lambda e: self._changed() if e.new else None, "value")
-        self.swipe.param.watch(lambda _: self._compose(), "value")
-        self.which.param.watch(lambda _: self._sided(), "value")
+        self._watch(self._chosen, self.point, self.kind, self.frame, self.plane)
+        self._watch(self._changed, self.colours, self.mode, self.hot, self.auto)
+        self._watch(self._typed, self.low, self.high)
+        self._watch(self._compose, self.swipe)
+        self._watch(self._sided, self.which)
+
+    def _watch(self, call: Callable[[], None], *widgets: Any) -> None:
+        """Call a function after the user has changed a widget, with the document's lock."""
+
+        def changed(_: Any) -> None:
+            if not self._quiet:
+                self.context.back(call)
+
+        for widget in widgets:
+            widget.param.watch(changed, "value")
 
     # What is shown
 
@@ -179,8 +186,6 @@ class Sensor:
         self._adjusted()
 
     def _chosen(self) -> None:
-        if self._quiet:
-            return
         self._own = True
         count = len(self.captures.settings[self.point.value].frames)
         number = min(self.frame.value or 0, count - 1)
@@ -268,9 +273,7 @@ class Sensor:
         apart.low, apart.high = -spread, spread
 
     def _typed(self) -> None:
-        """Ends of the grey scale as typed; a pair that is none is put back."""
-        if self._quiet:
-            return
+        """Ends of the grey scale as typed."""
         try:
             low, high = float(self.low.value), float(self.high.value)
             if not (math.isfinite(low) and math.isfinite(high) and low < high):
@@ -278,8 +281,10 @@ class Sensor:
         except ValueError:
             self.context.session.tell("scale of the frames: two numbers in DN, min below max")
             return
-        self._ends = low, high
+        self.context.session.tell("")
+        self._ends, self._quiet = (low, high), True
         self.auto.value = False
+        self._quiet = False
         self.images.mapper.low, self.images.mapper.high = low, high
 
     def _compose(self) -> None:
