@@ -48,6 +48,7 @@ class CurveFigure:
             sizing_mode="stretch_both",
             margin=0,
             styles={"min-height": "0"},
+            visible=False,
         )  # fmt: skip
         context.listeners.append(self.update)
 
@@ -79,6 +80,7 @@ class CurveFigure:
         session, address = self.context.session, self.context.address
         if session.bench is None or address is None:
             return
+        self.view.visible = True
         axes, labels, found = self._curves()
         where = labelled(address.point, address.plane)
         info = infos()[address.name]
