@@ -219,6 +219,21 @@ def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
     assert bench.page.locator(".cell.chosen").count() == 1
 
 
+def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(bench):
+    bench.page.set_viewport_size({"width": 1024, "height": 768})
+    size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    try:
+        bench.until(lambda: bench.page.evaluate(size)[0] == 1024, "a page as wide as the window")
+        assert bench.page.evaluate(size)[1] > 768
+        report = bench.page.get_by_text("CI targets")
+        report.scroll_into_view_if_needed()
+        box = report.bounding_box()
+        assert 0 <= box["x"] <= 1024
+        assert 0 <= box["y"] <= 768
+    finally:
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
+
+
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):
     mark = bench.page.locator(".number .term")
     sentence = mark.locator("div")

@@ -14,7 +14,7 @@ from dnanalyze.workbench.history import History, Node, effects_apart
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
-WRAP = {"flex-wrap": "wrap"}  # of a row of widgets on a narrow page
+WRAP = {"flex-wrap": "wrap", "min-width": "0"}  # of a row of widgets on a narrow page
 MOST = 12  # nodes of a path in the figure; the last ones
 NONE = -1  # node that is compared with
 

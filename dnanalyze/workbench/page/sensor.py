@@ -80,7 +80,7 @@ class Sensor:
                 *downloads("frames", self._table, self._picture, style, "the images"),
                 enlarger(self.view, style),
                 margin=(0, 0, 4, 0), sizing_mode="stretch_width",
-                styles={"flex-wrap": "wrap", "row-gap": "3px"},
+                styles={"flex-wrap": "wrap", "row-gap": "3px", "min-width": "0"},
             ),
             pn.Column(
                 *self._panes.values(), self.side, sizing_mode="stretch_both", margin=0,
@@ -368,5 +368,5 @@ GRID = """
   grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0; }
 @media (max-width:1279px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
   grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr); }
-  :host > :last-child { grid-column:1 / -1; } }
+  :host > :nth-child(4) { grid-column:1 / -1; } }
 """

@@ -46,7 +46,8 @@ def sheet(p: Palette) -> str:
     return f"""
 :root {{ --bg:{p.background}; --card:{p.card}; --ink:{p.ink}; --quiet:{p.quiet};
   --line:{p.line}; --present:{p.present}; --candidate:{p.candidate}; color-scheme:{p.name}; }}
-html, body {{ background:var(--bg); color:var(--ink); margin:0; height:100%; overflow-x:hidden;
+html {{ overflow-x:hidden; }}
+html, body {{ background:var(--bg); color:var(--ink); margin:0; min-height:100%;
   font:13px/1.35 system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; }}
 """
 
@@ -118,6 +119,7 @@ def card(p: Palette) -> dict[str, str]:
         "border-radius": "6px",
         "padding": "6px 8px",
         "color": p.ink,
+        "min-width": "0",  # Panel's is the sum of the widths in a row
     }
 
 
