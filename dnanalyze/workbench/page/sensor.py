@@ -31,8 +31,8 @@ from dnanalyze.workbench.worst import worst_view
 
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
-SAMPLES = 420, 900  # rows and columns that are sent of an image at most: side by side, alone
-FIRST = 200  # of these, before the browser has told the size of a figure
+FEWEST = 420  # rows and columns that are sent of an image; means would hide every second column
+MOST = 900  # the same in a large figure
 SIDES = "histogram", "pixel"
 MODES = "side by side", "swipe", "blink"
 
@@ -224,7 +224,7 @@ class Sensor:
         preview = shown is not None and shown.preview
         grid = self._grid(view.plane)
         window = self._window(grid.scale)
-        most = min(SAMPLES[alone], self.images.most or FIRST)
+        most = min(MOST, max(FEWEST, self.images.most))
         far = self.hot.value
         self._asked_s = time.monotonic()
         self._latest.ask(
