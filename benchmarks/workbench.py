@@ -80,7 +80,7 @@ def settled(page: Any, limit_s: float = 300.0) -> None:
         if (
             shown.count()
             and re.fullmatch(r"[\d.]+", shown.inner_text())
-            and page.get_by_role("button", name="Cancel").is_disabled()
+            and page.get_by_role("button", name="Diagnose").is_enabled()
         ):
             return
         page.wait_for_timeout(20)

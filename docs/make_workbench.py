@@ -48,21 +48,21 @@ def scenes(page: Any) -> list[tuple[Image.Image, int]]:
     fitted.first.wait_for(state="attached", timeout=LIMIT_MS)
     settled(page)
     found = [(shown(page), 1800)]
-    page.get_by_role("button", name="Diagnose", exact=True).click()
+    page.get_by_role("button", name="Find what is missing", exact=True).click()
     page.wait_for_timeout(2500)
     found.append((shown(page), 1200))
     row = page.locator(".row").first
     row.wait_for(timeout=LIMIT_MS)
     settled(page)
-    box = page.locator(".families").bounding_box()
-    page.mouse.click(box["x"] + 0.48 * box["width"], box["y"] + 0.5 * box["height"])
-    page.wait_for_timeout(1500)
+    page.wait_for_timeout(2500)
     found.append((shown(page), 1800))
     row.hover()
     page.wait_for_timeout(2500)
     found.append((shown(page), 2500))
     row.get_by_role("button", name="Add").click()
     settled(page)
+    page.get_by_text("A classifier").wait_for(timeout=LIMIT_MS)
+    page.wait_for_timeout(1500)
     found.append((shown(page), 4000))
     return found
 

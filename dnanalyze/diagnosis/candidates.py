@@ -45,10 +45,14 @@ REACH = 6.0
 
 @dataclass
 class SoFar:
-    """What a search has found when its time is up: effects by their promise, and trials."""
+    """What a search has found when its time is up: effects by their promise, and trials.
+
+    ``told`` is called after each trial.
+    """
 
     screened: list[str] = field(default_factory=list)
     trials: list[Trial] = field(default_factory=list)
+    told: Callable[[], None] = lambda: None
 
 
 def candidates_of(
@@ -90,6 +94,7 @@ def trials(
         wanted = min(wanted, (null.state.loss + ended.loss) / 2.0)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
+        so_far.told()
     promises = {name: own[0].promise for name, own in guesses.items()}
     made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
     tested = by_standing([_tested(null.held, t, made) for t in made])

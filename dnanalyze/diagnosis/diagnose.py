@@ -118,12 +118,16 @@ def diagnose_on(
     held: Bench | None = None,
     tell: Callable[[str], None] = ignored,
     first: Callable[[list[str]], None] | None = None,
+    keep: Callable[[Diagnosis], None] = ignored,
+    afterwards: TimeLimit | None = None,
 ) -> Diagnosis:
     """`diagnose` on statistics taken earlier, among the effects of ``known``.
 
     ``tell`` is called with the name of every candidate; ``first``, before the search, with a first
     answer: the effects in the order of the fall of the error that first-order screening of a
     quarter of the field expects, none where the captures are small or nothing is expected.
+    ``keep`` is called after each candidate with what is known so far, and with the whole diagnosis
+    before the detection limits; ``afterwards`` limits their time, they are then left out.
     """
     limit = TimeLimit.after(budget)
     held = held or bench(design(captures, unit=None if model is None else model.unit))
@@ -139,15 +143,24 @@ def diagnose_on(
             first(so_far.screened)
     asked = fitted_in_time(limited, model)
     baseline: State | None = None
+
+    def whole(found: Diagnosis) -> Diagnosis:
+        found = replace(found, capture_set=captures)
+        return found if baseline is None else _with_baseline_listed(held, asked, baseline, found)
+
+    def kept(found: Diagnosis) -> None:
+        keep(whole(found) if found.finished else found)
+
     try:
         if lacks_baseline(asked.model, exclude):
             tell("baseline effects")
             baseline = baseline_fitted(limited, baseline_start(limited, exclude, asked.model.seed))
-        found = _in_full(captures.name, limited, baseline or asked, open_to, so_far, tell)
+        found = _in_full(
+            captures.name, limited, baseline or asked, open_to, so_far, tell, kept, afterwards
+        )
     except TimeUp:
         found = unfinished(captures.name, Null.of(held, baseline or asked), so_far, open_to)
-    found = replace(found, capture_set=captures)
-    return found if baseline is None else _with_baseline_listed(held, asked, baseline, found)
+    return whole(found)
 
 
 def first_answer(
@@ -179,18 +192,27 @@ def _in_full(
     open_to: dict[str, type[Effect]],
     so_far: SoFar,
     tell: Callable[[str], None],
+    keep: Callable[[Diagnosis], None],
+    afterwards: TimeLimit | None,
 ) -> Diagnosis:
     """The whole of a diagnosis of a fitted model that has its baseline effects."""
     null, law = Null.of(held, state), ""
+    so_far.told = lambda: keep(unfinished(name, null, so_far, open_to))
     tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell, so_far)
     if best is not None and best.effect == BASE:
         null = Null.of(null.held, converge(null.held, best.state))
         law = in_words(held, null.state.model)
         tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell)
+    tell("what the leading candidate leaves")
+    found = replace(judge(name, null, tried, best, open_to, follow_up=True), law=law)
+    keep(found)
     tell("detection limits")
-    found = judge(name, null, tried, best, open_to, follow_up=True)
-    limits = detection_limits(null.held, null.state, open_to)
-    return replace(found, law=law, detection_limits=limits)
+    if afterwards is None:
+        return replace(found, detection_limits=detection_limits(null.held, null.state, open_to))
+    with suppress(TimeUp):
+        limits = detection_limits(null.held.within(afterwards), null.state, open_to)
+        found = replace(found, detection_limits=limits)
+    return found
 
 
 def judge(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,12 @@ BINS = 120  # of a histogram
 PARTS = "pattern", "temporal", "frame"
 Change = tuple[Statistics, Statistics]  # of a window, before and after
 FEWEST_MODES = 12  # in a drawn point of a spectrum: power scatters as 1 / sqrt(modes)
+FEWEST_LINES = 3  # the same along one axis, where there are few at low frequencies
+POINTS = 60  # of a drawn spectrum, at equal ratios of frequency
+NYQUIST = 0.5  # cycles/pixel
+BAND = re.compile(r"_(?:psd|columns|rows|u|v)_([\d.]+)_([\d.]+)$")
+PERIOD = re.compile(r"(column|row)_periodic_(\d+)$")
+PERIODIC = 0.1  # share of the variance of line means from which a period is marked
 
 
 @dataclass(frozen=True)
@@ -25,6 +32,14 @@ class Axes:
     y: str
     log_x: bool = False
     log_y: bool = False
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A place on the abscissa with its name."""
+
+    x: float
+    text: str
 
 
 @dataclass(frozen=True)
@@ -107,6 +122,45 @@ def axes(address: Address, measured: Statistics) -> Axes | None:
     if address.name == "drift":
         return Axes("frame", "mean of the frame less the mean of all [DN]")
     return None
+
+
+def band(address: Address) -> tuple[float, float] | None:
+    """Frequencies over which a statistic takes the power, cycles/pixel; None for any other.
+
+    Examples
+    --------
+    >>> from dnanalyze.loaders.captures import OperatingPoint
+    >>> from dnanalyze.workbench.curves import Address, band
+    >>> band(Address("pattern_columns_0.02_0.1", OperatingPoint()))
+    (0.02, 0.1)
+    """
+    found = BAND.search(address.name)
+    return None if found is None else (float(found[1]), float(found[2]))
+
+
+def marks(address: Address, measured: Statistics) -> list[Mark]:
+    """Frequencies to mark in a spectrum: Nyquist, periods of lines, the strongest peak."""
+    if address.family not in ("spectrum", "lines"):
+        return []
+    which, here = _shown(address, measured), find(measured, address)
+    found = [Mark(NYQUIST, "Nyquist")]
+    if here is None:
+        return found
+    lines = {"horizontal": "column", "vertical": "row"}.get(which.axis, which.axis)
+    for name, value in here.values.items():
+        period = PERIOD.match(name)
+        if period and period[1] == lines and value.value > PERIODIC and period[2] != "2":
+            found.append(Mark(1.0 / int(period[2]), f"period {period[2]}"))
+    line = "axis_line" if which.axis in ("column", "row") else "line"
+    ends = [here.values.get(f"{which.part}_{line}_{x}") for x in "uv"]
+    if all(end is not None for end in ends):
+        u, v = (abs(end.value) for end in ends if end is not None)
+        at = {"column": u, "horizontal": u, "row": v, "vertical": v}.get(
+            which.axis, float(np.hypot(u, v))
+        )
+        if at > 0 and all(abs(at - m.x) > 0.004 for m in found):
+            found.append(Mark(at, "strongest peak"))
+    return found
 
 
 def curve(
@@ -231,22 +285,23 @@ def _spectrum(here: SettingStatistics, which: Spectrum) -> Curve | None:
     if len(f) < 2:
         return None
     n = np.full(len(f), float(modes)) if modes else np.pi * f * np.gradient(f) * rows * columns
-    if axis == "radial":  # about 60 steps of equal ratio
-        slots = _pooled(f, n, (f[-1] / f[0]) ** (1 / 60))
-        total = np.bincount(slots, n)
-        f, s = (np.bincount(slots, x * n) / total for x in (f, s))
-        n = total
+    slots = _pooled(
+        f, n, (f[-1] / f[0]) ** (1 / POINTS), FEWEST_MODES if axis == "radial" else FEWEST_LINES
+    )
+    total = np.bincount(slots, n)
+    f, s = (np.bincount(slots, x * n) / total for x in (f, s))
+    n = total
     repeats = max(1, here.frames - 1) if part == "temporal" else 1
     ratio = np.exp(2 / np.sqrt(n * repeats))
     return Curve(f, s, s / ratio, s * ratio)
 
 
-def _pooled(f: np.ndarray, modes: np.ndarray, ratio: float) -> np.ndarray:
-    """Slot of each ring."""
+def _pooled(f: np.ndarray, modes: np.ndarray, ratio: float, fewest: int) -> np.ndarray:
+    """Slot of each frequency, of so many modes at least and about so wide."""
     slots, begun, held = np.zeros(len(f), int), f[0], 0.0
     for i in range(1, len(f)):
         held += modes[i - 1]
-        fresh = held >= FEWEST_MODES and f[i] >= begun * ratio
+        fresh = held >= fewest and f[i] >= begun * ratio
         slots[i] = slots[i - 1] + fresh
         if fresh:
             begun, held = f[i], 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -10,13 +11,14 @@ import numpy as np
 from numba import njit
 
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
-from dnanalyze.robust import robust_deviation
 
 Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
 MOST_FRAMES = 16  # that a mean or a standard deviation is taken over
-CONTRAST = 0.5, 99.5  # percentiles of the displayed range
-SAMPLE = 1 << 16  # pixels that tell a percentile: the 0.5 % one is that of .5 +- .03 %
+CONTRAST = 0.1, 99.9  # percentiles within which the displayed range lies
+REACH = 4.0  # robust standard deviations of the displayed range to either side of the median
+FAR = 5.0  # robust standard deviations from which a pixel is an outlier
+SAMPLE = 1 << 16  # pixels that tell a percentile: the 0.1 % one is that of .1 +- .012 %
 
 
 @dataclass(frozen=True)
@@ -95,63 +97,102 @@ def _sites(cfa: tuple[tuple[str, ...], ...]) -> list[tuple[int, int, str]]:
     return [(r, c, colour) for r, row in enumerate(cfa) for c, colour in enumerate(row)]
 
 
-def for_screen(pixels: np.ndarray, window: Window, most: int) -> np.ndarray:
+def block_means(pixels: np.ndarray, window: Window, most: int) -> tuple[np.ndarray, int]:
     """A window of an image with at most ``most`` rows and columns.
 
-    Blocks of k x k pixels become one. A block shows its pixel that deviates most from the
-    image's median, so that a hot or a cold pixel stays visible, where it deviates by more than
-    5 standard deviations; else its mean.
+    Returns
+    -------
+    means : ndarray
+        Mean of each block of ``side`` x ``side`` pixels; those at the lower and the right edge may
+        hold fewer pixels.
+    side : int
     """
     rows, columns = window.slices
     cut = pixels[rows, columns]
-    k = max(1, -(-max(cut.shape) // most))
-    if k == 1:
-        return cut
-    some = _sampled(cut)
-    middle = float(np.nanmedian(some)) if np.isfinite(some).any() else 0.0
-    finite = some[np.isfinite(some)]
-    noise = robust_deviation(finite, middle) if finite.size else 0.0
-    return _blocks(cut, k, middle, 5 * noise)
+    side = max(1, -(-max(cut.shape) // most))
+    return (cut, 1) if side == 1 else (_blocks(cut, side), side)
 
 
 @njit(cache=True, nogil=True)
-def _blocks(  # pragma: no cover - compiled
-    pixels: np.ndarray, k: int, middle: float, limit: float
-) -> np.ndarray:
-    """Mean of each block of k x k pixels, or its farthest pixel where beyond the limit."""
-    rows, columns = pixels.shape[0] // k, pixels.shape[1] // k
+def _blocks(pixels: np.ndarray, side: int) -> np.ndarray:  # pragma: no cover - compiled
+    """Mean of each block of side x side pixels."""
+    height, width = pixels.shape
+    rows, columns = -(-height // side), -(-width // side)
     out = np.empty((rows, columns), pixels.dtype)
     for i in range(rows):
         for j in range(columns):
-            total, far, value = 0.0, -1.0, 0.0
-            for row in range(i * k, (i + 1) * k):
-                for column in range(j * k, (j + 1) * k):
-                    x = pixels[row, column]
-                    total += x
-                    if abs(x - middle) > far:
-                        far, value = abs(x - middle), x
-            out[i, j] = value if far > limit else total / (k * k)
+            bottom, right = min(height, (i + 1) * side), min(width, (j + 1) * side)
+            total = 0.0
+            for row in range(i * side, bottom):
+                for column in range(j * side, right):
+                    total += pixels[row, column]
+            out[i, j] = total / ((bottom - i * side) * (right - j * side))
     return out
 
 
-def contrast(
-    images: list[np.ndarray], low: float = CONTRAST[0], high: float = CONTRAST[1]
-) -> tuple[float, float]:
-    """Displayed range, DN: percentiles over several images together, never empty."""
+@dataclass(frozen=True)
+class Outliers:
+    """Pixels far from the median of a window.
+
+    Parameters
+    ----------
+    rows, columns : ndarray of int
+        Of the image, the farthest pixel first.
+    values : ndarray
+        DN.
+    count : int
+        Of all of them; the arrays hold the farthest ones.
+    """
+
+    rows: np.ndarray
+    columns: np.ndarray
+    values: np.ndarray
+    count: int
+
+
+def outliers(pixels: np.ndarray, window: Window, most: int) -> Outliers:
+    """Pixels of a window that deviate by more than 5 robust standard deviations."""
+    cut = pixels[window.slices]
+    middle, noise = _spread(cut)
+    far = np.abs(cut - middle)
+    rows, columns = np.nonzero(far > FAR * noise)
+    order = np.argsort(-far[rows, columns], kind="stable")[:most]
+    at = rows[order], columns[order]
+    return Outliers(at[0] + window.top, at[1] + window.left, cut[at], len(rows))
+
+
+def contrast(images: list[np.ndarray]) -> tuple[float, float]:
+    """Displayed range of several images together, DN: robust, and never empty.
+
+    The median and 4 robust standard deviations to either side, as far as there are values.
+    """
     values = np.concatenate([_sampled(x).ravel() for x in images])
     values = values[np.isfinite(values)]
     if values.size == 0:
         return 0.0, 1.0
-    ends = np.percentile(values, [low, high])
-    if ends[1] <= ends[0]:
-        return float(ends[0] - 0.5), float(ends[0] + 0.5)
-    return float(ends[0]), float(ends[1])
+    middle, noise = _spread(values)
+    low, high = np.percentile(values, CONTRAST)
+    low, high = (
+        float(x) for x in (max(low, middle - REACH * noise), min(high, middle + REACH * noise))
+    )
+    return (low, high) if high > low else (low - 0.5, low + 0.5)
+
+
+def _spread(pixels: np.ndarray) -> tuple[float, float]:
+    """Median and robust standard deviation: half the distance of the 16 and 84 % quantiles."""
+    some = _sampled(np.atleast_2d(pixels))
+    some = some[np.isfinite(some)]
+    if some.size == 0:
+        return 0.0, math.inf
+    low, middle, high = np.percentile(some, [16.0, 50.0, 84.0])
+    noise = float(high - low) / 2.0
+    return float(middle), noise or float(some.std()) or math.inf
 
 
 def _sampled(pixels: np.ndarray) -> np.ndarray:
     """Pixels on a grid, at most ``SAMPLE`` or so."""
-    k = max(1, round((pixels.size / SAMPLE) ** 0.5))
-    return pixels[::k, ::k]
+    k = max(1, math.ceil((pixels.size / SAMPLE) ** 0.5)) if pixels.ndim == 2 else 1
+    return pixels[::k, ::k] if pixels.shape[0] > 1 else pixels[:, :: k * k]
 
 
 def pixel(captures: CaptureSet, row: int, column: int) -> list[np.ndarray]:

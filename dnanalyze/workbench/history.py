@@ -125,6 +125,17 @@ class History:
         new = Node(len(self.nodes), self.at, action, model, command, origin)
         return History((*self.nodes, new), new.number)
 
+    def revised(self, model: NoiseModel) -> History:
+        """The present node with another model, whose error is not known."""
+        node = replace(self.present, model=model, error=None, families={}, standard_errors={})
+        return self._changed(node)
+
+    @property
+    def open(self) -> bool:
+        """Whether the present node has neither children nor a name of the user's."""
+        present = self.present
+        return not present.name and all(n.parent != present.number for n in self.nodes)
+
     def undo(self) -> History:
         """The parent of the present node; the same history at the starting model."""
         parent = self.present.parent

@@ -5,15 +5,18 @@ from __future__ import annotations
 import multiprocessing
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
-from threading import Event, Lock, Thread
+from threading import Event, Lock, Thread, Timer
 from typing import Any
 
 from dnanalyze.workbench.source import CaptureSource
 from dnanalyze.workbench.worker import Task, serve
 
+IDLE_S = 60.0  # after a task, until its process ends: it holds the statistics in memory
+YIELD_S = 10.0  # for work in the background to end, before its process is
 PATIENCE_S = 0.5  # with a process that is asked to end, before it is killed
 
 
@@ -30,12 +33,15 @@ class Job:
         What is being tried.
     first : str
         A first answer, before the search has confirmed it.
+    background : bool
+        Whether what was asked for is answered, and another task may end what is still done.
     """
 
     task: Task
     began: float = field(default_factory=time.monotonic)
     progress: str = "starting"
     first: str = ""
+    background: bool = False
     cancelled: bool = False
     over: Event = field(default_factory=Event)
 
@@ -58,6 +64,7 @@ class Worker:
         self._process: SpawnProcess | None = None
         self._pipe: Connection | None = None
         self._lock = Lock()
+        self._rest: Timer | None = None
         self.job: Job | None = None
 
     def start(
@@ -72,12 +79,15 @@ class Worker:
         Raises
         ------
         RuntimeError
-            A task is under way.
+            A task is under way that is not in the background.
         """
+        self._dismiss()
         with self._lock:
             if self.job is not None:
                 raise RuntimeError("a task is under way")
             self.job = job = Job(task)
+            if self._rest is not None:
+                self._rest.cancel()
             self._begin()
         assert self._pipe is not None
         pipe = self._pipe
@@ -92,6 +102,8 @@ class Worker:
                         job.progress = content
                     elif kind == "first":
                         job.first = content
+                    elif kind == "background":
+                        job.progress, job.background = content, True
                     elif kind == "step":
                         if not job.cancelled:
                             step(content)
@@ -100,16 +112,32 @@ class Worker:
                         break
             except (EOFError, OSError):
                 self._end()  # so that the next task begins with a new process
-            with self._lock:
-                self.job = None
             try:
                 if not job.cancelled:
                     (done if answer[0] == "done" else failed)(answer[1])
             finally:  # whoever waits for the task is not kept by an error of its callbacks
+                with self._lock:
+                    self.job = None
+                    self._rest = Timer(IDLE_S, self.rest)
+                    self._rest.daemon = True
+                    self._rest.start()
                 job.over.set()
 
         Thread(target=listen, daemon=True).start()
         return job
+
+    def _dismiss(self) -> None:
+        """End work in the background; its process stays, with its statistics, if it listens."""
+        with self._lock:
+            job = self.job
+            if job is None or not job.background:
+                return
+            if self._pipe is not None:
+                with suppress(OSError):
+                    self._pipe.send(None)
+        if not job.over.wait(YIELD_S):
+            self.cancel()
+            job.over.wait(YIELD_S)
 
     def cancel(self) -> None:
         """End the task under way; what it has told so far stays."""
@@ -120,9 +148,17 @@ class Worker:
         self._end()
         job.over.wait(PATIENCE_S)
 
+    def rest(self) -> None:
+        """End the process where no task is under way; the next task begins another."""
+        with self._lock:
+            if self.job is None:
+                self._end()
+
     def close(self) -> None:
-        """End the process."""
+        """End the task and the process."""
         self.cancel()
+        if self._rest is not None:
+            self._rest.cancel()
         self._end()
 
     def _begin(self) -> None:

@@ -11,6 +11,8 @@ from threading import Lock
 from typing import Any
 
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.session import WorkbenchSession
@@ -30,6 +32,8 @@ class Sessions:
     captures: CaptureSet
     _held: OrderedDict[str, WorkbenchSession] = field(default_factory=OrderedDict)
     _lock: Lock = field(default_factory=Lock)
+    _taking: Lock = field(default_factory=Lock)
+    _bench: Bench | None = None
 
     def get(self, name: str) -> tuple[str, WorkbenchSession]:
         """A session by its name, or a new one where there is none of that name."""
@@ -37,12 +41,19 @@ class Sessions:
             if name in self._held:
                 self._held.move_to_end(name)
                 return name, self._held[name]
-            session = WorkbenchSession(self.source, self.model, self.captures)
+            session = WorkbenchSession(self.source, self.model, self.captures, self.statistics)
             name = secrets.token_urlsafe(9)
             self._held[name] = session
             if len(self._held) > MOST_SESSIONS:
                 self._held.popitem(last=False)[1].close()
         return name, session
+
+    def statistics(self) -> Bench:
+        """The statistics of the captures, taken once for all sessions."""
+        with self._taking:
+            if self._bench is None:
+                self._bench = bench(design(self.captures))
+            return self._bench
 
     def close(self) -> None:
         """End every session's worker."""

@@ -20,15 +20,18 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 from dnanalyze.model.registry import BASE, find
-from dnanalyze.report.words import point_label, varied
+from dnanalyze.report.words import plural, point_label, varied
 from dnanalyze.workbench import recipe
 from dnanalyze.workbench.evaluation import Evaluation, Preview, evaluate
 from dnanalyze.workbench.history import History, Node
 from dnanalyze.workbench.jobs import Job, Worker
+from dnanalyze.workbench.pictures import Pictures
 from dnanalyze.workbench.source import CaptureSource
 from dnanalyze.workbench.worker import Task
 
 Event = Callable[[str], None]
+FADES_S = 5.0  # of a message that a task was cancelled
+MOVED = "set "  # begins the action of a node that a slider or a number field made
 KEPT = 4  # full evaluations held, some 10 MB each at 5 operating points of 512 x 512
 
 
@@ -68,12 +71,15 @@ class WorkbenchSession:
         Starting model; by default the Wang 2025 model is fitted first.
     loaded : CaptureSet, optional
         The captures of the source; read from it by default.
+    shared : callable, optional
+        Gives the statistics that sessions on the same captures share; each has
+        its own by default.
 
     Notes
     -----
     Methods may be called from several threads. Every listener is called with "statistics",
-    "history", "evaluation", "diagnosis", "detection" or "message" after each change, from the
-    thread that made it.
+    "history", "evaluation", "diagnosis", "answer", "detection" or "message" after each change, from
+    the thread that made it.
 
     Examples
     --------
@@ -89,6 +95,7 @@ class WorkbenchSession:
     source: CaptureSource
     model: NoiseModel | None = None
     loaded: CaptureSet | None = None
+    shared: Callable[[], Bench] | None = None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
     bench: Bench | None = field(init=False, default=None)
@@ -98,6 +105,9 @@ class WorkbenchSession:
     diagnosis: dict[str, Any] | None = field(init=False, default=None)
     detection: dict[str, Any] | None = field(init=False, default=None)
     message: str = field(init=False, default="")
+    fades_s: float | None = field(init=False, default=None)
+    answers: dict[int, dict[str, Any]] = field(init=False, default_factory=dict)
+    stage: str = field(init=False, default="reading the frames")
     pinned: frozenset[str] = field(init=False, default=frozenset())
 
     def __post_init__(self) -> None:
@@ -141,11 +151,21 @@ class WorkbenchSession:
         """The captures in codes, in which models simulate frames."""
         return in_codes(self.captures, code_unit(self.captures))
 
+    @cached_property
+    def pictures(self) -> Pictures:
+        """Images of the captures and of models, for the screen."""
+        return Pictures(self.pictured)
+
+    def left(self) -> None:
+        """No page shows the session any more: its worker ends when its task has."""
+        self.worker.rest()
+
     def prepare(self) -> None:
         """Take the statistics and set the starting model; takes seconds."""
-        found = bench(design(self.captures))
+        self.stage = f"statistics of {plural(self.captures.frame_count, 'frame')}"
+        found = bench(design(self.captures)) if self.shared is None else self.shared()
         with self._lock:
-            self.bench = found
+            self.bench, self.stage = found, "error of the first model"
         self.changed("statistics")
         if self.model is not None:
             self._begin(self.model, "model as given", ())
@@ -219,9 +239,11 @@ class WorkbenchSession:
         self._measure()
 
     def _put(self, model: NoiseModel, action: str) -> None:
-        """A new node whose error is not known yet."""
+        """A new node whose error is not known yet; the last one, where a slider moves on."""
         with self._lock:
-            self.history = self._history().grown(action, model)
+            history = self._history()
+            again = action.startswith(MOVED) and history.present.action == action and history.open
+            self.history = history.revised(model) if again else history.grown(action, model)
         self.changed("history")
 
     def remove(self, effect: str) -> None:
@@ -367,13 +389,35 @@ class WorkbenchSession:
             self._put(completed, f"add baseline effects {', '.join(new)}")
             base = self.present
 
-        def done(found: dict[str, Any]) -> None:
-            self._grow(base, f"add {effect}", found["model"], ("add", effect))
+        def step(found: dict[str, Any]) -> None:
+            answer = found | {"effect": effect}
+            self._grow(base, f"add {effect}", found["model"], ("add", effect), answer=answer)
 
-        job = self._run(Task("add", base.model.to_plain(), effect=effect), done)
+        def done(found: dict[str, Any]) -> None:
+            with self._lock:
+                here = self.answers.get(self._history().at, {})
+                if found and here.get("effect") == effect:
+                    self.answers[self._history().at] = here | found
+            self.changed("answer")
+
+        job = self._run(Task("add", base.model.to_plain(), effect=effect), done, step)
         if between:  # once the task is under way: its error is not the last one
             self._measure()
         return job
+
+    def complete(self) -> None:
+        """The baseline effects that the diagnosis of the present node put in, as a new node.
+
+        Raises
+        ------
+        InputError
+            No diagnosis of this node put any in.
+        """
+        model = self._completed()
+        if model is None:
+            raise InputError("no diagnosis of this step has put baseline effects in; diagnose it")
+        new = [name for name in model.names if self.present.model.get(name) is None]
+        self.adopt(model, f"add baseline effects {', '.join(new)}")
 
     def standard_errors(self) -> Job:
         """Standard errors of the present model's parameters, from simulated replicates."""
@@ -390,12 +434,12 @@ class WorkbenchSession:
         """Rank the effects that may be missing in the present model."""
         base = self.present
 
-        def done(found: dict[str, Any]) -> None:
+        def told(found: dict[str, Any]) -> None:
             with self._lock:
                 self.diagnosis = found | {"node": base.number}
             self.changed("diagnosis")
 
-        return self._run(Task("diagnose", base.model.to_plain()), done)
+        return self._run(Task("diagnose", base.model.to_plain()), told, told)
 
     def refine(self) -> Job:
         """Diagnose and add until nothing more is missing; each step becomes a node."""
@@ -406,10 +450,7 @@ class WorkbenchSession:
                 self._grow(None, _last(found["steps"]), found["model"], ())
 
         def done(found: dict[str, Any]) -> None:
-            self._grow(None, "refine", found["model"], ("refine",), base.number)
-            with self._lock:
-                self.message = f"refinement: {found['verdict']}"
-            self.changed("message")
+            self._grow(None, "refine", found["model"], ("refine",), base.number, found)
 
         return self._run(Task("refine", base.model.to_plain()), done, step)
 
@@ -425,14 +466,22 @@ class WorkbenchSession:
 
     def cancel(self) -> None:
         """End the task under way; nodes that it made stay."""
+        job = self.worker.job
         self.worker.cancel()
-        self.tell("cancelled")
+        if job is not None:
+            self.tell(f"{job.task.kind}: cancelled after {job.elapsed_s:.0f} s", FADES_S)
 
-    def tell(self, message: str) -> None:
-        """A message for the user."""
+    def tell(self, message: str, seconds: float | None = None) -> None:
+        """A message for the user, which fades after some seconds, or stays."""
         with self._lock:
             self.message = message
+            self.fades_s = None if seconds is None else time.monotonic() + seconds
         self.changed("message")
+
+    def fade(self) -> None:
+        """Take back a message whose time has passed."""
+        if self.fades_s is not None and time.monotonic() > self.fades_s:
+            self.tell("")
 
     def remaining_s(self, job: Job) -> float | None:
         """Estimated seconds until a task ends, from the last one of its kind; None at first."""
@@ -444,7 +493,8 @@ class WorkbenchSession:
         self.worker.close()
 
     def _idle(self) -> None:
-        if (job := self.worker.job) is not None:
+        job = self.worker.job
+        if job is not None and not job.background:
             raise InputError(f"{job.task.kind} is under way; cancel it first")
 
     def _completed(self) -> NoiseModel | None:
@@ -462,6 +512,8 @@ class WorkbenchSession:
         step: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> Job:
         self._idle()
+        if self.message:
+            self.tell("")
         began = time.monotonic()
 
         def timed(found: dict[str, Any]) -> None:
@@ -477,14 +529,17 @@ class WorkbenchSession:
         plain: dict[str, Any],
         command: tuple[str, ...],
         origin: int | None = None,
+        answer: dict[str, Any] | None = None,
     ) -> None:
-        """A new node below ``base``, or below the present one."""
+        """A new node below ``base``, or below the present one, with what a task says of it."""
         model = model_from_plain(plain, "model", self.known)
         with self._lock:
             history = self._history()
             if base is not None and history.at != base.number:
                 history = history.moved(base.number)
             self.history = history.grown(action, model, command, origin)
+            if answer is not None:
+                self.answers[self.history.at] = answer
         self.changed("history")
         self._measure()
 

@@ -13,6 +13,7 @@ from typing import Any
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.time_limit import BATCH, TimeLimit
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel, model_from_plain
@@ -43,11 +44,46 @@ class Task:
     frozen: tuple[str, ...] = ()
 
 
-class Bed:
-    """Captures, effects and statistics of a worker, read when first needed."""
+@dataclass(frozen=True)
+class UntilAsked(TimeLimit):
+    """Work in the background ends when something else is asked for.
 
-    def __init__(self, source: CaptureSource) -> None:
+    Parameters
+    ----------
+    asked : callable
+        Whether it is.
+    """
+
+    asked: Callable[[], bool] = lambda: False
+
+    @property
+    def batch(self) -> int:
+        """Simulations between two looks."""
+        return BATCH
+
+    @property
+    def over(self) -> bool:
+        """Whether something else is asked for."""
+        return self.asked()
+
+    def __reduce__(self) -> tuple[type[TimeLimit], tuple[()]]:
+        """Another process has no limit."""
+        return TimeLimit, ()
+
+
+class Bed:
+    """Captures, effects and statistics of a worker, read when first needed.
+
+    Parameters
+    ----------
+    source : CaptureSource
+    asked : callable
+        Whether work in the background is to end.
+    """
+
+    def __init__(self, source: CaptureSource, asked: Callable[[], bool] = lambda: False) -> None:
         self.source = source
+        self.background = UntilAsked(asked=asked)
 
     @cached_property
     def captures(self) -> CaptureSet:
@@ -107,17 +143,67 @@ def _standard_errors(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.diagnosis.refine import add_on
+    from dnanalyze.report.words import add_headline
 
     tell("progress", f"adding {task.effect}")
     model = bed.model(task)
     assert model is not None
     found = add_on(bed.captures, task.effect, model, known=bed.known, held=bed.bench)
-    return {"model": found.model.to_plain(), "steps": _steps(found.steps)}
+    step = found.steps[-1]
+    tell(
+        "step",
+        {
+            "model": found.model.to_plain(),
+            "headline": add_headline(found),
+            "verdict": found.verdict,
+            "supported": step.supported,
+            "confidence": step.confidence,
+        },
+    )
+    return _classified(bed, found.model, tell) if found.verdict == "adequate" else {}
+
+
+def _classified(bed: Bed, model: NoiseModel, tell: Tell) -> dict[str, Any]:
+    """What a classifier says of a model that is adequate otherwise; in the background."""
+    from dnanalyze.classifier.classify import classify
+    from dnanalyze.classifier.words import sentence
+
+    tell("background", "asking a classifier")
+    found = classify(
+        bed.captures, model, seed=model.seed, limit=bed.background, helpers=bed.bench.helpers
+    )
+    if not found.finished:
+        return {}
+    return {"classifier": sentence(found), "tells": found.tells}
 
 
 def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    from dnanalyze.diagnosis.diagnose import diagnose_on
-    from dnanalyze.report.words import first_answer
+    from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose_on
+    from dnanalyze.report.words import diagnose_headline, first_answer
+
+    def plain(found: Diagnosis) -> dict[str, Any]:
+        models = {t.effect: t.state.model.to_plain() for t in found.trials}
+        return {
+            "error": found.error,
+            "headline": diagnose_headline(found) if found.finished else "",
+            "verdict": found.verdict,
+            "finished": found.finished,
+            "ordinary": found.ordinary,
+            "candidates": [vars(c) | {"model": models.get(c.effect)} for c in found.candidates],
+            "unexplained": found.unexplained,
+            "detection_limits": {n: str(v) for n, v in found.detection_limits.items()},
+            "next_capture": found.next_capture,
+            "model": None if found.model is None else found.model.to_plain(),
+        }
+
+    told: dict[str, Any] = {}
+
+    def keep(found: Diagnosis) -> None:
+        tell("step", plain(found))
+        if found.finished:
+            if found.verdict == "adequate" and found.model is not None:
+                told.update(_classified(bed, found.model, tell))
+            tell("background", "detection limits")
 
     found = diagnose_on(
         bed.captures,
@@ -126,22 +212,16 @@ def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         held=bed.bench,
         tell=lambda text: tell("progress", f"trying {text}"),
         first=lambda effects: tell("first", first_answer(effects) if effects else ""),
+        keep=keep,
+        afterwards=bed.background,
     )
-    models = {t.effect: t.state.model.to_plain() for t in found.trials}
-    return {
-        "error": found.error,
-        "verdict": found.verdict,
-        "candidates": [vars(c) | {"model": models.get(c.effect)} for c in found.candidates],
-        "unexplained": found.unexplained,
-        "detection_limits": {n: str(v) for n, v in found.detection_limits.items()},
-        "next_capture": found.next_capture,
-        "model": None if found.model is None else found.model.to_plain(),
-    }
+    return plain(found) | told
 
 
 def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.classifier.words import sentence
     from dnanalyze.diagnosis.refine import Refinement, refine_on
-    from dnanalyze.report.words import first_answer
+    from dnanalyze.report.words import first_answer, refine_headline
 
     def keep(now: Refinement) -> None:
         tell("step", {"model": now.model.to_plain(), "steps": _steps(now.steps)})
@@ -155,11 +235,13 @@ def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         first=lambda effects: tell("first", first_answer(effects) if effects else ""),
         keep=keep,
     )
+    told = found.classification
     return {
         "model": found.model.to_plain(),
         "steps": _steps(found.steps),
+        "headline": refine_headline(found),
         "verdict": found.verdict,
-        "unexplained": found.unexplained,
+        "classifier": "" if told is None or not told.cells else sentence(told),
     }
 
 
@@ -191,11 +273,12 @@ _TASKS: dict[str, Callable[[Bed, Task, Tell], dict[str, Any]]] = {
 def serve(pipe: Connection, source: CaptureSource) -> None:
     """Carry out tasks from a pipe until its other end is closed.
 
-    Messages are pairs: ("progress", text), ("first", text), ("step", mapping), and at the end
-    ("done", mapping) or ("failed", text).
+    Messages are pairs: ("progress", text), ("first", text), ("step", mapping), ("background", text)
+    from where another task may end this one, and at the end ("done", mapping) or ("failed", text).
+    None in place of a task ends the work in the background.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
-    bed = Bed(source)
+    bed = Bed(source, pipe.poll)
 
     def tell(kind: str, content: Any) -> None:
         pipe.send((kind, content))
@@ -203,6 +286,8 @@ def serve(pipe: Connection, source: CaptureSource) -> None:
     with suppress(EOFError, OSError):
         while True:
             task = pipe.recv()
+            if task is None:
+                continue
             try:
                 answer: tuple[str, Any] = "done", carried_out(bed, task, tell)
             except InputError as error:

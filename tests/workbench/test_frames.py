@@ -39,25 +39,54 @@ def test_a_colour_plane_has_its_own_sampling():
     assert frames.planes(cfa) == ["", "R00", "Gr01", "Gb10", "B11"]
 
 
-def test_a_hot_pixel_survives_the_reduction_and_noise_is_averaged():
+def test_a_large_image_is_shown_by_block_means_and_its_hot_pixels_apart():
     pixels = np.random.default_rng(2).normal(0, 1, (512, 1024)).astype(np.float32)
     pixels[301, 777] = 900.0
-    shown = frames.for_screen(pixels, Window.whole(pixels.shape), 128)
-    assert max(shown.shape) <= 128
-    assert shown.max() == 900.0
-    typical = np.median(np.abs(shown)) * 1.4826
-    assert typical == pytest.approx(1 / 8, rel=0.1)  # 8 x 8 pixels of unit noise
+    whole = Window.whole(pixels.shape)
+    shown, side = frames.block_means(pixels, whole, 128)
+    assert side == 8
+    blocks = pixels.reshape(64, 8, 128, 8).mean(axis=(1, 3))
+    np.testing.assert_allclose(shown, blocks, atol=1e-4)
+    far = frames.outliers(pixels, whole, 10)
+    assert (far.rows[0], far.columns[0], far.values[0]) == (301, 777, 900.0)
+    assert far.count == np.sum(np.abs(pixels) > 5 * np.diff(np.quantile(pixels, [0.16, 0.84])) / 2)
+    low, high = frames.contrast([shown])
+    assert -0.75 < low < high < 0.75  # 8 x 8 pixels of unit noise, the hot one at 14
+
+
+def test_blocks_at_the_edges_are_means_of_the_pixels_that_they_hold():
+    pixels = np.random.default_rng(5).normal(0, 1, (70, 33))
+    shown, side = frames.block_means(pixels, Window(1, 70, 0, 33), 30)
+    assert (side, shown.shape) == (3, (23, 11))
+    assert shown[-1, -1] == pytest.approx(pixels[67:70, 30:33].mean())
+    shown, side = frames.block_means(pixels, Window(0, 70, 0, 32), 30)
+    assert shown[-1, -1] == pytest.approx(pixels[69:70, 30:32].mean())
+
+
+def test_the_most_outliers_are_the_farthest():
+    pixels = np.zeros((50, 50))
+    pixels[::2] = 1.0
+    pixels[10, :5] = 100.0, 500.0, 300.0, -400.0, 200.0
+    far = frames.outliers(pixels, Window(5, 50, 1, 50), 3)
+    assert list(far.values) == [500.0, -400.0, 300.0]
+    assert (list(far.rows), list(far.columns), far.count) == ([10] * 3, [1, 3, 2], 4)
 
 
 def test_a_window_that_fits_is_shown_as_it_is():
     pixels = np.random.default_rng(3).normal(0, 1, (64, 64))
     window = Window(10, 20, 5, 25)
-    np.testing.assert_array_equal(frames.for_screen(pixels, window, 64), pixels[10:20, 5:25])
+    shown, side = frames.block_means(pixels, window, 64)
+    assert side == 1
+    np.testing.assert_array_equal(shown, pixels[10:20, 5:25])
 
 
-def test_contrast_is_never_empty():
+def test_contrast_is_never_empty_and_no_hot_pixel_widens_it():
     assert frames.contrast([np.full((4, 4), np.nan)]) == (0.0, 1.0)
     assert frames.contrast([np.full((4, 4), 7.0)]) == (6.5, 7.5)
+    noise = np.random.default_rng(6).normal(50, 2, (300, 300))
+    hot = noise.copy()
+    hot.flat[:900] = 4000.0
+    np.testing.assert_allclose(frames.contrast([hot]), (50 - 3.09 * 2, 58), atol=0.4)
 
 
 def test_a_pixel_is_read_from_every_frame():

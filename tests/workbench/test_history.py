@@ -51,3 +51,14 @@ def test_commands_begin_at_the_last_model_set_by_hand():
     assert [n.action for n in history.made()] == ["set", "refine"]
     assert [n.action for n in history.made(1)] == ["guess", "fit"]
     assert [n.action for n in history.made(3)] == ["step"]
+
+
+def test_a_revised_node_keeps_its_place_and_forgets_its_error():
+    before, first, second = _models(3)
+    history = History.begun(before, "begun").grown("set a", first).measured(1, 2.0, {"x": 1.0})
+    assert history.open
+    changed = history.revised(second)
+    assert (changed.present.model, changed.present.error, len(changed.nodes)) == (second, None, 2)
+    assert changed.undo().present.model == before
+    assert not history.named(1, "kept").open
+    assert not history.undo().open

@@ -115,7 +115,7 @@ class Workbench:
         self.until(
             lambda: (
                 re.fullmatch(r"[\d.]+", self.error)
-                and self.page.get_by_role("button", name="Cancel").is_disabled()
+                and self.page.get_by_role("button", name="Diagnose").is_enabled()
             ),
             "the full error",
         )
@@ -149,22 +149,144 @@ def test_the_frames_show_before_the_statistics_are_taken(bench):
     assert bench.outside == []
 
 
+def _drawn(bench: Workbench) -> dict[str, Any]:
+    """The figure of a statistic as the browser has it."""
+    return bench.page.evaluate(
+        """() => {
+        const all = Bokeh.documents.flatMap((d) => d.all_models ? [...d.all_models] : []);
+        const figures = all.filter((m) => m.name === "curve" && m.x_scale);
+        const views = document.querySelectorAll("*");
+        const made = figures[0];
+        return {
+            count: figures.length,
+            x: made.below[0].axis_label, y: made.left[0].axis_label,
+            log: [made.x_scale.type === "LogScale", made.y_scale.type === "LogScale"],
+            tickers: [made.below[0].ticker.type, made.left[0].ticker.type],
+            x_range: [made.x_range.start, made.x_range.end],
+        };}"""
+    )
+
+
+AXES = {  # of a family's figure: label of the abscissa, logarithmic scales, its ticks
+    "Spectrum": ("frequency", [True, True], "LogTicker"),
+    "Distribution": ("dark value [DN]", [False, True], "BasicTicker"),
+    "Hot-pixel tail": ("deviation", [True, True], "LogTicker"),
+    "Shading": ("operating point", [False, None], "FixedTicker"),
+    "Neighbouring pixels": ("operating point", [False, None], "FixedTicker"),
+}
+
+
+def _all_pairs(names: list[str]) -> list[str]:
+    """A walk in which every name follows every other one."""
+    walk = []
+    for i, one in enumerate(names):
+        for other in names[i + 1 :]:
+            walk += [one, other, one]
+    return walk
+
+
+def test_one_figure_follows_every_pair_of_families_however_quickly(bench):
+    """And a family that is slow to arrive leaves nothing of the one before."""
+    bench.settled()
+    families = bench.page.locator(".family")
+
+    def click(name: str) -> None:
+        families.filter(has_text=re.compile(f"^{name}")).click()
+
+    def right(name: str) -> bool:
+        label, log, ticker = AXES[name]
+        found = _drawn(bench)
+        kinds = [a if b is None else b for a, b in zip(found["log"], log, strict=True)]
+        return (
+            found["count"] == 1 and label in found["x"] and found["log"] == kinds
+            and found["tickers"][0] == ticker and (found["x_range"][0] > 0 or not kinds[0])
+        )  # fmt: skip
+
+    for step, name in enumerate(_all_pairs(list(AXES))):
+        click(name)
+        if step % 5 == 4:
+            bench.until(lambda n=name: right(n), f"the axes of {name}")
+    click("Distribution")
+    bench.until(lambda: right("Distribution"), "the histogram")
+
+
 def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
     title = bench.page.locator(".statistic div").first
-    for pane, across, down in ((".families", 0.5, 0.5), (".matrix", 0.95, 0.06)):
+    for chosen in (".family", ".cell"):
         before = title.inner_text()
-        box = bench.page.locator(pane).first.bounding_box()
-        bench.page.mouse.click(box["x"] + across * box["width"], box["y"] + down * box["height"])
-        bench.until(lambda was=before: title.inner_text() != was, f"another title after {pane}")
+        bench.page.locator(f"{chosen}:not(.chosen)").last.click()
+        bench.until(lambda was=before: title.inner_text() != was, f"another title after {chosen}")
+    assert bench.page.locator(".cell.chosen").count() == 1
 
 
-def test_a_click_on_a_pixel_shows_its_values(bench):
+def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(bench):
+    bench.page.set_viewport_size({"width": 1024, "height": 768})
+    size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    try:
+        bench.until(lambda: bench.page.evaluate(size)[0] == 1024, "a page as wide as the window")
+        assert bench.page.evaluate(size)[1] > 768
+        report = bench.page.get_by_text("CI targets")
+        report.scroll_into_view_if_needed()
+        box = report.bounding_box()
+        assert 0 <= box["x"] <= 1024
+        assert 0 <= box["y"] <= 768
+    finally:
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
+
+
+def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):
+    mark = bench.page.locator(".number .term")
+    sentence = mark.locator("div")
+    assert not sentence.is_visible()
+    mark.locator("summary").click()
+    assert "a second sensor of the same design" in sentence.inner_text()
+    mark.locator("summary").click()
+
+
+def test_a_click_on_a_pixel_shows_its_values_and_the_tooltip_names_the_same(bench):
     title = bench.page.locator(".pixel div").first
-    before = title.inner_text()
     box = bench.page.locator(".measured").first.bounding_box()
-    bench.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"])
-    bench.until(lambda: title.inner_text() != before, "the pixel")
-    assert re.search(r"column \d+, row \d+.*measured.*simulated", title.inner_text())
+    at = box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"]
+    bench.page.mouse.move(*at)
+    tip = bench.page.locator(".bk-tooltip-content").filter(has_text="simulated")
+    bench.until(lambda: tip.count() and tip.first.is_visible(), "the tooltip")
+    said = " ".join(tip.first.inner_text().split())
+    bench.page.mouse.click(*at)
+    shown = re.compile(r"column (\d+), row (\d+).*measured.*simulated")
+    bench.until(lambda: shown.search(title.inner_text()), "the pixel")
+    column, row = shown.search(title.inner_text()).groups()
+    assert re.search(rf"column:? {column} row:? {row} ", said)
+    assert re.search(r"measured:? [\d.]+ DN simulated:? [\d.]+ DN difference:? -?[\d.]+ DN", said)
+
+
+def test_the_scale_of_the_frames_is_typed(bench):
+    low = bench.page.locator(".low input")
+    before = low.input_value()
+    low.fill("5000")
+    low.press("Enter")
+    bench.page.get_by_text("min below max").wait_for()
+    low.fill("10.5")
+    low.press("Enter")
+    scale = """() => Bokeh.documents.flatMap((d) => [...d.all_models])
+        .filter((m) => m.name === "figure of measured")[0].right[0].color_mapper.low"""
+    bench.until(lambda: bench.page.evaluate(scale) == 10.5, "the typed end")
+    bench.click("auto scale")
+    bench.until(lambda: low.input_value() == before, "the end before")
+
+
+def test_a_value_beyond_its_limits_is_not_applied_and_the_limits_are_shown(bench):
+    before, nodes = bench.settled(), bench.page.locator("option").filter(has_text="set ")
+    count = nodes.count()
+    row = bench.page.locator(".parameter").first
+    field = row.locator("input[type=text]")
+    value = field.input_value()
+    field.fill("1e9")
+    field.press("Enter")
+    bench.page.get_by_text("not applied; valid: −1 × 10⁶ to 1 × 10⁶ DN").wait_for()
+    assert (bench.settled(), nodes.count()) == (before, count)
+    field.fill(value)
+    field.press("Enter")
+    bench.until(lambda: not bench.page.get_by_text("not applied").is_visible(), "no limits")
 
 
 def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
@@ -197,7 +319,7 @@ def test_work_after_an_undo_is_a_branch(bench):
 
 def test_what_is_missing_is_named_shown_and_added(bench):
     before = bench.settled()
-    bench.click("Diagnose")
+    bench.click("Find what is missing")
     row = bench.page.locator(".row").first
     bench.until(lambda: row.count() and "column_fpn" in row.inner_text(), "the candidate")
     assert bench.points("candidate") == 0
@@ -209,6 +331,9 @@ def test_what_is_missing_is_named_shown_and_added(bench):
     after = bench.settled()
     assert after < 1.4
     assert before > 2 * after
+    verdict = bench.page.locator(".verdict div").first
+    assert "With column_fpn the model error falls" in verdict.inner_text()
+    assert "these captures support it" in verdict.inner_text()
 
 
 def test_a_running_refinement_is_cancelled_and_the_page_goes_on(bench):
@@ -216,11 +341,11 @@ def test_a_running_refinement_is_cancelled_and_the_page_goes_on(bench):
     bench.click("Refine")
     bench.until(lambda: bench.page.get_by_role("button", name="Cancel").is_enabled(), "the task")
     bench.page.wait_for_timeout(300)
-    begun = time.monotonic()
     bench.click("Cancel")
     bench.until(lambda: bench.page.get_by_role("button", name="Cancel").is_disabled(), "its end")
-    assert time.monotonic() - begun < 10  # the limit on an idle machine is in the benchmark
     assert bench.settled() == error
+    message = bench.page.get_by_text("cancelled after")
+    bench.until(lambda: message.count() == 0, "that the message goes away")
 
 
 def test_a_reload_keeps_the_session_and_another_tab_is_another_session(bench, browser, address):
@@ -244,11 +369,17 @@ def test_model_report_and_targets_are_downloaded(bench, tmp_path):
         assert len(text) > 100
 
 
-HEADS = b"row,column,measured", b"name,family", b"layer,", b"layer,column,row"  # sensor, fails, ...
+HEADS = (
+    b"row,column,rows,columns,measured_mean_dn",
+    b"name,family",
+    b"layer,",
+    b"layer,column,row",
+)  # sensor, fails, ...
 
 
 def test_every_figure_is_downloaded(bench):
     """The images, the model error, the open statistic and the pixel, as CSV, PNG and SVG."""
+    bench.click("pixel")
     for label in ("CSV", "PNG", "SVG"):
         buttons = bench.page.get_by_text(label, exact=True)
         assert buttons.count() == len(HEADS)

@@ -12,6 +12,7 @@ import dnanalyze
 from dnanalyze.comparator.compare import compare
 from dnanalyze.errors import InputError
 from dnanalyze.model.noise_model import model_from_plain
+from dnanalyze.report.words import add_headline
 from dnanalyze.workbench.session import WorkbenchSession
 from dnanalyze.workbench.source import CaptureSource
 
@@ -125,6 +126,41 @@ def test_a_running_task_is_cancelled_within_a_second_and_the_next_one_runs(sessi
     assert job.over.wait(1)
     assert session.fit().over.wait(120)
     assert session.message != "internal error"
+
+
+def test_an_addition_says_what_the_command_says_of_it(session, folder, fitted):
+    session.add("row_noise").over.wait(300)
+    found = dnanalyze.add(dnanalyze.load(str(folder)), "row_noise", fitted)
+    assert session.answers[session.present.number]["headline"] == add_headline(found)
+    assert "not supported by these captures" in add_headline(found)
+
+
+def test_a_message_that_fades_is_taken_back(session):
+    session.tell("stays")
+    session.fade()
+    assert session.message == "stays"
+    session.tell("fades", 0.0)
+    session.fade()
+    assert session.message == ""
+
+
+@pytest.mark.slow  # .ci/run runs it
+def test_candidates_are_told_as_they_are_found_and_the_limits_give_way(session):
+    """A task that is begun while detection limits are computed ends them, not the process."""
+    told = []
+    session.listeners.append(
+        lambda what: told.append(session.diagnosis) if what == "diagnosis" else None
+    )
+    job = session.diagnose()
+    while not job.background:
+        assert not job.over.wait(0.01)
+    assert any(not found["finished"] for found in told)
+    assert told[-1]["finished"]
+    assert not told[-1]["detection_limits"]
+    process = session.worker._process.pid
+    session.add("column_fpn").over.wait(300)
+    assert session.worker._process.pid == process
+    assert session.present.action == "add column_fpn"
 
 
 def test_a_worker_that_dies_is_a_message_and_nothing_is_lost(session):

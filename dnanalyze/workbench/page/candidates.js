@@ -22,8 +22,10 @@ export function render({ model, el }) {
       row.className = "row";
       const head = document.createElement("div");
       head.className = "head";
+      const name = text("span", c.name, "name");
+      name.append(" ", text("small", c.effect, "quiet"));
       head.append(
-        text("span", c.name, "name"),
+        name,
         text("span", c.confidence, "number"),
         text("span", c.error, "number"),
       );

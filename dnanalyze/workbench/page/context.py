@@ -54,6 +54,10 @@ class Context:
         finally:
             self.document.unhold()
 
+    def later(self, what: str) -> None:
+        """As `tell`, from the callback of a widget: these may run without the document's lock."""
+        self.back(lambda: self.tell(what))
+
     def act(self, action: Callable[[], Any]) -> None:
         """Something the user asked for, in a thread; what is wrong becomes a message."""
 

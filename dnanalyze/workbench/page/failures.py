@@ -4,37 +4,54 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import panel as pn
-from bokeh.models import ColumnDataSource, FixedTicker, Range1d, TapTool
+import param
 from matplotlib.figure import Figure
+from panel.custom import JSComponent
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.digits import number, symbol
+from dnanalyze.digits import minus, number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.figures.heatmap import draw_families, draw_heatmap
 from dnanalyze.report.words import family_title
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
+from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.figure import CurveFigure
 from dnanalyze.workbench.page.points import labelled, without_shared
-from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
+from dnanalyze.workbench.page.style import Palette, card, inner
+from dnanalyze.workbench.page.terms import explained
+from dnanalyze.workbench.worst import worst_row
 
-MOST_LETTERS = 37  # of a row's label
-SHORTER = (  # words of a label that is too long
-    ("temporal noise", "temporal"), (", over its mean", ""), (" c/px", ""),
-    (" of whole ", " whole "), (" along the ", " along "),
-    ("at the lowest three frequencies", "lowest"),
-)  # fmt: skip
-MOST_ROWS = 12  # statistics of a family in the matrix, the worst first
-LEAST, MOST = 0.1, 1000.0  # ends of the axis of errors
+MOST_ROWS = 14  # statistics of a family in the matrix, the worst first
+LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
 STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
-BAR = ("y", "error", "mark", "name", "colour", "marked")
-CELL = ("x", "y", "colour", "ink", "z", "measured", "model", "unit", "row", "where")
+GOOD = 1.3  # error up to which a family is as close as a second sensor
+NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
+
+
+class FailureTable(JSComponent):
+    """Bars of families and cells of statistics; it tells which one is clicked."""
+
+    families = param.List(default=[], doc="Mappings of texts; see failures.js.")
+    rows = param.List(default=[], doc="One a statistic.")
+    columns = param.List(default=[], doc="Labels of the operating points.")
+    corner = param.String(default="", doc="HTML at the head of the statistics.")
+    one = param.Number(default=0.0, doc="Place of the error 1 on a bar, per cent.")
+    clicked = param.Dict(default={}, doc="The family or the cell clicked last.")
+
+    _esm = Path(__file__).with_name("failures.js").read_text(encoding="utf-8")
+
+    def _handle_msg(self, message: Any) -> None:
+        if isinstance(message, dict):
+            self.clicked = message
+            self.param.trigger("clicked")
 
 
 class Failures:
@@ -43,142 +60,112 @@ class Failures:
     def __init__(self, context: Context) -> None:
         self.context = context
         p = context.palette
-        self._names: list[str] = []
-        self._bars = ColumnDataSource({k: [] for k in BAR})
-        self._cells = ColumnDataSource({k: [] for k in CELL})
-        self._addresses: list[Address] = []
-        self.bars = self._make_bars()
-        self.matrix = self._make_matrix()
-        self.figure = CurveFigure(context)
         style = [inner(p)]
+        self._names: list[str] = []
+        self._own = False  # whether the user has chosen a statistic
+        self._addresses: list[Address] = []
+        self._rows_of: list[dict[str, Any]] = []
+        self.table = FailureTable(
+            one=_place_of(1.0), stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_width",
+            margin=(2, 0, 0, 0), css_classes=["failures"], max_height=222,
+        )  # fmt: skip
+        self.table.param.watch(lambda e: context.back(lambda: self._clicked(e.new)), "clicked")
+        self.figure = CurveFigure(context)
         self.title = pn.pane.HTML("<h2>Where it fails</h2>", stylesheets=style, margin=0)
+        self.loading = pn.pane.HTML(
+            "<div class=loading>statistics of the captures …</div>", stylesheets=style, margin=0
+        )
         self.view = pn.Column(
+            styles=card(p) | {"overflow": "auto"}, sizing_mode="stretch_both", margin=0
+        )
+        self.view.extend([
             pn.Row(
                 self.title, pn.layout.HSpacer(),
                 *downloads(
                     "model_error", self._table, self._picture, style,
                     "families and statistics",
                 ),
+                enlarger(self.view, style),
                 margin=0, sizing_mode="stretch_width",
             ),
-            pn.Row(
-                pn.pane.Bokeh(self.bars, margin=0),
-                pn.pane.Bokeh(self.matrix, margin=0),
-                margin=0,
-                sizing_mode="stretch_width",
-            ),
-            self.figure.view,
-            styles=card(p),
-            sizing_mode="stretch_both",
-            margin=0,
-        )  # fmt: skip
+            self.loading, self.table, self.figure.view,
+        ])  # fmt: skip
         context.listeners.append(self.update)
 
-    def _make_bars(self) -> Any:
-        p = self.context.palette
-        made = plain_figure(
-            p,
-            width=232,
-            min_border_right=10,
-            height=236,
-            x_axis_type="log",
-            x_range=(LEAST, MOST),
-            y_range=Range1d(-0.6, 9.6),
-            x_axis_label="model error",
-            css_classes=["families"],
-            tools="tap",
-        )
-        bars = made.hbar(
-            y="y", right="error", left=LEAST, height=0.62, color="colour", source=self._bars,
-            nonselection_alpha=0.55,
-        )  # fmt: skip
-        made.scatter(x="mark", y="y", marker="dash", angle=np.pi / 2, size=17, color=p.wang,
-                     line_width=3, nonselection_alpha=1.0, source=self._bars)  # fmt: skip
-        made.ray(x=[1.0], y=[-1], angle=np.pi / 2, length=0, color=p.quiet, line_dash="4 3")
-        made.add_tools(
-            hover(p, [bars], ("family", "@name"), ("model error", "@error{0.00}"),
-                  ("@marked", "@mark{0.00}"))
-        )  # fmt: skip
-        made.select_one(TapTool).renderers = [bars]
-        made.yaxis.ticker = FixedTicker(ticks=[])
-        self._bars.selected.on_change("indices", self._family_chosen)
-        return made
-
-    def _make_matrix(self) -> Any:
-        p = self.context.palette
-        made = plain_figure(
-            p, height=236, sizing_mode="stretch_width", x_range=Range1d(-0.5, 4.5),
-            y_range=Range1d(-0.5, 3.5), tools="tap", css_classes=["matrix"],
-            x_axis_label="(measured − model) / σ",
-        )  # fmt: skip
-        cells = made.rect(
-            x="x", y="y", width=0.96, height=0.92, fill_color="colour", line_color=p.card,
-            nonselection_alpha=0.75, source=self._cells,
-        )  # fmt: skip
-        made.text(
-            x="x", y="y", text="z", text_align="center", text_baseline="middle",
-            text_font_size="10px", text_color="ink", source=self._cells,
-        )  # fmt: skip
-        made.grid.grid_line_color = None
-        made.add_tools(
-            hover(p, [cells], ("statistic", "@row"), ("operating point", "@where"),
-                  ("measured", "@measured @unit"), ("model", "@model @unit"),
-                  ("difference", "@z σ"))
-        )  # fmt: skip
-        made.select_one(TapTool).renderers = [cells]
-        made.xaxis.ticker, made.yaxis.ticker = FixedTicker(ticks=[]), FixedTicker(ticks=[])
-        self._cells.selected.on_change("indices", self._cell_chosen)
-        return made
-
-    def _family_chosen(self, attr: str, old: Any, new: list[int]) -> None:
-        if new and self._names[new[0]] != self.context.family:
-            self.context.family = self._names[new[0]]
-            self.context.address = None
+    def _clicked(self, message: dict[str, Any]) -> None:
+        context, self._own = self.context, True
+        if (family := message.get("family")) in self._names and family != context.family:
+            context.family, context.address = str(family), None
+            self._draw_families()
             self._draw_matrix()
-            self.context.tell("address")
-
-    def _cell_chosen(self, attr: str, old: Any, new: list[int]) -> None:
-        if new:
-            self.context.address = self._addresses[new[0]]
-            self.context.tell("address")
+        elif isinstance(at := message.get("cell"), int) and 0 <= at < len(self._addresses):
+            context.address = self._addresses[at]
+            context.tell("address")
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
         if what in ("evaluation", "preview", "compared"):
-            self._draw_bars()
+            self._draw_families()
         if what == "evaluation":
             self._draw_matrix()
+        if what == "address":
+            self._draw_cells()
+        if what == "diagnosis":
+            self._lead()
 
-    def _draw_bars(self) -> None:
-        shown = self.context.shown
-        if shown is None:
+    def _lead(self) -> None:
+        """Show the statistic that tells most of the effect that a diagnosis names."""
+        session, context = self.context.session, self.context
+        found, history = session.diagnosis, session.history
+        if found is None or history is None or session.evaluation is None or self._own:
             return
-        p = self.context.palette
+        if found["node"] != history.at or not found["candidates"]:
+            return
+        others = [c["effect"] for c in found["candidates"] if c["effect"] not in found["ordinary"]]
+        effect = session.known.get(others[0]) if others else None
+        row = worst_row(session.evaluation.rows, effect.fingerprint) if effect else None
+        if row is None:
+            return
+        context.family, context.address = row["family"], Address(row["name"], *_place(row))
+        self._draw_families()
+        self._draw_matrix()
+        context.tell("address")
+
+    def _draw_families(self) -> None:
+        shown, session = self.context.shown, self.context.session
+        if shown is None or session.evaluation is None:
+            return
+        self.loading.visible = False
         if not shown.preview or not self._names:
-            self._names = sorted(shown.families, key=lambda name: shown.families[name])
-        names = self._names
-        if self.context.family in names:  # the bars are sorted anew
-            self._bars.selected.indices = [names.index(self.context.family)]
-        errors = [shown.families.get(n, np.nan) for n in names]
+            self._names = sorted(shown.families, key=lambda name: -shown.families[name])
+        if self.context.family not in self._names:
+            self.context.family = family_of_worst(session.evaluation.rows)
         marked, families = self._marked()
-        marks = [families.get(n, np.nan) for n in names]
-        self._bars.data = {
-            "y": list(range(len(names))),
-            "error": [float(np.clip(e, LEAST, MOST)) for e in errors],
-            "mark": [float(np.clip(m, LEAST, MOST)) for m in marks],
-            "marked": [marked] * len(names),
-            "name": [family_title(n) for n in names],
-            "colour": [p.present if e > 1.3 else p.good for e in errors],
-        }
-        self.title.object = (
-            "<h2>Where it fails <span style='font-weight:400;font-size:11px' class=quiet>"
+        made = []
+        for name in self._names:
+            error, mark = shown.families.get(name, np.nan), families.get(name, np.nan)
+            made.append(
+                {
+                    "name": name,
+                    "title": family_title(name),
+                    "error": number(error, 3),
+                    "width": _place_of(error),
+                    "mark": None if np.isnan(mark) else _place_of(mark),
+                    "good": bool(error <= GOOD),
+                    "chosen": name == self.context.family,
+                    "tip": f"{family_title(name)}: model error {number(error)}"
+                    + ("" if np.isnan(mark) else f"; {marked}: {number(mark)}"),
+                }
+            )
+        self.table.families = made
+        p = self.context.palette
+        text = (
+            f"<h2>Where it fails {explained('family')} "
+            f"<span style='font-weight:400;font-size:11px' class=quiet>"
             f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}</span></h2>"
         )
-        self.bars.y_range.start, self.bars.y_range.end = -0.6, len(names) - 0.4
-        self.bars.yaxis.ticker.ticks = list(range(len(names)))
-        self.bars.yaxis.major_label_overrides = {
-            i: family_title(n).split(" and ")[0].split(",")[0] for i, n in enumerate(names)
-        }
+        if self.title.object != text:
+            self.title.object = text
 
     def _marked(self) -> tuple[str, Mapping[str, float]]:
         """Name and families' errors of the model that the marks show."""
@@ -188,43 +175,43 @@ class Failures:
         return "Wang 2025 model", wang.families if wang else {}
 
     def _draw_matrix(self) -> None:
-        evaluation = self.context.session.evaluation
-        if evaluation is None:
+        """The worst statistics of the chosen family; the worst cell is chosen, where none is."""
+        evaluation, context = self.context.session.evaluation, self.context
+        if evaluation is None or context.family not in evaluation.families:
             return
-        context, known = self.context, infos()
-        if context.family not in evaluation.families:
-            context.family = max(evaluation.families, key=lambda n: evaluation.families[n])
         rows = [r for r in evaluation.rows if r["family"] == context.family]
         worst: dict[str, float] = {}
         for r in rows:
             worst[r["name"]] = max(worst.get(r["name"], 0.0), abs(r["discrepancy"]))
         names = sorted(worst, key=lambda n: -worst[n])[:MOST_ROWS]
-        points = list(dict.fromkeys(_place(r) for r in rows))
-        data: dict[str, list[Any]] = {k: [] for k in self._cells.data}
-        addresses = []
-        for r in rows:
-            if r["name"] not in names:
-                continue
-            z = float(r["discrepancy"])
-            data["x"].append(points.index(_place(r)))
-            data["y"].append(len(names) - 1 - names.index(r["name"]))
-            data["colour"].append(context.palette.heat[int(np.searchsorted(STEPS, abs(z)))])
-            data["ink"].append("#ffffff" if abs(z) > STEPS[-2] else context.palette.ink)
-            data["z"].append(f"{z:.0f}" if abs(z) >= 10 else f"{z:.1f}")
-            data["measured"].append(number(r["measured"], 4))
-            data["model"].append(number(r["simulated"], 4))
-            data["unit"].append(symbol(r["unit"]))
-            data["row"].append(known[r["name"]].title)
-            data["where"].append(labelled(*_place(r)))
-            addresses.append(Address(r["name"], *_place(r)))
-        self._addresses = addresses
-        self._cells.selected.indices = []
-        self._cells.data = data
-        self._axes(names, points)
-        if context.address is None and addresses:
-            sizes = [abs(float(r["discrepancy"])) for r in rows if r["name"] in names]
-            context.address = addresses[int(np.argmax(sizes))]
+        self._rows_of = [r for name in names for r in rows if r["name"] == name]
+        self._addresses = [Address(r["name"], *_place(r)) for r in self._rows_of]
+        if context.address not in self._addresses and self._rows_of:
+            sizes = [abs(float(r["discrepancy"])) for r in self._rows_of]
+            context.address = self._addresses[int(np.argmax(sizes))]
             context.tell("address")
+        else:
+            self._draw_cells()
+
+    def _draw_cells(self) -> None:
+        context, known = self.context, infos()
+        points = list(dict.fromkeys(_place(r) for r in self._rows_of))
+        made: dict[str, dict[str, Any]] = {}
+        for i, (r, address) in enumerate(zip(self._rows_of, self._addresses, strict=True)):
+            title = known[r["name"]].title
+            row = made.setdefault(
+                r["name"],
+                {
+                    "title": html.escape(title) + explained(title),
+                    "cells": [None] * len(points),
+                },
+            )
+            row["cells"][points.index(_place(r))] = _cell(
+                r, i, address == context.address, context.palette
+            )
+        self.table.columns = without_shared([labelled(*p) for p in points])
+        self.table.corner = "(measured − model) / σ" + explained("sigma")
+        self.table.rows = list(made.values())
 
     def _rows(self) -> list[dict[str, Any]]:
         """Statistics of the model whose full error is known."""
@@ -245,17 +232,47 @@ class Failures:
             draw_heatmap(right, rows, MOST_ROWS)
         return made
 
-    def _axes(self, names: list[str], points: list[tuple[OperatingPoint, str]]) -> None:
-        made, known = self.matrix, infos()
-        made.x_range.start, made.x_range.end = -0.5, len(points) - 0.5
-        made.y_range.start, made.y_range.end = -0.5, len(names) - 0.5
-        made.xaxis.ticker.ticks = list(range(len(points)))
-        labels = without_shared([labelled(*p) for p in points])
-        made.xaxis.major_label_overrides = dict(enumerate(labels))
-        made.xaxis.major_label_orientation = 0.0 if len(points) <= 6 else 0.7
-        made.yaxis.ticker.ticks = list(range(len(names)))
-        titles = short([known[n].title for n in names])
-        made.yaxis.major_label_overrides = {len(names) - 1 - i: t for i, t in enumerate(titles)}
+
+def family_of_worst(rows: list[dict[str, Any]]) -> str:
+    """Family of the statistic that is farthest off at one operating point."""
+    return str(max(rows, key=lambda r: min(abs(r["discrepancy"]), 1e4))["family"])
+
+
+def _cell(row: dict[str, Any], index: int, chosen: bool, p: Palette) -> dict[str, Any]:
+    z = float(row["discrepancy"])
+    measured, model = plain_pair(row["measured"], row["simulated"])
+    unit = symbol(row["unit"])
+    text = f"{z:.0f}" if abs(z) >= 10 else f"{z:.1f}"
+    text = "0" if float(text) == 0 else minus(text)
+    return {
+        "z": text,
+        "colour": p.heat[int(np.searchsorted(STEPS, abs(z)))],
+        "ink": "#ffffff" if abs(z) > STEPS[-2] else p.ink,
+        "tip": f"{labelled(*_place(row))}\nmeasured {measured} {unit}\nmodel {model} {unit}\n"
+        f"difference {text} σ",
+        "index": index,
+        "chosen": chosen,
+    }
+
+
+def plain_pair(measured: Any, model: Any) -> tuple[str, str]:
+    """Two numbers to compare; 0 for what is only the rounding of the other.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.failures import plain_pair
+    >>> plain_pair(0.25, 1.11e-16)
+    ('0.25', '0')
+    """
+    least = NOTHING * max(abs(measured), abs(model))
+    one, other = (number(0.0 if abs(x) <= least else x, 4) for x in (measured, model))
+    return one, other
+
+
+def _place_of(error: float) -> float:
+    """Place of an error on a bar, per cent of its length, on a log scale."""
+    inside = float(np.clip(np.nan_to_num(error, nan=LEAST), LEAST, MOST))
+    return round(float(100 * np.log(inside / LEAST) / np.log(MOST / LEAST)), 1)
 
 
 def _place(row: Any) -> tuple[OperatingPoint, str]:
@@ -263,36 +280,34 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
     return OperatingPoint(*(row[k] for k in keys)), row["plane"]
 
 
-def short(titles: list[str]) -> list[str]:
-    """Titles that fit beside the matrix, each cut where it still differs from the others.
-
-    Examples
-    --------
-    >>> from dnanalyze.workbench.page.failures import short
-    >>> short([f"power of the temporal noise along the rows at {b} c/px" for b in ("0.1", "0.3")])
-    ['temporal along the rows at 0.1 c/px', 'temporal along the rows at 0.3 c/px']
-    >>> short(["temporal variance, 0 to 50 % quantile of the mean frame"])
-    ['temporal variance, 0 to 50 % quant …']
-    """
-    whole = [_shortened(title) for title in titles]
-    ends = [[_cut(title, share) for share in (1.0, 0.5, 0.0)] for title in whole]
-    every = [[e[way] for e in ends] for way in range(3)]
-    return [next((e[way] for way in range(3) if every[way].count(e[way]) == 1), e[1]) for e in ends]
-
-
-def _shortened(title: str) -> str:
-    """A title in fewer words, as far as needed."""
-    title = title.removeprefix("power of the ")
-    for words, fewer in SHORTER:
-        if len(title) > MOST_LETTERS:
-            title = title.replace(words, fewer)
-    return title
-
-
-def _cut(title: str, share: float) -> str:
-    """A title with so much of its letters from its beginning, the others from its end."""
-    if len(title) <= MOST_LETTERS:
-        return title
-    head = round(share * (MOST_LETTERS - 3))
-    tail = MOST_LETTERS - 3 - head
-    return " … ".join((title[:head].rstrip(), title[len(title) - tail :].lstrip())).strip()
+def _looks(p: Palette) -> str:
+    return f"""
+:host {{ overflow:auto; }}
+.pair {{ display:grid; grid-template-columns:minmax(246px, 2fr) minmax(0, 5fr); gap:10px;
+  align-content:start; }}
+button {{ font:inherit; color:inherit; border:0; background:none; cursor:pointer; padding:0; }}
+button:focus-visible {{ outline:2px solid {p.present}; outline-offset:1px; }}
+.families {{ display:flex; flex-direction:column; gap:1px; align-self:start; }}
+.family {{ display:grid; grid-template-columns:152px minmax(30px, 1fr) 34px; gap:6px;
+  align-items:center; text-align:left; padding:2px 4px; border-radius:4px; min-height:20px; }}
+.family:hover {{ background:{p.background}; }}
+.family.chosen {{ background:{p.background}; box-shadow:inset 3px 0 0 {p.present}; }}
+.family .number {{ text-align:right; font-variant-numeric:tabular-nums; }}
+.bar {{ position:relative; height:12px; background:{p.background}; border-radius:2px; }}
+.fill {{ position:absolute; inset:0 auto 0 0; background:{p.present}; border-radius:2px; }}
+.fill.good {{ background:{p.good}; }}
+.one {{ position:absolute; top:-2px; bottom:-2px; width:0; border-left:1px dashed {p.quiet}; }}
+.mark {{ position:absolute; top:-2px; bottom:-2px; width:3px; background:{p.wang}; }}
+.mark[hidden] {{ display:none; }}
+.matrix {{ min-width:0; align-self:start; }}
+table {{ border-collapse:separate; border-spacing:1px; width:100%; }}
+th {{ font-weight:400; font-size:11px; text-align:left; line-height:1.2; padding:1px 4px 1px 0; }}
+thead th {{ text-align:center; color:{p.quiet}; vertical-align:bottom; }}
+thead th:first-child {{ text-align:left; }}
+th.steep span {{ writing-mode:vertical-rl; transform:rotate(180deg); }}
+thead th span {{ white-space:nowrap; }}
+td {{ padding:0; min-width:22px; height:20px; }}
+.cell {{ width:100%; height:100%; min-height:20px; text-align:center; font-size:11px;
+  border-radius:2px; font-variant-numeric:tabular-nums; }}
+.cell.chosen {{ box-shadow:0 0 0 2px {p.ink}; position:relative; z-index:1; }}
+"""

@@ -14,7 +14,7 @@ from dnanalyze.workbench.history import History, Node, effects_apart
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
 
-WRAP = {"flex-wrap": "wrap"}  # of a row of widgets on a narrow page
+WRAP = {"flex-wrap": "wrap", "min-width": "0"}  # of a row of widgets on a narrow page
 MOST = 12  # nodes of a path in the figure; the last ones
 NONE = -1  # node that is compared with
 
@@ -31,11 +31,6 @@ class HistoryPane:
         self.source = ColumnDataSource({k: [] for k in ("x", "top", "colour", "name", "error")})
         self.figure = self._make()
         self.bars = pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90)
-        button = {"stylesheets": style, "margin": (0, 4, 0, 0)}
-        self.undo = pn.widgets.Button(name="Undo", **button)
-        self.redo = pn.widgets.Button(name="Redo", **button)
-        self.undo.on_click(lambda _: context.act(session.undo))
-        self.redo.on_click(lambda _: context.act(session.redo))
         self.node = pn.widgets.Select(options={}, width=210, stylesheets=style, margin=0)
         self.node.param.watch(self._chosen, "value")
         self.name = pn.widgets.TextInput(
@@ -75,7 +70,7 @@ class HistoryPane:
         self.view = pn.Column(
             pn.Row(
                 pn.pane.HTML("<h2>History</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
-                self.undo, self.redo, self.node, self.name, margin=0, styles=WRAP,
+                self.node, self.name, margin=0, styles=WRAP,
             ),
             self.bars,
             self.text,
@@ -141,8 +136,6 @@ class HistoryPane:
             self.name.value = history.present.name
         finally:
             self._quiet = False
-        self.undo.disabled = history.present.parent is None
-        self.redo.disabled = not history.undone
         self._compare()
         self._recipe()
 
@@ -171,7 +164,7 @@ class HistoryPane:
             )
         self.comparison.object = text
         self.context.compared = node
-        self.context.tell("compared")
+        self.context.later("compared")
 
     def _recipe(self) -> None:
         session = self.context.session

@@ -14,7 +14,9 @@ from dnanalyze.model.noise_model import model_from_plain
 from dnanalyze.report.words import number, percent
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.style import Palette, card, inner
+from dnanalyze.workbench.page.terms import plain_name
 
 MOST = 8  # candidates shown
 TICK_MS = 250  # between two readings of a task's progress
@@ -54,13 +56,9 @@ class Missing:
         self.diagnose = pn.widgets.Button(name="Diagnose", button_type="primary", **button)
         self.refine = pn.widgets.Button(name="Refine", **button)
         self.detect = pn.widgets.Button(name="Detect", **button)
-        self.cancel = pn.widgets.Button(name="Cancel", disabled=True, **button)
         self.diagnose.on_click(lambda _: context.act(session.diagnose))
         self.refine.on_click(lambda _: context.act(session.refine))
         self.detect.on_click(lambda _: context.act(session.detect))
-        self.cancel.on_click(lambda _: context.act(session.cancel))
-        self.progress = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
-        self.message = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.verdict = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.filters = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.of = pn.pane.HTML("", stylesheets=style, margin=0)
@@ -68,22 +66,31 @@ class Missing:
             stylesheets=[inner(p) + _rows(p)], sizing_mode="stretch_width", margin=0
         )
         self.list.param.watch(self._hovered, "hovered")
-        self.list.param.watch(lambda _: context.act(lambda: session.add(self.list.effect)), "added")
+        self.list.param.watch(lambda _: context.act(self._add), "added")
         self.notes = pn.pane.HTML("", stylesheets=style, margin=0, sizing_mode="stretch_width")
-        self.view = pn.Column(
+        self.view = pn.Column(styles=card(p), sizing_mode="stretch_both", margin=0)
+        self.view.extend([
             pn.Row(
                 pn.pane.HTML("<h2>What is missing</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
-                self.diagnose, self.refine, self.detect, self.cancel, margin=0,
+                self.diagnose, self.refine, self.detect, pn.layout.HSpacer(),
+                enlarger(self.view, style), margin=0, sizing_mode="stretch_width",
             ),
-            self.progress, self.message, self.filters, self.verdict, self.of,
+            self.filters, self.verdict, self.of,
             pn.Column(
                 self.list, self.notes, margin=0, sizing_mode="stretch_both",
                 styles={"overflow-y": "auto", "min-height": "0"},
             ),
-            styles=card(p), sizing_mode="stretch_both", margin=0,
-        )  # fmt: skip
+        ])  # fmt: skip
         context.listeners.append(self.update)
         pn.state.add_periodic_callback(self._tick, period=TICK_MS)
+
+    def _add(self) -> Any:
+        """Add a candidate; a search that still goes on ends."""
+        session = self.context.session
+        job = session.worker.job
+        if job is not None and not job.background and job.task.kind == "diagnose":
+            session.cancel()
+        return session.add(self.list.effect)
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
@@ -94,26 +101,14 @@ class Missing:
         elif what == "history":
             self._aged()
         elif what == "message":
-            said = html.escape(self.context.session.message)
-            self.message.object = f"<b>{said}</b>" if said else ""
             self._tick()  # a message often tells the end of a task
 
     def _tick(self) -> None:
         job = self.context.session.worker.job
-        busy = job is not None
+        busy = job is not None and not job.background
         for button in (self.diagnose, self.refine, self.detect):
             button.disabled = busy
-        self.cancel.disabled = not busy
-        self.list.busy = busy
-        text = ""
-        if job is not None:
-            text = f"{job.task.kind}: {html.escape(job.progress)} · {job.elapsed_s:.0f} s elapsed"
-            if (left := self.context.session.remaining_s(job)) is not None:
-                text += f", about {left:.0f} s left"
-            if job.first:
-                text += f"<br>{html.escape(job.first)}"
-        if text != self.progress.object:
-            self.progress.object = text
+        self.list.busy = busy and job is not None and job.task.kind != "diagnose"
 
     def _diagnosed(self) -> None:
         found = self.context.session.diagnosis
@@ -125,8 +120,8 @@ class Missing:
         self.list.rows = [
             {
                 "effect": c["effect"],
-                "name": c["effect"],
-                "confidence": percent(c["confidence"]),
+                "name": plain_name(c["effect"]),
+                "confidence": percent(c["confidence"]) if found["finished"] else "…",
                 "error": number(c["error_after"]),
                 "explained": max(0.0, min(1.0, c["explained"])),
                 "evidence": _evidence(c),
@@ -135,6 +130,12 @@ class Missing:
             for c in found["candidates"][:MOST]
         ]
         self._aged()
+        if not found["finished"]:
+            self.verdict.object = (
+                "<span class=loading>Candidates so far; the search goes on.</span>"
+            )
+            self.notes.object = ""
+            return
         words = {
             "adequate": "Adequate: no missing effect is detectable in these captures.",
             "missing": "An effect is missing.",
@@ -193,7 +194,7 @@ class Missing:
         plain = self._models.get(event.new)
         if plain is None:
             context.candidate = None
-            context.tell("candidate")
+            context.later("candidate")
             return
 
         def work() -> Any:

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import html
-import math
 from typing import Any
 
 import panel as pn
 
-from dnanalyze.digits import number, symbol
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.enlarge import enlarger
+from dnanalyze.workbench.page.parameters import ParameterRow, TableRow
 from dnanalyze.workbench.page.style import card, inner
+from dnanalyze.workbench.page.terms import plain_name
 from dnanalyze.workbench.session import Slider
 
 REST_S = 0.2  # without a move after a preview is drawn, after which the full error is computed
-SPAN = 4.0  # factor to either side of the present value that a logarithmic slider covers
-TICKS = 200  # positions of a slider
+TABLE = 4  # numbers of one parameter from which they share a plot and a slider
 
 
 class Model:
@@ -32,12 +32,13 @@ class Model:
         self._failing = False
         self._resting: Any = None
         self._rows: dict[str, ParameterRow] = {}
+        self._tables: dict[str, TableRow] = {}
         button = {"stylesheets": self.style, "margin": 0}
         self.fit = pn.widgets.Button(name="Fit", button_type="primary", width=52, **button)
         self.fit.on_click(lambda _: context.act(context.session.fit))
-        self.errors = pn.widgets.Button(name="± errors", width=68, **button)
+        self.errors = pn.widgets.Button(name="± errors", width=64, **button)
         self.errors.on_click(lambda _: context.act(context.session.standard_errors))
-        self.add_name = pn.widgets.Select(options=[], width=120, **button)
+        self.add_name = pn.widgets.Select(options={}, width=106, **button)
         self.add = pn.widgets.Button(name="Add", width=50, **button)
         self.add.on_click(lambda _: self._add())
         self.list = pn.Column(
@@ -48,18 +49,23 @@ class Model:
                 "overflow-x": "hidden",
                 "min-height": "0",
                 "padding-right": "4px",
-                "margin-top": "4px",
+                "padding-top": "16px",  # the bubble of the first slider
             },
         )
-        self.view = pn.Column(
+        self.loading = pn.pane.HTML(
+            "<div class=loading>the starting model follows from the statistics …</div>",
+            stylesheets=self.style, margin=0,
+        )  # fmt: skip
+        self.view = pn.Column(styles=card(p), sizing_mode="stretch_both", margin=0)
+        self.view.extend([
             pn.Row(
                 pn.pane.HTML("<h2>Model</h2>", stylesheets=self.style, margin=(3, 6, 0, 0)),
                 self.fit, self.errors, pn.layout.HSpacer(), self.add_name, self.add,
+                enlarger(self.view, self.style),
                 margin=0, sizing_mode="stretch_width",
             ),
-            self.list,
-            styles=card(p), sizing_mode="stretch_both", margin=0,
-        )  # fmt: skip
+            self.loading, self.list,
+        ])  # fmt: skip
         context.listeners.append(self.update)
 
     def update(self, what: str) -> None:
@@ -77,28 +83,55 @@ class Model:
         model = session.present.model
         self._draft = None
         present = set(model.names)
-        self.add_name.options = [n for n in sorted(session.known) if n not in present]
+        self.loading.visible = False
+        self.add_name.options = {
+            plain_name(n): n for n in sorted(session.known) if n not in present
+        }
         sliders = session.sliders()
-        shape = [(s.knob.name, s.pinned) for s in sliders], tuple(model.names)
+        shape = [s.knob.name for s in sliders], tuple(model.names), tuple(session.removed)
         if shape == self._drawn:
-            for slider in sliders:
-                self._rows[slider.knob.name].set(slider)
+            self._set(sliders)
             return
         self._drawn = shape
-        self._rows = {}
+        self._rows, self._tables = {}, {}
         made: list[Any] = []
         by_effect: dict[str, list[Slider]] = {}
         for slider in sliders:
             by_effect.setdefault(slider.knob.effect, []).append(slider)
-        for slider in by_effect.pop("pedestal", []):
-            made.append(self._row(slider))
+        made += self._parameters(by_effect.pop("pedestal", []))
         for effect in model.chain:
             made.append(self._header(effect, True))
-            made += [self._row(s) for s in by_effect.get(effect.name, [])]
+            made += self._parameters(by_effect.get(effect.name, []))
         for name in session.removed:
             if name not in present:
                 made.append(self._header(session.known[name], False))
         self.list.objects = made
+
+    def _parameters(self, sliders: list[Slider]) -> list[Any]:
+        """Rows of an effect; numbers over many operating points share one."""
+        groups: dict[str, list[Slider]] = {}
+        for slider in sliders:
+            groups.setdefault(slider.knob.group, []).append(slider)
+        made = []
+        for name, group in groups.items():
+            if len(group) >= TABLE:
+                table = TableRow(group, self.context.palette, self._move, self._pin)
+                self._tables[name] = table
+                made.append(table.view)
+            else:
+                made += [self._row(s) for s in group]
+        return made
+
+    def _set(self, sliders: list[Slider]) -> None:
+        """Show other values of the same parameters."""
+        groups: dict[str, list[Slider]] = {}
+        for slider in sliders:
+            if slider.knob.name in self._rows:
+                self._rows[slider.knob.name].set(slider)
+            else:
+                groups.setdefault(slider.knob.group, []).append(slider)
+        for name, group in groups.items():
+            self._tables[name].set(group)
 
     def _header(self, effect: Any, present: bool) -> Any:
         session = self.context.session
@@ -113,8 +146,10 @@ class Model:
         box.param.watch(switched, "value")
         physics = html.escape(" ".join(effect.physics.split()) or effect.summary)
         text = (
-            f"<details><summary><b>{html.escape(effect.name)}</b> "
-            f"<span class=quiet>{html.escape(effect.summary)}</span></summary>"
+            f"<details><summary><b>{html.escape(plain_name(effect.name))}</b> "
+            f"<small class=quiet>{html.escape(effect.name)}</small></summary>"
+            f"<div class=quiet style='font-size:11px;padding-left:10px'>"
+            f"{html.escape(effect.summary)}</div>"
             f"<div style='font-size:11px;padding:2px 0 4px 10px'>{physics}<br>"
             f"<i>{html.escape(effect.formula)}</i></div></details>"
         )
@@ -181,115 +216,3 @@ class Model:
         model, name = self._draft, self._moved
         if model is not None:
             self.context.act(lambda: self.context.session.adopt(model, f"set {name}"))
-
-
-class LiveSlider(pn.widgets.FloatSlider):
-    """A slider whose moves are told at once.
-
-    Panel waits 50 ms for further moves; here a move replaces the one that still waits for its
-    preview.
-    """
-
-    _debounce = 0
-
-
-class ParameterRow:
-    """One parameter: name, slider, number with unit, pin."""
-
-    def __init__(self, slider: Slider, style: list[str], move: Any, pin: Any) -> None:
-        self.slider = slider
-        self._move = move
-        self._quiet = False
-        self._value = math.nan
-        knob = slider.knob
-        label = slider.label or knob.name
-        unit = (
-            f" <span class=quiet>{html.escape(symbol(knob.unit))}</span>"
-            if symbol(knob.unit)
-            else ""
-        )
-        tip = f"{knob.lower:.4g} to {knob.upper:.4g} {knob.unit}".strip()
-        name = f"<span title='{html.escape(tip)}'>{html.escape(label)}{unit}</span>"
-        self.bar = LiveSlider(
-            start=0, end=1, step=1 / TICKS, value=0.5, show_value=False, name="",
-            stylesheets=style, margin=0, sizing_mode="stretch_width",
-        )  # fmt: skip
-        self.number = pn.widgets.TextInput(value="", width=66, stylesheets=style, margin=0)
-        self.pin = pn.widgets.Toggle(
-            name="📌" if slider.pinned else "○", value=slider.pinned, width=26, margin=0,
-            stylesheets=style,
-        )  # fmt: skip
-        self.bar.param.watch(self._slid, "value")
-        self.number.param.watch(self._typed, "value")
-        owner = knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
-        self.pin.param.watch(lambda e: pin(owner, e.new), "value")
-        self.error = pn.pane.HTML("", stylesheets=style, margin=(4, 2, 0, 3), width=54)
-        self.view = pn.Row(
-            pn.pane.HTML(name, stylesheets=style, margin=(3, 0, 0, 18), width=112),
-            self.bar, self.number, self.error, self.pin,
-            margin=0, sizing_mode="stretch_width", height=26, css_classes=["parameter"],
-        )  # fmt: skip
-        self.set(slider)
-
-    def set(self, slider: Slider) -> None:
-        """Show another value without telling anyone.
-
-        The slider keeps its range where it stands at that value already: a handle that is being
-        moved must not jump.
-        """
-        stands = slider.value == self._value
-        self.slider, self._value = slider, slider.value
-        self.error.object = (
-            "" if slider.se is None else f"<span class=quiet>± {number(slider.se, 2)}</span>"
-        )
-        if stands:
-            return
-        self._low, self._high = _range(slider)
-        self._quiet = True
-        try:
-            self.bar.value = self._share(slider.knob.position(slider.value))
-            self.number.value = f"{slider.value:.4g}"
-        finally:
-            self._quiet = False
-
-    def _share(self, position: float) -> float:
-        return min(1.0, max(0.0, (position - self._low) / (self._high - self._low)))
-
-    def _slid(self, event: Any) -> None:
-        if self._quiet:
-            return
-        knob = self.slider.knob
-        value = knob.plain(self._low + event.new * (self._high - self._low))
-        self._quiet = True
-        try:
-            self.number.value = f"{value:.4g}"
-            self.error.object = ""  # it was that of the fitted value
-        finally:
-            self._quiet = False
-        self._value = value
-        self._move(knob.name, value)
-
-    def _typed(self, event: Any) -> None:
-        if self._quiet:
-            return
-        try:
-            value = float(event.new)
-            if not math.isfinite(value):
-                raise ValueError
-        except ValueError:
-            self.set(self.slider)
-            return
-        self._move(self.slider.knob.name, value)
-
-
-def _range(slider: Slider) -> tuple[float, float]:
-    """Ends of a slider on the parameter's own scale, within its bounds."""
-    knob, value = slider.knob, slider.value
-    at = knob.position(value)
-    reach = math.log(SPAN) if knob.log else max(abs(value), 0.05 * _span(knob.lower, knob.upper))
-    low, high = knob.inside(at - reach), knob.inside(at + reach)
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
-
-
-def _span(low: float, high: float) -> float:
-    return min(high - low, 20.0)

@@ -10,9 +10,7 @@ import panel as pn
 from bokeh.models import BasicTicker, ColumnDataSource, FixedTicker
 from matplotlib.figure import Figure
 
-from dnanalyze.model.simulate import simulate
 from dnanalyze.report.words import celsius
-from dnanalyze.workbench import frames
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
@@ -28,11 +26,9 @@ class Pixel:
     Parameters
     ----------
     context : Context
-    width, height : int
-        Of the figure of frames, screen pixels.
     """
 
-    def __init__(self, context: Context, width: int, height: int) -> None:
+    def __init__(self, context: Context) -> None:
         self.context = context
         p = context.palette
         self._latest = Latest(context.back)
@@ -41,12 +37,11 @@ class Pixel:
         self._at: tuple[int, int] | None = None
         self._frames, self._points = _sources(), _sources()
         self.over_frames = self._figure(
-            self._frames, width=width, height=height, x_axis_label="frame"
+            self._frames, sizing_mode="stretch_both", x_axis_label="frame"
         )
         self.over_frames.xaxis.ticker = BasicTicker(min_interval=1)
         self.over_points = self._figure(
-            self._points, sizing_mode="stretch_both", min_height=110,
-            x_axis_label="operating point",
+            self._points, sizing_mode="stretch_both", x_axis_label="operating point",
             x_range=(-0.5, len(context.session.captures.settings) - 0.5),
         )  # fmt: skip
         settings = context.session.captures.settings
@@ -56,15 +51,21 @@ class Pixel:
             i: str(i) if s.point.temperature_c is None else celsius(s.point.temperature_c)
             for i, s in enumerate(settings)
         }
+        style = [inner(p)]
         self.title = pn.pane.HTML(
             "<span class=quiet>A click on a pixel shows its values.</span>",
-            stylesheets=[inner(p)], margin=(2, 0, 0, 0), css_classes=["pixel"],
+            stylesheets=style, margin=(2, 0, 0, 0), css_classes=["pixel"],
+            sizing_mode="stretch_width",
         )  # fmt: skip
-        style = [inner(p)]
-        self.title_bar = pn.Row(
-            self.title, pn.layout.HSpacer(),
-            *downloads("pixel", self._table, self._picture, style, "values of the pixel"),
-            margin=0, sizing_mode="stretch_width",
+        self.view = pn.Column(
+            pn.Row(
+                self.title,
+                *downloads("pixel", self._table, self._picture, style, "values of the pixel"),
+                margin=0, sizing_mode="stretch_width",
+            ),
+            pn.pane.Bokeh(self.over_points, margin=0, sizing_mode="stretch_both", min_height=90),
+            pn.pane.Bokeh(self.over_frames, margin=0, sizing_mode="stretch_both", min_height=90),
+            margin=0, sizing_mode="stretch_both", styles={"min-height": "0"},
         )  # fmt: skip
         context.listeners.append(self.update)
 
@@ -89,18 +90,11 @@ class Pixel:
     def show(self, row: int, column: int, setting: int) -> None:
         """Take the values of a pixel and draw them."""
         session, shown = self.context.session, self.context.shown
-        captures = session.pictured
+        model = None if shown is None else shown.model
         self._at, self._setting = (row, column), setting
 
         def work() -> Any:
-            found = {"measured": frames.pixel(captures, row, column)}
-            if shown is not None:
-                most = frames.MOST_FRAMES
-                layout = [(s.point, min(len(s.frames), most)) for s in captures.settings]
-                sensor = captures.sensor
-                made = simulate(shown.model.in_codes, sensor.shape, layout, "simulation", sensor)
-                found["simulated"] = frames.pixel(made, row, column)
-            return found
+            return session.pictures.pixel(row, column, model)
 
         def draw(found: Any) -> None:
             p = self.context.palette

@@ -1,84 +1,141 @@
-"""A plot of curves by layer, for one kind of axes."""
+"""A plot of curves by layer; one figure, whose axes change with what is shown."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bokeh.models import ColumnDataSource, CustomJS, FixedTicker, Whisker
+import numpy as np
+from bokeh.models import (
+    BasicTicker,
+    BasicTickFormatter,
+    BoxAnnotation,
+    ColumnDataSource,
+    FixedTicker,
+    LinearScale,
+    LogScale,
+    LogTicker,
+    LogTickFormatter,
+    Range1d,
+    Span,
+    Whisker,
+)
 
-from dnanalyze.workbench.curves import Address, Axes
+from dnanalyze.workbench.curves import Axes, Curve, Mark
 from dnanalyze.workbench.page.points import without_shared
 from dnanalyze.workbench.page.style import Palette, hover, plain_figure
 
 LAYERS = ("measured", "Wang 2025 model", "present model", "candidate")
 EMPTY: dict[str, list[float]] = {"x": [], "y": [], "low": [], "high": []}
-
-
-@dataclass(frozen=True)
-class Kind:
-    """What cannot be changed on a plot: the scales, and whether the abscissa has names."""
-
-    log_x: bool
-    log_y: bool
-    named: bool
+MARGIN = 0.04  # of an axis beyond the curves, on its scale
+MOST_MARKS = 12  # frequencies that a figure marks
 
 
 class CurvePlot:
     """A Bokeh figure of the layers.
 
+    Scales, tickers and ranges of the one figure are exchanged: a second figure could be drawn over
+    the first while a browser is behind.
+
     Parameters
     ----------
     palette : Palette
-    kind : Kind
-    sources : mapping
-        Data of each layer: x, y, and the ends of the error band, low and high.
+    name : str
+        Prefix of the names of its data sources.
     """
 
-    def __init__(self, palette: Palette, kind: Kind, sources: dict[str, ColumnDataSource]) -> None:
+    def __init__(self, palette: Palette, name: str = "curve") -> None:
         p = palette
-        self.kind = kind
+        self.sources = {
+            layer: ColumnDataSource(dict(EMPTY), name=f"{name} of {layer}") for layer in LAYERS
+        }
         self.figure = made = plain_figure(
             p, sizing_mode="stretch_both", tools="pan,wheel_zoom,box_zoom,reset",
-            x_axis_label=" ", y_axis_label=" ",
-            x_axis_type="log" if kind.log_x else "linear",
-            y_axis_type="log" if kind.log_y else "linear",
+            x_axis_label=" ", y_axis_label=" ", x_range=Range1d(0, 1), y_range=Range1d(0, 1),
+            name=name,
         )  # fmt: skip
+        self._axes = (_Axis(made, "x"), _Axis(made, "y"))
         looks = {
             "measured": (p.ink, "solid", 1.6),
             "Wang 2025 model": (p.wang, "8 3", 1.8),
             "present model": (p.present, "solid", 2.2),
             "candidate": (p.candidate, "2 2", 2.4),
         }
-        measured = sources["measured"]
-        if kind.named:
-            made.xaxis.ticker = FixedTicker(ticks=[])
-            made.add_layout(
-                Whisker(source=measured, base="x", upper="high", lower="low", line_color=p.ink)
-            )
-        else:
-            made.varea(
-                x="x", y1="low", y2="high", source=measured, fill_color=p.ink, fill_alpha=0.16
-            )
-        drawn = []
-        for name, (colour, dash, width) in looks.items():
-            drawn.append(
-                made.line("x", "y", source=sources[name], color=colour, line_dash=dash,
-                          line_width=width, legend_label=name, name=name)
+        measured = self.sources["measured"]
+        self._band = made.varea(
+            x="x", y1="low", y2="high", source=measured, fill_color=p.ink, fill_alpha=0.16
+        )
+        self._whisker = Whisker(
+            source=measured, base="x", upper="high", lower="low", line_color=p.ink, visible=False
+        )
+        made.add_layout(self._whisker)
+        self._lines, self._dots = {}, []
+        for layer, (colour, dash, width) in looks.items():
+            self._lines[layer] = made.line(
+                "x", "y", source=self.sources[layer], color=colour, line_dash=dash,
+                line_width=width, legend_label=layer, name=layer,
             )  # fmt: skip
-            if kind.named:
-                made.scatter("x", "y", source=sources[name], color=colour, size=6)
-        self._hover = hover(p, drawn, ("", "$name"), mode="mouse")
+            self._dots.append(
+                made.scatter("x", "y", source=self.sources[layer], color=colour, size=6,
+                             visible=False)
+            )  # fmt: skip
+        self._marks = ColumnDataSource({"x": [], "y": [], "text": []})
+        self._spans = [
+            Span(dimension="height", line_color=p.quiet, line_dash="3 3", visible=False)
+            for _ in range(MOST_MARKS)
+        ]
+        self._box = BoxAnnotation(fill_color=p.candidate, fill_alpha=0.08, visible=False,
+                                  level="underlay")  # fmt: skip
+        for annotation in (*self._spans, self._box):
+            made.add_layout(annotation)
+        made.text("x", "y", "text", source=self._marks, text_color=p.quiet, angle=np.pi / 2,
+                  text_font_size="10px", text_align="right", x_offset=-2)  # fmt: skip
+        self._hover = hover(p, list(self._lines.values()), ("", "$name"), mode="mouse")
         made.add_tools(self._hover)
         _legend(made, p)
-        made.js_on_change("tags", CustomJS(code="cb_obj.reset.emit()"))  # forget the zoom
+        self._subject: Any = None
+        self._whole: list[tuple[float, float]] = []
 
-    def label(self, axes: Axes, labels: list[str], address: Address) -> None:
-        """Name the axes; a statistic that was not shown before is shown whole."""
-        made = self.figure
-        if self.kind.named:
-            made.xaxis.ticker.ticks = list(range(len(labels)))
-            made.xaxis.major_label_overrides = dict(enumerate(without_shared(labels)))
+    def show(
+        self,
+        axes: Axes,
+        labels: Sequence[str],
+        curves: Mapping[str, Curve],
+        subject: object,
+        marks: Sequence[Mark] = (),
+        band: tuple[float, float] | None = None,
+    ) -> None:
+        """Draw curves, and only what has changed.
+
+        Parameters
+        ----------
+        axes : Axes
+        labels : sequence of str
+            Names of the places 0, 1, ... on the abscissa; none for a continuous one.
+        curves : mapping
+            By layer; the others are empty.
+        subject : object
+            What is shown. A new one is shown whole; of the same, a zoom by the user is kept.
+        marks : sequence of Mark
+            Places on the abscissa.
+        band : (float, float), optional
+            Part of the abscissa that is shaded.
+        """
+        made, fresh = self.figure, subject != self._subject
+        self._subject = subject
+        for axis, log in zip(self._axes, (axes.log_x, axes.log_y), strict=True):
+            axis.scaled(log)
+        self._axes[0].named(without_shared(list(labels)) if labels else [])
+        for name, source in self.sources.items():
+            c = curves.get(name)
+            data = dict(EMPTY) if c is None else {k: getattr(c, k) for k in EMPTY}
+            if not _same(source.data, data):  # a preview changes one layer: the others stay drawn
+                source.data = data
+        self._limit(axes, list(curves.values()), len(labels), fresh)
+        for shown, glyphs in ((not labels, [self._band]), (bool(labels), self._dots)):
+            for glyph in glyphs:
+                glyph.visible = shown
+        self._whisker.visible = bool(labels)
         if (made.xaxis[0].axis_label, made.yaxis[0].axis_label) != (axes.x, axes.y):
             made.xaxis.axis_label, made.yaxis.axis_label = axes.x, axes.y
             self._hover.tooltips = [
@@ -89,9 +146,118 @@ class CurvePlot:
         for item in made.legend[0].items:  # an empty curve has no line in the legend
             (line,) = item.renderers
             item.visible = bool(len(line.data_source.data["x"]))
-        shown = [str(address)]
-        if made.tags != shown:
-            made.tags = shown
+        self._mark(marks)
+        if band is not None:
+            self._box.left, self._box.right = band
+        self._box.visible = band is not None
+
+    def _limit(self, axes: Axes, curves: Sequence[Curve], places: int, fresh: bool) -> None:
+        """Ranges that show the curves whole, and the errors of the measured one."""
+        x = [(-0.5, places - 0.5)] if places else [_ends(c.x, axes.log_x) for c in curves]
+        y = [_ends(c.y, axes.log_y) for c in curves]
+        whole = [_wide(x, axes.log_x, 0.0 if places else MARGIN), _wide(y, axes.log_y, MARGIN)]
+        ranges = self.figure.x_range, self.figure.y_range
+        zoomed = not fresh and any(
+            not np.allclose((r.start, r.end), was, rtol=1e-6)
+            for r, was in zip(ranges, self._whole, strict=True)
+        )
+        if self._whole and not fresh:  # a preview does not make the axes jump unless it must
+            whole = [
+                was if was[0] <= now[0] and was[1] >= now[1] else now
+                for was, now in zip(self._whole, whole, strict=True)
+            ]
+        self._whole = whole
+        for r, (low, high) in zip(ranges, whole, strict=True):
+            if (r.reset_start, r.reset_end) != (low, high):
+                r.reset_start, r.reset_end = low, high
+            if not zoomed and (r.start, r.end) != (low, high):
+                r.start, r.end = low, high
+
+    def _mark(self, marks: Sequence[Mark]) -> None:
+        shown = list(marks)[:MOST_MARKS]
+        top = self.figure.y_range.end
+        data = {
+            "x": [m.x for m in shown], "y": [top] * len(shown), "text": [m.text for m in shown]
+        }  # fmt: skip
+        if self._marks.data != data:
+            self._marks.data = data
+        for i, span in enumerate(self._spans):
+            visible = i < len(shown)
+            if visible and span.location != shown[i].x:
+                span.location = shown[i].x
+            if span.visible != visible:
+                span.visible = visible
+
+
+class _Axis:
+    """One axis of a figure: its scale, ticks and grid, linear, logarithmic or of named places."""
+
+    def __init__(self, figure: Any, which: str) -> None:
+        self._figure, self._which = figure, which
+        self._axis = figure.xaxis[0] if which == "x" else figure.yaxis[0]
+        self._grid = figure.xgrid[0] if which == "x" else figure.ygrid[0]
+        self._scales = {False: LinearScale(), True: LogScale()}
+        self._tickers = {
+            False: BasicTicker(),
+            True: LogTicker(mantissas=[1, 2, 5], num_minor_ticks=0),
+        }
+        self._formatters = {
+            False: BasicTickFormatter(use_scientific=False),
+            True: LogTickFormatter(),
+        }
+        self._places = FixedTicker(ticks=[])
+
+    def scaled(self, log: bool) -> None:
+        """Set the scale, with ticks of its kind."""
+        name = f"{self._which}_scale"
+        if getattr(self._figure, name) is not self._scales[log]:
+            setattr(self._figure, name, self._scales[log])
+        self._ticks(self._tickers[log])
+        if self._axis.formatter is not self._formatters[log]:
+            self._axis.formatter = self._formatters[log]
+
+    def named(self, labels: Sequence[str]) -> None:
+        """Name places; none: the ticks of the scale."""
+        names = dict(enumerate(labels))
+        if self._axis.major_label_overrides != names:
+            self._axis.major_label_overrides = names
+            self._axis.major_label_orientation = "horizontal" if len(labels) <= 6 else 0.7
+        if labels:
+            if self._places.ticks != list(names):
+                self._places.ticks = list(names)
+            self._ticks(self._places)
+
+    def _ticks(self, ticker: Any) -> None:
+        for part in (self._axis, self._grid):
+            if part.ticker is not ticker:
+                part.ticker = ticker
+
+
+def _ends(values: Any, log: bool) -> tuple[float, float]:
+    """Least and largest value that an axis can show; NaN where there is none."""
+    x = np.asarray(values, float)
+    x = x[np.isfinite(x) & ((x > 0) | (not log))]
+    return (float(x.min()), float(x.max())) if x.size else (np.nan, np.nan)
+
+
+def _wide(ends: Sequence[tuple[float, float]], log: bool, margin: float) -> tuple[float, float]:
+    """A range over several others, with a margin on its scale; never empty."""
+    found = np.array([e for e in ends if np.isfinite(e[0])], float)
+    if not found.size:
+        return (0.1, 1.0) if log else (0.0, 1.0)
+    low, high = found[:, 0].min(), found[:, 1].max()
+    if log:
+        low, high = np.log10(low), np.log10(high)
+    if high - low < 1e-9 * max(abs(low), abs(high), 1e-9):
+        low, high = low - 0.5, high + 0.5
+    reach = margin * (high - low)
+    low, high = low - reach, high + reach
+    return (float(10**low), float(10**high)) if log else (float(low), float(high))
+
+
+def _same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether two tables of a layer hold the same numbers."""
+    return all(np.array_equal(one[k], other[k], equal_nan=True) for k in EMPTY)
 
 
 def _legend(made: Any, p: Palette) -> None:

@@ -1,51 +1,40 @@
-"""The sensor: operating points, frames measured and simulated, and the values of a pixel."""
+"""The sensor: frames measured, simulated and their difference, with the histogram or a pixel."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections import OrderedDict
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import panel as pn
-from bokeh.events import Tap
-from bokeh.models import (
-    BasicTicker,
-    ColorBar,
-    ColumnDataSource,
-    FixedTicker,
-    LinearColorMapper,
-    Range1d,
-    TapTool,
-)
-from bokeh.palettes import cividis, gray
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import Window
-from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
-from dnanalyze.report.words import celsius, number
+from dnanalyze.report.words import plural
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
+from dnanalyze.workbench.page.enlarge import enlarger
+from dnanalyze.workbench.page.histogram import Histogram
+from dnanalyze.workbench.page.images import MAPS, NAMES, Grid, Images
 from dnanalyze.workbench.page.pixel import Pixel
-from dnanalyze.workbench.page.points import labelled
-from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
+from dnanalyze.workbench.page.points import labelled, without_shared
+from dnanalyze.workbench.page.style import card, inner
+from dnanalyze.workbench.pictures import Picture
+from dnanalyze.workbench.worst import worst_view
 
-HELD = 6  # whole images kept: a view's measured and simulated ones
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
-MARGINS = 46, 82  # of an image's figure around the image: axes, title and colour bar
-WIDTH, HEIGHT = 150, 166  # of an image side by side at most, screen pixels
-LEAST = 100  # width and height of an image: its title and its ticks need them
-ALONE = 350  # width and height of an image alone at most
-SAMPLES = 192, 384  # rows and columns that are sent of an image at most: side by side, alone
-MAPS = {"grey": gray(256), "cividis": cividis(256)}
+FEWEST = 420  # rows and columns that are sent of an image; means would hide every second column
+MOST = 900  # the same in a large figure
+SIDES = "histogram", "pixel"
+MODES = "side by side", "swipe", "blink"
 
 
 class Sensor:
@@ -54,360 +43,330 @@ class Sensor:
     def __init__(self, context: Context) -> None:
         self.context = context
         p = context.palette
-        self.captures = context.session.pictured
-        self.shape = self.captures.sensor.shape
-        self._held: OrderedDict[Any, np.ndarray] = OrderedDict()
+        self.pictures = context.session.pictures
+        self.captures = self.pictures.captures
         self._latest = Latest(context.back)
         self._asked_s = -math.inf
         self._timer: Any = None
-        style = [inner(p)]
-        settings = self.captures.settings
-        most = max(len(s.frames) for s in settings)
-        self.view_of = View()
-        self.kind = pn.widgets.Select(
-            options=list(frames.KINDS), value="frame", width=112, stylesheets=style, margin=0
-        )
-        self.frame = pn.widgets.IntInput(
-            value=0, start=0, end=most - 1, width=52, stylesheets=style, margin=0
-        )
-        self.plane = pn.widgets.Select(
-            options={n or "all pixels": n for n in frames.planes(self.captures.sensor.cfa)},
-            width=88, stylesheets=style, margin=0, visible=self.captures.sensor.cfa is not None,
-        )  # fmt: skip
-        self.colours = pn.widgets.Select(
-            options=list(MAPS), value="grey", width=78, stylesheets=style, margin=0
-        )
-        self.mode = pn.widgets.RadioButtonGroup(
-            options=["side by side", "swipe", "blink"], value="side by side", stylesheets=style,
-            margin=0, width=185,
-        )  # fmt: skip
-        self.contrast = pn.widgets.RangeSlider(
-            name="contrast %", start=0, end=100, step=0.5, value=frames.CONTRAST,
-            width=130, stylesheets=style, margin=(0, 6, 0, 6),
-        )  # fmt: skip
-        self.swipe = pn.widgets.FloatSlider(
-            name="measured | simulated", start=0, end=1, step=0.01, value=0.5,
-            show_value=False, stylesheets=style, margin=(0, 6, 4, 6), visible=False,
-            sizing_mode="stretch_width",
-        )  # fmt: skip
-        for widget in (self.kind, self.frame, self.plane, self.colours, self.contrast, self.mode):
-            widget.param.watch(lambda _: self._changed(), "value")
-        self.swipe.param.watch(lambda _: self._swiped(), "value")
-        self.range_x = Range1d(0, self.shape[1], bounds=(0, self.shape[1]))
-        self.range_y = Range1d(self.shape[0], 0, bounds=(0, self.shape[0]))
-        self.mapper = LinearColorMapper(MAPS["grey"], low=0, high=1, nan_color=p.card)
-        self.difference = LinearColorMapper(_diverging(p.name), low=-1, high=1, nan_color=p.card)
-        self._colour_bars: list[ColorBar] = []
-        self._shown: dict[str, np.ndarray] = {}
+        self._turned = False
+        self._own = False  # whether the user has chosen a view
+        self._quiet = False
         self._drawn: Any = None
-        self.sources = {
-            name: ColumnDataSource({"image": [], "x": [], "y": [], "dw": [], "dh": []})
-            for name in ("measured", "simulated", "difference")
+        self._shown: Picture | None = None
+        self._ends: tuple[float, float] = (0.0, 1.0)
+        style = self._style = [inner(p)]
+        self._make_controls(style)
+        self.images = Images(p, self.captures.sensor.shape, self._pixel, self._changed)
+        self.histogram = Histogram(context)
+        self.pixel = Pixel(context)
+        self._panes = {
+            n: pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_both")
+            for n, f in self.images.figures.items()
         }
-        self.figures = {name: self._image(name) for name in self.sources}
-        self.pixel = Pixel(context, WIDTH + MARGINS[0], HEIGHT + MARGINS[1])
-        self._first_pixel = True
-        images = [pn.pane.Bokeh(f, margin=0) for f in self.figures.values()]
-        self.over_frames = pn.pane.Bokeh(self.pixel.over_frames, margin=0)
-        self.upper = pn.Row(*images[:2], margin=0)
-        self.lower = pn.Row(images[2], self.over_frames, margin=0)
-        self.points = self._points()
+        self.side = pn.Column(
+            pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
+            sizing_mode="stretch_both",
+        )  # fmt: skip
+        self.pixel.view.visible = False
         self.view = pn.Column(
+            styles=card(p) | {"overflow": "hidden"}, sizing_mode="stretch_both", margin=0
+        )
+        self.view.extend([
             pn.Row(
-                pn.pane.HTML("<h2>Sensor</h2>", stylesheets=style, margin=0),
+                pn.pane.HTML("<h2>Frames</h2>", stylesheets=style, margin=(3, 6, 0, 0)),
+                self.point, self.kind, self.frame, self.plane, self.mode, self.swipe,
+                self.colours, self.low, self.high, self.auto, self.hot,
                 pn.layout.HSpacer(),
                 *downloads("frames", self._table, self._picture, style, "the images"),
-                margin=0, sizing_mode="stretch_width",
+                enlarger(self.view, style),
+                margin=(0, 0, 4, 0), sizing_mode="stretch_width",
+                styles={"flex-wrap": "wrap", "row-gap": "3px", "min-width": "0"},
             ),
-            pn.pane.Bokeh(self.points, margin=0),
-            pn.Row(self.kind, self.frame, self.plane, self.colours, margin=(2, 0, 2, 0)),
-            pn.Row(self.mode, self.contrast, margin=(0, 0, 4, 0)),
-            self.swipe,
-            self.upper,
-            self.lower,
-            self.pixel.title_bar,
-            pn.pane.Bokeh(
-                self.pixel.over_points, margin=0, sizing_mode="stretch_both", min_height=110
+            pn.Column(
+                *self._panes.values(), self.side, sizing_mode="stretch_both", margin=0,
+                stylesheets=[GRID], css_classes=["images"],
             ),
-            styles=card(p), sizing_mode="stretch_both", margin=0,
-        )  # fmt: skip
-        for name in ("start", "end"):
-            self.range_x.on_change(name, self._moved)
-            self.range_y.on_change(name, self._moved)
+        ])  # fmt: skip
         context.listeners.append(self.update)
+        self._choose_view(self.view_of)
         self._changed()
 
-    def _image(self, name: str) -> Any:
-        p = self.context.palette
-        mapper = self.difference if name == "difference" else self.mapper
-        made = plain_figure(
-            p, width=WIDTH + MARGINS[0], height=HEIGHT + MARGINS[1], x_range=self.range_x,
-            y_range=self.range_y, tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom",
-            title=f"{name} [DN]", css_classes=[name], x_axis_label="column", y_axis_label="row",
+    def _make_controls(self, style: list[str]) -> None:
+        settings = self.captures.settings
+        labels = without_shared([labelled(s.point) for s in settings])
+        small = {"stylesheets": style, "margin": (0, 4, 0, 0)}
+        self.view_of = View()
+        self.point = pn.widgets.Select(
+            options={
+                f"{label}  ({plural(len(s.frames), 'frame')})": i
+                for i, (label, s) in enumerate(zip(labels, settings, strict=True))
+            },
+            value=0, width=190, css_classes=["point"], **small,
         )  # fmt: skip
-        made.title.text_font_size = "11px"
-        made.title.text_color = p.ink
-        made.title.text_font_style = "normal"
-        image = made.image("image", source=self.sources[name], x="x", y="y", dw="dw", dh="dh",
-                           color_mapper=mapper)  # fmt: skip
-        made.grid.visible = False
-        made.axis.major_label_text_font_size = made.axis.axis_label_text_font_size = "9px"
-        made.axis.axis_label_standoff = 0
-        made.axis.ticker = BasicTicker(desired_num_ticks=3)
-        bar = ColorBar(
-            color_mapper=mapper, height=7, width=132, padding=1, margin=0,
-            major_label_text_font_size="9px", major_label_text_color=p.ink,
-            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=3),
-            orientation="horizontal", bar_line_color=None,
-        )  # fmt: skip
-        made.add_layout(bar, "below")
-        self._colour_bars.append(bar)
-        made.add_tools(hover(p, [image], ("column, row", "$x{0}, $y{0}"), (name, "@image{0.0} DN")))
-        made.on_event(Tap, self._tapped)
-        return made
-
-    def _points(self) -> Any:
-        """Operating points: temperature across, everything else down."""
-        p, settings = self.context.palette, self.captures.settings
-        rest = list(dict.fromkeys(_rest(s.point) for s in settings))
-        temperatures = list(dict.fromkeys(s.point.temperature_c for s in settings))
-        source = ColumnDataSource(
-            {
-                "x": [temperatures.index(s.point.temperature_c) for s in settings],
-                "y": [len(rest) - 1 - rest.index(_rest(s.point)) for s in settings],
-                "n": [f"{len(s.frames)}" for s in settings],
-                "where": [labelled(s.point) for s in settings],
-            }
+        self.kind = pn.widgets.Select(options=list(frames.KINDS), value="frame", width=118, **small)
+        self.frame = pn.widgets.IntInput(
+            value=0, start=0, end=max(len(s.frames) for s in settings) - 1, width=54, **small
         )
-        rows = min(len(rest), 8)
-        made = plain_figure(
-            p, width=392, height=38 + 20 * rows, tools="tap",
-            x_range=Range1d(-0.5, len(temperatures) - 0.5), y_range=Range1d(-0.5, len(rest) - 0.5),
+        cfa = self.captures.sensor.cfa
+        self.plane = pn.widgets.Select(
+            options={n or "all pixels": n for n in frames.planes(cfa)}, width=88,
+            visible=cfa is not None, **small,
         )  # fmt: skip
-        cells = made.rect("x", "y", width=0.96, height=0.9, source=source, fill_color=p.present,
-                          line_color=p.card, nonselection_alpha=0.35, fill_alpha=0.85)  # fmt: skip
-        made.text("x", "y", "n", source=source, text_align="center", text_baseline="middle",
-                  text_font_size="10px", text_color=p.card, nonselection_text_color=p.ink,
-                  nonselection_text_alpha=1.0)  # fmt: skip
-        made.grid.visible = False
-        made.xaxis.ticker = FixedTicker(ticks=list(range(len(temperatures))))
-        made.xaxis.major_label_overrides = {
-            i: "unknown T" if t is None else celsius(t) for i, t in enumerate(temperatures)
-        }
-        made.yaxis.ticker = FixedTicker(ticks=list(range(len(rest))))
-        made.yaxis.major_label_overrides = {len(rest) - 1 - i: r for i, r in enumerate(rest)}
-        made.add_tools(hover(p, [cells], ("operating point", "@where"), ("frames", "@n")))
-        made.select_one(TapTool).renderers = [cells]
-        source.selected.indices = [0]
-        source.selected.on_change("indices", self._chosen)
-        return made
+        self.colours = pn.widgets.Select(options=list(MAPS), value="grey", width=80, **small)
+        self.mode = pn.widgets.RadioButtonGroup(
+            options=list(MODES), value=MODES[0], width=190, **small
+        )
+        self.swipe = pn.widgets.FloatSlider(
+            name="", start=0, end=1, step=0.01, value=0.5, show_value=False, tooltips=False,
+            visible=False, width=110, **small,
+        )  # fmt: skip
+        number = {"width": 62, **small}
+        self.low = pn.widgets.TextInput(placeholder="min", css_classes=["low"], **number)
+        self.high = pn.widgets.TextInput(placeholder="max", css_classes=["high"], **number)
+        self.auto = pn.widgets.Toggle(name="auto scale", value=True, **small)
+        self.hot = pn.widgets.Toggle(name="pixels > 5 σ", value=False, **small)
+        self.which = pn.widgets.RadioButtonGroup(
+            options=list(SIDES), value=SIDES[0], width=140, stylesheets=style, margin=0
+        )
+        self._watch(self._chosen, self.point, self.kind, self.frame, self.plane)
+        self._watch(self._changed, self.colours, self.mode, self.hot, self.auto)
+        self._watch(self._typed, self.low, self.high)
+        self._watch(self._compose, self.swipe)
+        self._watch(self._sided, self.which)
 
-    def _chosen(self, attr: str, old: Any, new: list[int]) -> None:
-        if new:
-            self.view_of = View(new[0])
-            self.pixel.chosen(new[0])
-            self._changed()
+    def _watch(self, call: Callable[[], None], *widgets: Any) -> None:
+        """Call a function after the user has changed a widget, with the document's lock."""
+
+        def changed(_: Any) -> None:
+            if not self._quiet:
+                self.context.back(call)
+
+        for widget in widgets:
+            widget.param.watch(changed, "value")
+
+    # What is shown
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        live = self.kind.value == "frame" and math.prod(self.shape) <= LARGE
+        live = self.kind.value == "frame" and math.prod(self.images.shape) <= LARGE
         due = time.monotonic() - self._asked_s > LIVE_S
-        if what == "evaluation" or (what == "preview" and live and due):
+        if what in ("evaluation", "diagnosis"):
+            self._lead()
+            self._changed()
+        elif what == "preview" and live and due:
             self._changed()
 
-    def _moved(self, attr: str, old: float, new: float) -> None:
+    def _lead(self) -> None:
+        """Show where the model fails most, until the user has chosen a view.
+
+        Once an effect is named, its own statistics tell where.
+        """
+        session = self.context.session
+        evaluation, history = session.evaluation, session.history
+        if self._own or evaluation is None or history is None:
+            return
+        found = session.diagnosis
+        names: tuple[str, ...] = ()
+        if found is not None and found["node"] == history.at and found["verdict"] == "missing":
+            effect = next(
+                (c["effect"] for c in found["candidates"] if c["effect"] not in found["ordinary"]),
+                None,
+            )
+            names = session.known[effect].fingerprint if effect in session.known else ()
+        if names or history.at <= 1:
+            self._choose_view(worst_view(evaluation.rows, self.captures, names) or self.view_of)
+
+    def _choose_view(self, view: View) -> None:
+        self.view_of, self._quiet = view, True
+        try:
+            self.point.value, self.kind.value = view.setting, view.kind
+            self.frame.value = view.frame
+        finally:
+            self._quiet = False
+        self._adjusted()
+
+    def _chosen(self) -> None:
+        self._own = True
+        count = len(self.captures.settings[self.point.value].frames)
+        number = min(self.frame.value or 0, count - 1)
+        self.view_of = View(self.point.value, self.kind.value, number, self.plane.value or "")
+        self._adjusted()
         self._changed()
+
+    def _adjusted(self) -> None:
+        setting = self.view_of.setting
+        self.frame.visible = self.view_of.kind == "frame"
+        self.pixel.chosen(setting)
+        self.histogram.chosen(self.captures.settings[setting].point, self.view_of.plane)
+
+    def _sided(self) -> None:
+        self.histogram.view.visible = self.which.value == "histogram"
+        self.pixel.view.visible = self.which.value == "pixel"
+
+    def _pixel(self, row: int, column: int) -> None:
+        self.which.value = "pixel"
+        self.pixel.show(row, column, self.view_of.setting)
+
+    # Images
 
     def _changed(self) -> None:
         """Ask for the images of the present view, window and model."""
-        count = len(self.captures.settings[self.view_of.setting].frames)
-        view = View(
-            self.view_of.setting, self.kind.value, min(self.frame.value or 0, count - 1),
-            self.plane.value or "",
-        )  # fmt: skip
+        alone = self.mode.value != MODES[0]
         self.swipe.visible = self.mode.value == "swipe"
-        self.figures["simulated"].visible = self.mode.value == "side by side"
-        self.figures["difference"].visible = self.mode.value == "side by side"
-        alone = self.mode.value != "side by side"
-        self.over_frames.visible = not alone
-        if self.mode.value == "swipe":
-            self.figures["measured"].title.text = "measured | simulated [DN]"
-        width, height = self._size(alone)
-        for bar in self._colour_bars:
-            bar.width = min(132, width - 14)
-        for figure in self.figures.values():
-            figure.width, figure.height = width + MARGINS[0], height + MARGINS[1]
-        shown = self.context.shown
+        for name in NAMES[1:]:
+            self._panes[name].visible = not alone
+        styles = {"grid-column": "1 / span 3"} if alone else {}
+        if self._panes["measured"].styles != styles:
+            self._panes["measured"].styles = styles
+        self._blink()
+        shown, view = self.context.shown, self.view_of
         model = shown.model if shown is not None else None
         preview = shown is not None and shown.preview
-        scale = 1 if not view.plane else len(self.captures.sensor.cfa or ((),))
-        window = self._window(scale)
-        self._blink()
+        grid = self._grid(view.plane)
+        window = self._window(grid.scale)
+        most = min(MOST, max(FEWEST, self.images.most))
+        far = self.hot.value
         self._asked_s = time.monotonic()
         self._latest.ask(
-            lambda: self._images(view, window, model, preview),
-            lambda x: self._show(x, view, window, scale),
+            lambda: self.pictures.picture(view, window, model, most, far),
+            lambda x: self._show(x, grid, preview),
             lambda error: self.context.session.tell(str(error)),
-        )  # fmt: skip
+        )
 
-    def _size(self, alone: bool) -> tuple[int, int]:
-        """Width and height of an image on the screen, in the sensor's proportions or near."""
-        rows, columns = self.shape
-        wide, high = (ALONE, ALONE) if alone else (WIDTH, HEIGHT)
-        scale = min(wide / columns, high / rows)
-        return max(LEAST, round(columns * scale)), max(LEAST, round(rows * scale))
+    def _grid(self, plane: str) -> Grid:
+        cfa = self.captures.sensor.cfa
+        if not plane or cfa is None:
+            return Grid()
+        return Grid(len(cfa), int(plane[-2]), int(plane[-1]))
 
     def _window(self, scale: int) -> Window:
-        rows, columns = (n // scale for n in self.shape)
-        left, right = sorted((self.range_x.start / scale, self.range_x.end / scale))
-        top, bottom = sorted((self.range_y.start / scale, self.range_y.end / scale))
-        left, top = max(0, int(left)), max(0, int(top))
-        right, bottom = min(columns, int(np.ceil(right))), min(rows, int(np.ceil(bottom)))
+        rows, columns = (n // scale for n in self.images.shape)
+        x, y = self.images.range_x, self.images.range_y
+        left, right = sorted((x.start / scale, x.end / scale))
+        top, bottom = sorted((y.start / scale, y.end / scale))
+        left, top = (min(max(0, int(v)), n - 1) for v, n in ((left, columns), (top, rows)))
+        right, bottom = min(columns, math.ceil(right)), min(rows, math.ceil(bottom))
         return Window(top, max(top + 1, bottom), left, max(left + 1, right))
 
-    def _images(self, view: View, window: Window, model: NoiseModel | None, preview: bool) -> Any:
-        """Measured, simulated and difference images, and the ends of their contrasts.
-
-        A preview keeps the measured image and the contrasts that are shown.
-        """
-        measured = self._whole(view, None)
-        simulated = np.full_like(measured, np.nan) if model is None else self._whole(view, model)
-        apart = measured - simulated
-        most = SAMPLES[self.mode.value != "side by side"]
-        if preview and self._drawn == (view, window, self.mode.value):
-            made = [frames.for_screen(x, window, most) for x in (simulated, apart)]
-            return (self._shown["measured"], *made), None
-        images = tuple(frames.for_screen(x, window, most) for x in (measured, simulated, apart))
-        cut, (low, high) = window.slices, self.contrast.value
-        ends = frames.contrast([measured[cut], simulated[cut]], low, high)
-        spread = max(abs(e) for e in frames.contrast([images[2]], low, high))
-        return images, (ends, spread)
-
-    def _whole(self, view: View, model: NoiseModel | None) -> np.ndarray:
-        """A whole image, of the captures or of a model's; the last few are kept."""
-        key = view, model
-        if key not in self._held:
-            captures = self.captures
-            if model is not None:
-                layout = [(s.point, len(s.frames)) for s in captures.settings]
-                captures = simulate(
-                    model.in_codes, self.shape, layout, "simulation", captures.sensor
-                )
-            self._held[key] = frames.image(captures, view)
-            while len(self._held) > HELD:
-                self._held.popitem(last=False)
-        return self._held[key]
-
-    def _show(self, found: Any, view: View, window: Window, scale: int) -> None:
+    def _show(self, picture: Picture, grid: Grid, preview: bool) -> None:
         """Draw the images; those of a preview at the contrast that there is."""
-        (measured, simulated, difference), ends = found
-        if ends is not None:
-            (low, high), spread = ends
-            self.mapper.palette = MAPS[self.colours.value]
-            self.mapper.low, self.mapper.high = low, high
-            self.difference.low, self.difference.high = -spread, spread
-        self._shown = {"measured": measured, "simulated": simulated, "difference": difference}
-        place = {
-            "x": [window.left * scale], "y": [window.top * scale],
-            "dw": [(window.right - window.left) * scale],
-            "dh": [(window.bottom - window.top) * scale],
-        }  # fmt: skip
-        same = self._drawn == (view, window, self.mode.value)
-        for name, source in self.sources.items():
-            # drawing an image takes a browser as long as the curve: the difference follows at rest
-            if not same or name == "simulated" or (name == "difference" and ends is not None):
-                source.data = {"image": [self._shown[name]], **place}
-        self._drawn = view, window, self.mode.value
-        if self.mode.value == "swipe":
-            self._swiped()
-        if self._first_pixel:
-            self._first_pixel = False
-            row, column = np.unravel_index(np.nanargmax(measured), measured.shape)
-            k = (window.bottom - window.top) / measured.shape[0]
-            self._pixel(window.top + int(row * k), window.left + int(column * k))
+        same = self._drawn == (picture.view, picture.window, picture.side)
+        self._drawn, self._shown = (picture.view, picture.window, picture.side), picture
+        if not (preview and same):
+            self._scale(picture)
+        # drawing an image takes a browser as long as the curve: the difference follows at rest
+        self.images.show(picture, grid, ("simulated",) if preview and same else NAMES)
+        self._compose()
 
-    def _swiped(self) -> None:
-        """Left of the handle the measured image, right of it the simulated one."""
-        if not self._shown or self.mode.value != "swipe":
+    def _scale(self, picture: Picture) -> None:
+        mapper, apart = self.images.mapper, self.images.apart
+        mapper.palette = MAPS[self.colours.value]
+        if self.auto.value:
+            self._ends = frames.contrast([picture.measured])
+            self._quiet = True
+            try:
+                self.low.value, self.high.value = (f"{x:.5g}" for x in self._ends)
+            finally:
+                self._quiet = False
+        mapper.low, mapper.high = self._ends
+        spread = max(abs(e) for e in frames.contrast([picture.difference]))
+        apart.low, apart.high = -spread, spread
+
+    def _typed(self) -> None:
+        """Ends of the grey scale as typed."""
+        try:
+            low, high = float(self.low.value), float(self.high.value)
+            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+                raise ValueError
+        except ValueError:
+            self.context.session.tell("scale of the frames: two numbers in DN, min below max")
             return
-        image = self._shown["measured"].copy()
-        at = round(self.swipe.value * image.shape[1])
-        image[:, at:] = self._shown["simulated"][:, at:]
-        source = self.sources["measured"]
-        source.data = {**source.data, "image": [image]}
+        self.context.session.tell("")
+        self._ends, self._quiet = (low, high), True
+        self.auto.value = False
+        self._quiet = False
+        self.images.mapper.low, self.images.mapper.high = low, high
+
+    def _compose(self) -> None:
+        """Measured and simulated in one place: swiped, or in turn."""
+        picture, mode = self._shown, self.mode.value
+        if picture is None or mode == MODES[0]:
+            return
+        title = self.images.figures["measured"].title
+        if mode == "swipe":
+            image = picture.measured.copy()
+            at = round(self.swipe.value * image.shape[1])
+            image[:, at:] = picture.simulated[:, at:]
+            title.text = "measured | simulated [DN]"
+        else:
+            image = picture.simulated if self._turned else picture.measured
+            title.text = f"{'simulated' if self._turned else 'measured'} [DN]"
+        source = self.images.sources["measured"]
+        source.data = {**source.data, "image": [np.asarray(image, np.float32)]}
 
     def _blink(self) -> None:
         """Measured and simulated in turn, each for .6 s."""
-        if self.mode.value == "blink" and self._timer is None:
-            state = {"which": "measured"}
+        blinking = self.mode.value == "blink"
+        if blinking and self._timer is None:
 
             def turn() -> None:
-                state["which"] = "simulated" if state["which"] == "measured" else "measured"
-                if state["which"] in self._shown:
-                    source = self.sources["measured"]
-                    source.data = {**source.data, "image": [self._shown[state["which"]]]}
-                    self.figures["measured"].title.text = f"{state['which']} [DN]"
+                self._turned = not self._turned
+                self._compose()
 
             self._timer = pn.state.add_periodic_callback(turn, period=600)
-        elif self.mode.value != "blink" and self._timer is not None:
+        elif not blinking and self._timer is not None:
             self._timer.stop()
-            self._timer = None
-        if self.mode.value == "side by side":
-            self.figures["measured"].title.text = "measured [DN]"
+            self._timer, self._turned = None, False
+
+    # To take away
 
     def _table(self) -> pd.DataFrame:
-        """One row a pixel of the images as they are shown."""
-        if not self._shown or self._drawn is None:
+        """One row a block of the images: its first pixel, its size, and means over its pixels."""
+        picture = self._shown
+        if picture is None:
             return pd.DataFrame()
-        window = self._drawn[1]
-        rows, columns = self._shown["measured"].shape
-        y = np.linspace(window.top, window.bottom, rows, endpoint=False)
-        x = np.linspace(window.left, window.right, columns, endpoint=False)
-        row, column = (z.astype(int).ravel() for z in np.meshgrid(y, x, indexing="ij"))
-        return pd.DataFrame(
-            {"row": row, "column": column} | {n: z.ravel() for n, z in self._shown.items()}
+        grid, window, k = self.images.grid, picture.window, picture.side
+        rows, columns = picture.measured.shape
+        row, column = (z.ravel() for z in np.mgrid[:rows, :columns])
+        made = pd.DataFrame(
+            {
+                "row": (window.top + row * k) * grid.scale + grid.row,
+                "column": (window.left + column * k) * grid.scale + grid.column,
+                "rows": np.minimum(k, window.bottom - window.top - row * k),
+                "columns": np.minimum(k, window.right - window.left - column * k),
+            }
         )
+        images = {f"{n}_mean_dn": getattr(picture, n).ravel() for n in NAMES}
+        point = self.captures.settings[picture.view.setting].point
+        kind = picture.view.kind
+        said = f"frame {picture.view.frame}" if kind == "frame" else kind
+        return made.assign(**images, image=said, operating_point=labelled(point))
 
     def _picture(self) -> Figure:
         """The images side by side, with the contrasts of the page."""
         made = Figure(figsize=(12, 4), layout="constrained")
-        if not self._shown or self._drawn is None:
+        picture = self._shown
+        if picture is None:
             return made
-        window = self._drawn[1]
+        window = picture.window
         extent = (window.left, window.right, window.bottom, window.top)
-        for ax, (name, image) in zip(made.subplots(1, 3), self._shown.items(), strict=True):
-            mapper = self.difference if name == "difference" else self.mapper
+        for ax, name in zip(made.subplots(1, 3), NAMES, strict=True):
+            mapper = self.images.apart if name == "difference" else self.images.mapper
             drawn = ax.imshow(
-                image, cmap=ListedColormap(mapper.palette), vmin=mapper.low, vmax=mapper.high,
-                extent=extent, interpolation="nearest",
+                getattr(picture, name), cmap=ListedColormap(mapper.palette), vmin=mapper.low,
+                vmax=mapper.high, extent=extent, interpolation="nearest",
             )  # fmt: skip
             ax.set(title=name, xlabel="column", ylabel="row")
             made.colorbar(drawn, ax=ax, label="pixel value [DN]")
+        point = self.captures.settings[picture.view.setting].point
+        made.suptitle(f"{picture.view.kind}, {labelled(point)}", fontsize=10)
         return made
 
-    def _tapped(self, event: Any) -> None:
-        self._pixel(int(event.y), int(event.x))
 
-    def _pixel(self, row: int, column: int) -> None:
-        if 0 <= row < self.shape[0] and 0 <= column < self.shape[1]:
-            self.pixel.show(row, column, self.view_of.setting)
-
-
-def _rest(point: Any) -> str:
-    """Everything of an operating point but its temperature."""
-    parts = [point.channel or ""]
-    parts += [f"{number(point.exposure_s)} s"] if point.exposure_s is not None else []
-    parts += [f"gain {number(point.gain)}"] if point.gain is not None else []
-    return ", ".join(x for x in parts if x) or "frames"
-
-
-def _diverging(theme: str) -> list[str]:
-    """Blue, neutral, orange."""
-    middle = (0.16, 0.18, 0.2) if theme == "dark" else (0.96, 0.96, 0.96)
-    ends = ((0.13, 0.4, 0.75), (0.85, 0.42, 0.1))
-    out = []
-    for t in np.linspace(-1, 1, 255):
-        end = ends[0] if t < 0 else ends[1]
-        rgb = [round(255 * (m + (e - m) * abs(t))) for m, e in zip(middle, end, strict=True)]
-        out.append("#{:02x}{:02x}{:02x}".format(*rgb))
-    return out
+GRID = """
+:host { display:grid !important; grid-template-columns:repeat(3, minmax(0, 1fr)) minmax(0, 1.15fr);
+  grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0; }
+@media (max-width:1279px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
+  grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr); }
+  :host > :nth-child(4) { grid-column:1 / -1; } }
+"""

@@ -46,22 +46,26 @@ def sheet(p: Palette) -> str:
     return f"""
 :root {{ --bg:{p.background}; --card:{p.card}; --ink:{p.ink}; --quiet:{p.quiet};
   --line:{p.line}; --present:{p.present}; --candidate:{p.candidate}; color-scheme:{p.name}; }}
-html, body {{ background:var(--bg); color:var(--ink); margin:0; height:100%; overflow-x:hidden;
+html {{ overflow-x:hidden; }}
+html, body {{ background:var(--bg); color:var(--ink); margin:0; min-height:100%;
   font:13px/1.35 system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; }}
 """
 
 
 def layout() -> str:
-    """Style sheet of the page's panes: one screen where there is room, else two columns."""
+    """Style sheet of the page's panes: frames across, below them failures, model and diagnosis."""
     return """
-:host { display:grid !important; gap:6px; padding:4px 6px 6px; height:100vh; min-height:700px;
-  box-sizing:border-box; grid-template-columns:412px minmax(0, 1fr) 376px;
-  grid-template-rows:40px minmax(0, 1.32fr) minmax(0, .3fr) minmax(0, .7fr);
-  grid-template-areas:'bar bar bar' 'sensor fails model' 'sensor fails missing'
-    'sensor history missing'; }
-@media (max-width:1279px) { :host { height:auto; min-height:0;
-  grid-template-columns:412px minmax(0, 1fr); grid-template-rows:40px 806px 420px 300px;
-  grid-template-areas:'bar bar' 'sensor fails' 'model missing' 'history history'; } }
+:host { display:grid !important; gap:6px; padding:4px 6px 6px; min-height:100vh;
+  box-sizing:border-box; grid-template-columns:minmax(0, 1fr) 372px 352px;
+  grid-template-rows:34px max-content clamp(290px, 34vh, 1000px) clamp(450px, 51vh, 1200px)
+    minmax(210px, 1fr);
+  grid-template-areas:'bar bar bar' 'strip strip strip' 'sensor sensor sensor'
+    'fails model missing' 'history history history'; }
+@media (min-width:2200px) { :host { grid-template-columns:minmax(0, 1fr) 560px 520px; } }
+@media (max-width:1279px) { :host { grid-template-columns:minmax(0, 1fr) 372px;
+  grid-template-rows:34px max-content 600px 560px 420px 260px;
+  grid-template-areas:'bar bar' 'strip strip' 'sensor sensor' 'fails model'
+    'missing missing' 'history history'; } }
 """
 
 
@@ -89,6 +93,21 @@ h2 {{ font-size:13px; margin:0; font-weight:650; color:{p.ink}; }}
 .quiet {{ color:{p.quiet}; }}
 .error {{ font-size:26px; font-weight:700; color:{p.present}; }}
 a {{ color:{p.present}; }}
+.wrong {{ color:{p.heat[5]}; }}
+.loading {{ color:{p.quiet}; padding:8px 0; }}
+.notes {{ display:inline-block; position:relative; }}
+.notes summary {{ cursor:pointer; text-decoration:underline; list-style:none; }}
+.notes ul {{ position:absolute; z-index:60; left:-100px; top:16px; width:420px; margin:0;
+  padding:8px 8px 8px 24px; background:{p.card}; color:{p.ink}; border:1px solid {p.quiet};
+  border-radius:5px; white-space:normal; }}
+.term {{ display:inline-block; position:relative; margin-left:4px; font-weight:400; }}
+.term summary {{ list-style:none; cursor:help; width:13px; height:13px; border-radius:50%;
+  border:1px solid {p.line}; color:{p.quiet}; font-size:9px; line-height:13px;
+  text-align:center; }}
+.term summary::-webkit-details-marker {{ display:none; }}
+.term > div {{ position:absolute; z-index:60; left:-60px; top:17px; width:260px; padding:6px 8px;
+  background:{p.card}; color:{p.ink}; border:1px solid {p.quiet}; border-radius:5px;
+  font-size:12px; font-weight:400; text-align:left; white-space:normal; }}
 """
 
 
@@ -100,6 +119,7 @@ def card(p: Palette) -> dict[str, str]:
         "border-radius": "6px",
         "padding": "6px 8px",
         "color": p.ink,
+        "min-width": "0",  # Panel's is the sum of the widths in a row
     }
 
 

@@ -1,0 +1,78 @@
+// Families of statistics as bars, and the chosen family's statistics by operating point as cells.
+const made = (tag, cls, text) => {
+  const element = document.createElement(tag);
+  if (cls) element.className = cls;
+  if (text !== undefined) element.textContent = text;
+  return element;
+};
+const html = (cls, content) => {  // the server escapes what comes from captures
+  const element = made("span", cls);
+  element.innerHTML = content;
+  return element;
+};
+
+export function render({ model, el }) {
+  const families = made("div", "families");
+  families.setAttribute("role", "listbox");
+  const matrix = made("div", "matrix");
+  const pair = made("div", "pair");
+  pair.append(families, matrix);
+  el.append(pair);
+
+  const drawFamilies = () => {
+    families.replaceChildren();
+    for (const f of model.families) {
+      const row = made("button", `family${f.chosen ? " chosen" : ""}`);
+      row.title = f.tip;
+      row.dataset.name = f.name;
+      const bar = made("span", "bar");
+      const fill = made("span", `fill${f.good ? " good" : ""}`);
+      fill.style.width = `${f.width}%`;
+      const mark = made("span", "mark");
+      mark.style.left = `${f.mark}%`;
+      mark.hidden = f.mark === null;
+      const one = made("span", "one");
+      one.style.left = `${model.one}%`;
+      bar.append(fill, one, mark);
+      row.append(made("span", "label", f.title), bar, made("span", "number", f.error));
+      row.onclick = () => model.send_msg({ family: f.name });
+      families.append(row);
+    }
+  };
+
+  const drawMatrix = () => {
+    const table = made("table");
+    const head = table.createTHead().insertRow();
+    const corner = made("th");
+    corner.append(html("quiet", model.corner));
+    head.append(corner);
+    for (const c of model.columns) {
+      const th = made("th", model.columns.length > 8 ? "steep" : "");
+      th.append(made("span", "", c));
+      head.append(th);
+    }
+    const body = table.createTBody();
+    for (const r of model.rows) {
+      const row = body.insertRow();
+      const title = made("th");
+      title.append(html("", r.title));
+      row.append(title);
+      for (const c of r.cells) {
+        const cell = row.insertCell();
+        if (c === null) continue;
+        const button = made("button", c.chosen ? "cell chosen" : "cell", c.z);
+        button.style.background = c.colour;
+        button.style.color = c.ink;
+        button.title = c.tip;
+        button.setAttribute("aria-pressed", c.chosen);
+        button.onclick = () => model.send_msg({ cell: c.index });
+        cell.append(button);
+      }
+    }
+    matrix.replaceChildren(table);
+  };
+  model.on("families", drawFamilies);
+  model.on("rows", drawMatrix);
+  drawFamilies();
+  drawMatrix();
+}

@@ -1,0 +1,244 @@
+"""The images of the sensor side by side: one place, one tooltip, hot pixels above them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from bokeh.events import Tap
+from bokeh.models import (
+    BasicTicker,
+    ColorBar,
+    ColumnDataSource,
+    CustomJSHover,
+    LinearColorMapper,
+    Range1d,
+)
+from bokeh.palettes import cividis, gray
+
+from dnanalyze.workbench.frames import Outliers
+from dnanalyze.workbench.page.style import Palette, hover, plain_figure
+from dnanalyze.workbench.pictures import Picture
+
+NAMES = "measured", "simulated", "difference"
+MAPS = {"grey": gray(256), "cividis": cividis(256)}
+ELONGATED = 4.0  # ratio of a sensor's sides to a figure's, from which its pixels are not square
+VALUE = """
+const source = sources[format];
+const flat = special_vars.image_index?.flat_index;
+const image = source.data.image[0];
+if (flat === undefined || image === undefined) return "–";
+const found = image[flat];
+return Number.isFinite(found) ? found.toPrecision(5) + " DN" : "–";
+"""
+PLACE = "return String(Math.floor(value / scale) * scale + offset)"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Which pixels of the sensor an image has: every ``scale``-th from an offset.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.images import Grid
+    >>> Grid(2, 1, 0).pixel(x=10.9, y=7.2)
+    (7, 10)
+    """
+
+    scale: int = 1
+    row: int = 0
+    column: int = 0
+
+    def pixel(self, x: float, y: float) -> tuple[int, int]:
+        """Row and column of the sensor's pixel at a place of a figure."""
+        across, down = (int(np.floor(v / self.scale)) * self.scale for v in (x, y))
+        return down + self.row, across + self.column
+
+
+class Images:
+    """Three linked figures.
+
+    Parameters
+    ----------
+    palette : Palette
+    shape : (int, int)
+        Rows and columns of the sensor.
+    tapped : callable
+        Called with the row and the column of a pixel that is clicked.
+    moved : callable
+        Called when another part of the sensor or another size is asked for.
+    """
+
+    def __init__(
+        self, palette: Palette, shape: tuple[int, int], tapped: Callable[[int, int], None],
+        moved: Callable[[], None],
+    ) -> None:  # fmt: skip
+        self._palette, self.shape, self._told, self._asked = palette, shape, tapped, moved
+        self.grid = Grid()
+        rows, columns = shape
+        self.range_x, self.range_y = Range1d(0, columns), Range1d(rows, 0)
+        self.mapper = LinearColorMapper(MAPS["grey"], low=0, high=1, nan_color=palette.card)
+        self.apart = LinearColorMapper(
+            _diverging(palette.name), low=-1, high=1, nan_color=palette.card
+        )
+        empty: dict[str, list[Any]] = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
+        self.sources = {
+            n: ColumnDataSource({k: [] for k in empty}, name=f"image of {n}") for n in NAMES
+        }
+        self.far = {
+            n: ColumnDataSource({"x": [], "y": [], "value": []}, name=f"outliers of {n}")
+            for n in NAMES[:2]
+        }
+        self._values = CustomJSHover(args={"sources": self.sources}, code=VALUE)
+        self._across = CustomJSHover(args={"scale": 1, "offset": 0}, code=PLACE)
+        self._down = CustomJSHover(args={"scale": 1, "offset": 0}, code=PLACE)
+        self._inner = {"inner_width": 0, "inner_height": 0}  # screen pixels; 0: not told yet
+        self.figures = {name: self._figure(name) for name in NAMES}
+        for name in ("inner_width", "inner_height"):
+            self.figures["measured"].on_change(name, self._resized)
+        for name in ("start", "end"):
+            for one in (self.range_x, self.range_y):
+                one.on_change(name, lambda attr, old, new: moved())
+
+    def _figure(self, name: str) -> Any:
+        p = self._palette
+        mapper = self.apart if name == "difference" else self.mapper
+        made = plain_figure(
+            p, sizing_mode="stretch_both", x_range=self.range_x, y_range=self.range_y,
+            tools="pan,wheel_zoom,reset", active_scroll="wheel_zoom", title=name,
+            css_classes=[name], name=f"figure of {name}", min_border_right=8,
+        )  # fmt: skip
+        made.title.text_font_size = "12px"
+        made.title.text_color = p.ink
+        made.title.text_font_style = "normal"
+        image = made.image("image", source=self.sources[name], x="x", y="y", dw="dw", dh="dh",
+                           color_mapper=mapper)  # fmt: skip
+        made.grid.visible = False
+        made.axis.major_label_text_font_size = "9px"
+        made.axis.ticker = BasicTicker(desired_num_ticks=4)
+        bar = ColorBar(
+            color_mapper=mapper, width=8, padding=2, margin=0, bar_line_color=None,
+            major_label_text_font_size="9px", major_label_text_color=p.ink,
+            background_fill_color=p.card, ticker=BasicTicker(desired_num_ticks=5),
+        )  # fmt: skip
+        made.add_layout(bar, "right")
+        tool = hover(
+            p, [image], ("column", "$x{custom}"), ("row", "$y{custom}"),
+            *((n, f"@dw{{{n}}}") for n in NAMES),
+            formatters={"$x": self._across, "$y": self._down, "@dw": self._values},
+        )  # fmt: skip
+        made.add_tools(tool)
+        if name in self.far:
+            dots = made.scatter(
+                "x", "y", source=self.far[name], size=7, fill_color=None,
+                line_color=p.candidate, line_width=1.5, name=f"hot pixels {name}",
+            )  # fmt: skip
+            made.add_tools(
+                hover(p, [dots], ("column", "$x{custom}"), ("row", "$y{custom}"),
+                      ("pixel alone", "@value{0.0} DN"),
+                      formatters={"$x": self._across, "$y": self._down})
+            )  # fmt: skip
+        made.on_event(Tap, self._tapped)
+        return made
+
+    def _tapped(self, event: Any) -> None:
+        row, column = self.grid.pixel(event.x, event.y)
+        if 0 <= row < self.shape[0] and 0 <= column < self.shape[1]:
+            self._told(row, column)
+
+    def _resized(self, attr: str, old: Any, new: Any) -> None:
+        """Square pixels in the space that a figure has, while the whole sensor is shown."""
+        self._inner[attr] = int(new or 0)
+        if not all(self._inner.values()):
+            return
+        ends = whole_ranges(self.shape, *self._inner.values())
+        for r, (low, high) in zip((self.range_x, self.range_y), ends, strict=True):
+            whole = (r.reset_start, r.reset_end)
+            if whole == (None, None) or (r.start, r.end) == whole:
+                r.start, r.end = low, high
+            r.reset_start, r.reset_end = low, high
+            r.bounds = (min(low, high), max(low, high))
+        self._asked()
+
+    @property
+    def most(self) -> int:
+        """Screen pixels of the longer side of a figure; 0 where the browser has not told it."""
+        return max(self._inner.values())
+
+    def show(self, picture: Picture, grid: Grid, only: tuple[str, ...] = NAMES) -> None:
+        """Draw a picture, or some of its images."""
+        self.grid = grid
+        for tool, offset in ((self._across, grid.column), (self._down, grid.row)):
+            wanted = {"scale": grid.scale, "offset": offset}
+            if tool.args != wanted:
+                tool.args = wanted
+        k = picture.side * grid.scale
+        rows, columns = picture.measured.shape
+        place = {
+            "x": [picture.window.left * grid.scale], "y": [picture.window.top * grid.scale],
+            "dw": [columns * k], "dh": [rows * k],
+        }  # fmt: skip
+        for name in only:
+            image = getattr(picture, name)
+            self.sources[name].data = {"image": [np.asarray(image, np.float32)], **place}
+        for name, source in self.far.items():
+            found = picture.outliers.get(name)
+            source.data = _dots(found, grid) if found else {"x": [], "y": [], "value": []}
+        self._head(picture)
+
+    def _head(self, picture: Picture) -> None:
+        """Say what an image is of: single pixels or means of blocks."""
+        of = f", means of {picture.side} × {picture.side} pixels" if picture.side > 1 else ""
+        for name, figure in self.figures.items():
+            title = "measured − simulated" if name == "difference" else name
+            far = picture.outliers.get(name)
+            hot = f", {far.count:,} pixels > 5 σ" if far else ""
+            text = f"{title} [DN]{of}{hot}"
+            if figure.title.text != text:
+                figure.title.text = text
+
+
+def whole_ranges(
+    shape: tuple[int, int], width: float, height: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ranges that show a sensor whole in a figure, with square pixels, columns and rows.
+
+    A sensor of a shape far from the figure's fills it; its pixels are then not square.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.images import whole_ranges
+    >>> whole_ranges((100, 100), 200, 100)
+    ((-50.0, 150.0), (100.0, 0.0))
+    >>> whole_ranges((66, 2328), 300, 300)
+    ((0.0, 2328.0), (66.0, 0.0))
+    """
+    rows, columns = float(shape[0]), float(shape[1])
+    ratio = (width / height) / (columns / rows)
+    if not 1 / ELONGATED < ratio < ELONGATED:
+        return (0.0, columns), (rows, 0.0)
+    more_x = max(0.0, columns * (ratio - 1.0)) / 2.0
+    more_y = max(0.0, rows * (1.0 / ratio - 1.0)) / 2.0
+    return (-more_x, columns + more_x), (rows + more_y, -more_y)
+
+
+def _dots(found: Outliers, grid: Grid) -> dict[str, Any]:
+    return {
+        "x": (found.columns + 0.5) * grid.scale,
+        "y": (found.rows + 0.5) * grid.scale,
+        "value": found.values.astype(np.float32),
+    }
+
+
+def _diverging(theme: str) -> list[str]:
+    """Blue, neutral, orange."""
+    middle = (0.16, 0.18, 0.2) if theme == "dark" else (0.96, 0.96, 0.96)
+    ends = ((0.13, 0.4, 0.75), (0.85, 0.42, 0.1))
+    out = []
+    for t in np.linspace(-1, 1, 255):
+        end = ends[0] if t < 0 else ends[1]
+        rgb = [round(255 * (m + (e - m) * abs(t))) for m, e in zip(middle, end, strict=True)]
+        out.append("#{:02x}{:02x}{:02x}".format(*rgb))
+    return out
