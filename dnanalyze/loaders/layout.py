@@ -23,6 +23,9 @@ CARRY, MOVING = 0.25, 0.3
 SCATTER = 4.0  # bits below full scale; a sixteenth of it is no noise of a dark frame
 UNIFORM = 40.0  # DN; bytes that hold low bits of larger codes differ by 85 on average
 FAR, WIDE = 20.0, 4.0  # noises off the level and factor of the noise that make a row no pixels
+UNLIKELY = (
+    1.0  # of the mean log share of pairs of bytes; that of 64 pixels scatters by a quarter of it
+)
 EDGE = 8  # rows; sensors embed one to four
 
 
@@ -231,13 +234,18 @@ def sign_doubt(codes: np.ndarray, unsigned: bool) -> str:
 def side_of(data: bytes, rest: int) -> str:
     """Whether ``rest`` bytes too many stand before or behind the pixels: "header" or "footer".
 
-    Their bytes are those that pixels hardly have.
+    Their bytes are those that pixels hardly have at even and at odd places; "" where that holds
+    for both ends, as embedded rows make it, or for neither.
     """
-    body = np.frombuffer(data[rest:-rest], np.uint8)
-    share = (np.bincount(body, minlength=256) + 0.5) / (body.size + 128.0)
-    ends = (np.frombuffer(data[:rest], np.uint8), np.frombuffer(data[-rest:], np.uint8))
-    first, last = (float(np.log(share[end]).mean()) for end in ends)
-    return "header" if first <= last else "footer"
+    values = np.frombuffer(data, np.uint8) + 256 * (np.arange(len(data)) % 2)
+    body = values[rest:-rest]
+    share = (np.bincount(body, minlength=512) + 0.5) / (body.size / 2 + 128.0)
+    chance = np.log(share)
+    usual = float(chance[body].mean())
+    odd = [float(chance[end].mean()) < usual - UNLIKELY for end in (values[:rest], values[-rest:])]
+    if odd[0] == odd[1]:
+        return ""
+    return "header" if odd[0] else "footer"
 
 
 def _levels(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -97,11 +97,8 @@ def make_mask(masked: np.ndarray, name: str, period: int = 1) -> Mask:
     InputError
         Too little is left.
     """
-    rows = _left(masked.mean(axis=1) < GONE, period)
-    columns = _left(masked[rows].mean(axis=0) < GONE if rows.size else rows > 0, period)
-    rest = masked[np.ix_(rows, columns)]
-    share = float(rest.mean()) if rest.size else 1.0
-    if rows.size < MIN_ROWS or columns.size < MIN_COLUMNS or share > MOST:
+    rows, columns, rest = _whole_lines(masked, period)
+    if not _enough(rest):
         raise InputError(
             f"{name}: the mask leaves {int((~masked).sum())} of {masked.size} pixels, too few in "
             f"too few rows and columns; mask less than {100 * MOST:g} % of what is analysed, or "
@@ -113,6 +110,22 @@ def make_mask(masked: np.ndarray, name: str, period: int = 1) -> Mask:
     for part in parts:
         digest.update(str(part.size).encode() + part.astype(np.int64).tobytes())
     return Mask(*parts, digest.hexdigest())
+
+
+def leaves_enough(masked: np.ndarray) -> bool:
+    """Whether `make_mask` takes this mask of a monochrome region."""
+    return _enough(_whole_lines(masked, 1)[2])
+
+
+def _whole_lines(masked: np.ndarray, period: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns that are left, and the mask on these."""
+    rows = _left(masked.mean(axis=1) < GONE, period)
+    columns = _left(masked[rows].mean(axis=0) < GONE if rows.size else rows > 0, period)
+    return rows, columns, masked[np.ix_(rows, columns)]
+
+
+def _enough(rest: np.ndarray) -> bool:
+    return rest.shape[0] >= MIN_ROWS and rest.shape[1] >= MIN_COLUMNS and rest.mean() <= MOST
 
 
 def _left(kept: np.ndarray, period: int) -> np.ndarray:
@@ -218,7 +231,7 @@ def read_mask(path: str | os.PathLike[str]) -> np.ndarray:
 def _of_hdf5(file: Path) -> np.ndarray:
     import h5py
 
-    from dnanalyze.loaders.formats.hdf5_names import is_mask
+    from dnanalyze.loaders.formats.dataset_names import is_mask
 
     with h5py.File(file, "r") as content:
         found: list[str] = []

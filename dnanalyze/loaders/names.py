@@ -77,7 +77,7 @@ _RANGES = {  # ends before and behind a value of the same kind: 20-25C, 1s..5s
 _GAIN = re.compile(rf"{_START}gain[_=-]?(?P<value>{_NUMBER})_?(?P<unit>x|db)?{_END}", re.IGNORECASE)
 _ISO = re.compile(rf"{_START}iso[_=-]?(?P<value>\d{{2,7}}){_END}", re.IGNORECASE)
 _CHANNEL = re.compile(rf"{_START}(hcg|lcg|lofic|long|short){_END}(?![_ -]?exp)", re.IGNORECASE)
-_COLDEST, _HOTTEST = -200.0, 300.0
+_COLDEST, _HOTTEST = -271.0, 300.0
 
 
 def from_names(parts: Sequence[str]) -> Metadata:

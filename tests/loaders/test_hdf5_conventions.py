@@ -94,7 +94,7 @@ def last(frames):
     return np.ascontiguousarray(np.moveaxis(frames, 0, -1))
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".h5"])
+@pytest.mark.parametrize("suffix", [".npy", ".npz", ".h5"])
 @pytest.mark.parametrize("turned", [True, False])
 def test_frames_last_are_told_by_their_likeness(tmp_path, suffix, turned):
     frames = stack(100, 12) if turned else stack(100, 60)[:, :, :20]
@@ -102,6 +102,8 @@ def test_frames_last_are_told_by_their_likeness(tmp_path, suffix, turned):
     path = tmp_path / f"dark_20C_1s{suffix}"
     if suffix == ".npy":
         np.save(path, values)
+    elif suffix == ".npz":
+        np.savez_compressed(path, temperature_c=20.0, frames=values)
     else:
         written(path, {"data": values})
     captures = load(path)
@@ -119,3 +121,17 @@ def test_a_stack_whose_order_is_not_told_is_asked_for(tmp_path):
     for axis, count in (("first", 40), ("last", 16)):
         (tmp_path / "dnanalyze.yaml").write_text(f"frame_axis: {axis}\n")
         assert load(tmp_path).frame_count == count
+
+
+def test_names_in_an_archive_mean_what_they_mean_in_hdf5(tmp_path):
+    mask = np.zeros(SHAPE, bool)
+    mask[:, 5] = True
+    dark = stack(100, 4)
+    np.savez(tmp_path / "a.npz", dark=dark, flat=stack(900, 4), bad_pixels=mask, exposure_s=0.5)
+    captures = load(tmp_path)
+    assert captures.settings[0].point == OperatingPoint(exposure_s=0.5)
+    assert captures.notes[0] == "Taken as dark frames: dark; left out: flat."
+    assert captures.frame_count == 4
+    np.testing.assert_array_equal(
+        captures.settings[0].frames[2].read(), np.delete(dark[2], 5, axis=1)
+    )

@@ -74,6 +74,13 @@ def test_bytes_behind_the_pixels_are_left_out(tmp_path):
     assert np.array_equal(captures.settings[0].frames[0].read(), dark())
 
 
+def test_bytes_too_many_beside_embedded_rows_may_be_at_either_end(tmp_path):
+    codes = dark()
+    codes[0] = np.arange(SHAPE[1]) * 997 % 4096
+    with pytest.raises(InputError, match="header_offset: 64 or footer_bytes: 64, whichever end"):
+        raw(tmp_path, codes.tobytes() + bytes(64))
+
+
 def test_embedded_rows_are_said(tmp_path):
     codes = dark()
     codes[0] = np.arange(SHAPE[1]) * 97 % 4096

@@ -16,6 +16,7 @@ from dnanalyze.loaders.recording import Metadata
         ("65C", 65.0),
         ("t025", 25.0),
         ("m10C", -10.0),
+        ("dark_-230C_10s", -230.0),
         ("neg10C", -10.0),
         ("dark_-10C", -10.0),
         ("temp_25", 25.0),

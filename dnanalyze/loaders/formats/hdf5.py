@@ -1,6 +1,6 @@
 """HDF5: the 2-D or 3-D numeric datasets of one shape, with what lies on their way and beside.
 
-Datasets whose names say mask, calibration or light (`hdf5_names`) are no dark frames.
+Datasets whose names say mask, calibration or light (`dataset_names`) are no dark frames.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from dnanalyze.loaders.checks import (
     check_stored,
 )
 from dnanalyze.loaders.config import Config
-from dnanalyze.loaders.formats.hdf5_names import SCALARS, frames_of, is_mask, last
+from dnanalyze.loaders.formats.dataset_names import SCALARS, frames_of, is_mask, last
 from dnanalyze.loaders.formats.numpy_files import stack_shape
 from dnanalyze.loaders.headers import bayer_pattern, from_header
 from dnanalyze.loaders.masks import gaps_of

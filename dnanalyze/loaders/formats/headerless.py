@@ -115,9 +115,12 @@ def _beside(path: Path, rest: int, config: Config) -> str:
         data = file.read(end + size)
         file.seek(-(end + config.footer_bytes), 2)
         data += file.read(end)
-    if side_of(data, end) == "header":
-        return f"header_offset: {config.header_offset + rest}"
-    return f"footer_bytes: {config.footer_bytes + rest}"
+    header = f"header_offset: {config.header_offset + rest}"
+    footer = f"footer_bytes: {config.footer_bytes + rest}"
+    side = side_of(data, end)
+    if not side:
+        return f"{header} or {footer}, whichever end holds no pixels"
+    return header if side == "header" else footer
 
 
 @dataclass(frozen=True)
