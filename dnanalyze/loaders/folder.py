@@ -25,6 +25,7 @@ from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
 from dnanalyze.loaders.masks import Mask, make_mask, read_mask
+from dnanalyze.loaders.mosaic import large_mosaic
 from dnanalyze.loaders.recording import Cfa, FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
 from dnanalyze.loaders.sources import merged
@@ -270,11 +271,6 @@ def _capture_set(
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
-    if sensor.cfa is not None and len(sensor.cfa) > 2:
-        notes.append(
-            f"The mosaic of {len(sensor.cfa)} x {len(sensor.cfa[0])} pixels is analysed as its "
-            "four planes of every second row and column, 00 to 11."
-        )
     left = _mask(mask, recordings, window, cfa, notes)
     if left is not None:
         sensor = replace(sensor, shape=left.shape, filled=left.filled)
@@ -292,6 +288,8 @@ def _capture_set(
     settings, suspect = examined(grouped, keep_outliers, config.black_level is not None)
     sensor, differing = with_levels(sensor, settings)
     notes += [*suspect, *differing]
+    if sensor.cfa is not None and len(sensor.cfa) > 2:
+        notes.append(large_mosaic(sensor.cfa, settings[0].frames[0].read()))
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part, taken=taken)
