@@ -45,8 +45,8 @@ def test_data_exchange_has_its_dark_frames(tmp_path):
     np.testing.assert_array_equal(captures.settings[0].frames[2].read(), stack(100, seed=1)[2])
 
 
-@pytest.mark.parametrize("code", [2**32 - 1, 0])
-def test_a_photon_counter_has_its_mask(tmp_path, code):
+@pytest.mark.parametrize(("code", "dtype"), [(2**32 - 1, "u4"), (0, "u4"), (0, "?"), (0, "i1")])
+def test_a_photon_counter_has_its_mask(tmp_path, code, dtype):
     data = np.random.default_rng(0).poisson(30, (6, *SHAPE)).astype(np.uint32)
     mask = np.zeros(SHAPE, np.uint32)
     mask[10:14] = 1
@@ -55,7 +55,7 @@ def test_a_photon_counter_has_its_mask(tmp_path, code):
         tmp_path / "dark_000001.h5",
         {
             "entry/data/data": data,
-            "entry/instrument/detector/detectorSpecific/pixel_mask": mask,
+            "entry/instrument/detector/detectorSpecific/pixel_mask": mask.astype(dtype),
             "entry/instrument/detector/count_time": 0.5,
             "entry/sample/temperature": 80.0,
         },

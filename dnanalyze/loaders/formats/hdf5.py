@@ -188,7 +188,9 @@ def _datasets(file: h5py.File, name: str) -> list[str]:
     def visit(label: str, item: Any) -> None:
         if len(datasets) > _MAX_DATASETS:
             raise InputError(f"{name}: more than {_MAX_DATASETS} datasets; split the file")
-        if isinstance(item, h5py.Dataset) and item.ndim in (2, 3) and item.dtype.kind in "iuf":
+        if not isinstance(item, h5py.Dataset) or item.ndim not in (2, 3):
+            return
+        if item.dtype.kind in ("iufb" if is_mask(label) else "iuf"):
             datasets.append(label)
 
     file.visititems(visit)  # soft and external links are not followed
