@@ -7,6 +7,7 @@ import pytest
 from dnanalyze import OperatingPoint
 from dnanalyze.errors import InputError
 from dnanalyze.loaders import load
+from dnanalyze.loaders.captures import Window
 
 SHAPE = (32, 40)
 
@@ -135,3 +136,23 @@ def test_names_in_an_archive_mean_what_they_mean_in_hdf5(tmp_path):
     np.testing.assert_array_equal(
         captures.settings[0].frames[2].read(), np.delete(dark[2], 5, axis=1)
     )
+
+
+@pytest.mark.parametrize("chunks", [(8, *SHAPE), (1, *SHAPE), (1, 2, 40), None])
+def test_large_chunks_are_decoded_once_for_a_frame(tmp_path, chunks):
+    frames = stack(100, 8)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        packing = {"compression": "gzip"} if chunks else {}
+        file.create_dataset("data", data=frames, chunks=chunks, **packing)
+    captures = load(tmp_path)
+    read = captures.settings[0].frames[3].load
+    assert read.partial == (chunks in (None, (1, 2, 40)))
+    np.testing.assert_array_equal(read(), frames[3])
+    np.testing.assert_array_equal(read(Window(3, 9, 4, 20)), frames[3, 3:9, 4:20])
+
+
+def test_a_hostile_stack_with_the_frames_last_is_refused_before_it_is_read(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.create_dataset("data", (300_000, 200_000, 1000), "u2", chunks=(512, 512, 8))
+    with pytest.raises(InputError, match="hold no noise"):
+        load(tmp_path)
