@@ -26,6 +26,8 @@ FAR, WIDE = 20.0, 4.0  # noises off the level and factor of the noise that make 
 UNLIKELY = (
     1.0  # of the mean log share of pairs of bytes; that of 64 pixels scatters by a quarter of it
 )
+LOOKED_AT = 1 << 22  # pixels
+CLEAR = 8.0  # standard errors of a variance of column means
 EDGE = 8  # rows; sensors embed one to four
 
 
@@ -168,6 +170,32 @@ def _other_packing(data: np.ndarray, smooth: float) -> str:
         return ""
     bits = _genicam_bits(data) if how == "genicam" else bits
     return f"pixels scatter as stated and are smooth in a packing; set packing: {how}, bits: {bits}"
+
+
+def is_turned(pixels: np.ndarray) -> bool:
+    """Whether pixels in a row make more of a pattern of columns with height and width exchanged.
+
+    Parameters
+    ----------
+    pixels : ndarray, (rows, columns)
+        The first frame as stated.
+    """
+    rows, columns = pixels.shape
+    if rows == columns:
+        return False
+    size = min(pixels.size, LOOKED_AT)
+    middle = float(np.median(pixels))
+    reach = 6 * max(1.0, float(np.median(np.abs(pixels - middle))))
+    clipped = np.clip(pixels - middle, -reach, reach)
+    # a pattern of rows may be one of columns in the other shape, and is none of this question
+    flat = (clipped - clipped.mean(axis=1, keepdims=True)).ravel()[:size]
+    found = []
+    for width in (columns, rows):
+        held = flat[: size // width * width].reshape(-1, width)
+        by_chance = float(flat.var()) / held.shape[0]
+        found.append((float(held.mean(axis=0).var()) - by_chance, by_chance))
+    (stated, _), (turned, by_chance) = found
+    return turned > max(2.0 * stated, CLEAR * by_chance * float(np.sqrt(2 / rows)))
 
 
 def odd_edges(read: Callable[[int, int], np.ndarray], height: int) -> str:
