@@ -92,6 +92,7 @@ def _frames() -> Iterator[tuple[str, Sample]]:
     yield "ser", Sample("a.ser", video, _read_folder, False, {"a.txt": program.encode()})
     yield "program text", Sample("a.txt", program.encode(), _read_folder, True, {"a.ser": video})
     page = {"a.npy": _npy(CODES)}
+    yield "mask", Sample("mask.npy", _npy(CODES[0] > 68), _read_folder, False, page)
     camera = b'{"ExposureTime": 20000, "AnalogueGain": 4.0, "FrameDuration": 33333}'
     table = b'{"Summary": {}, "k": {"FileName": "x/a.npy", "Exposure-ms": 10, "Channel": "a"}}'
     yield "program json", Sample("a.json", camera, _read_folder, True, page)

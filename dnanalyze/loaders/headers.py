@@ -28,6 +28,7 @@ _OF_SENSOR = re.compile(
     r"(?:CCD|CMOS|CHIP|SENSOR|DETECTOR|DET|CAMERA|CAM|FPA|FOCALPLANE)\d*"
     r"(?:TEMP|TEMPERATURE|TEM)\d?[CK]?$|^TEMP(?:CCD|CHIP|SENSOR|DETECTOR|DET|CAM)\d?$"
 )
+_SENSOR = ("CCDTEMP", "SENSTEMP", "DETTEMP", "CHIPTEMP", "TEMPDET")
 _NOT_OF_SENSOR = re.compile(
     r"ambient|air|outside|weather|focus|dome|mirror|tube|telescope|lens|board|electronic|housing"
     r"|heat ?sink|hot side|chiller|coolant|target|set ?point|setpoint|requested"
@@ -202,6 +203,15 @@ class _Header:
             return
         key, value = known
         self.take("temperature_c", value, key)
+        for other in (k for k in self.values if k != key and (k in _SENSOR or _of_sensor(k))):
+            also = self._temperature_of((other,))
+            if also is not None and abs(also[1] - value) > OFF_SET_POINT:
+                self.doubt(
+                    "temperature_c",
+                    other,
+                    f"contradicts {self.keys[key]}, which is used: {value:g} C",
+                )
+                break
         if asked is not None and abs(asked[1] - value) > OFF_SET_POINT:
             self.doubt(
                 "temperature_c", key,

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,6 +28,13 @@ MOST = 0.2  # share of the pixels that may be filled
 LEAST_PLACED = 1e-3
 BLOCK = 4  # lines at the largest code side by side: a gap, and no defect
 _SEED = 0
+MASK_SUFFIXES = (".npy", ".fits", ".fit", ".fts", ".h5", ".hdf5", ".hdf", ".nxs", ".tif", ".tiff",
+                 ".png")  # fmt: skip
+_NAMED = re.compile(
+    r"(?:^|[_. -])(?:bpm|(?:bad|dead|defect)[_ -]?(?:pix(?:el)?s?)?[_ -]?(?:map|mask)?"
+    r"|(?:pix(?:el)?[_ -]?)?mask)$",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,6 +188,16 @@ def _block(lines: np.ndarray) -> np.ndarray:
     for start in np.flatnonzero(window):
         out[start : start + BLOCK] = True
     return out
+
+
+def is_mask_file(path: Path) -> bool:
+    """Whether a file is a mask by its name ("bpm.fits", "darks_bad_pixels.png") and content."""
+    if not _NAMED.search(path.stem) or path.suffix.lower() not in MASK_SUFFIXES:
+        return False
+    try:
+        return bool(read_mask(path).mean() < GONE)
+    except InputError:
+        return False
 
 
 def read_mask(path: str | os.PathLike[str]) -> np.ndarray:

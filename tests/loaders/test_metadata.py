@@ -150,3 +150,11 @@ def test_a_number_without_unit_in_a_name_contradicts_nothing(tmp_path):
     fits_file(tmp_path / "expos1_t20.fits", EXPTIME=30.0, CCD_TEMP=-10.0)
     fits_file(tmp_path / "bias_1s.fits", EXPTIME=0.0, CCD_TEMP=-10.0, IMAGETYP="Bias")
     assert not [n for n in load(tmp_path).notes if "the name says" in n]
+
+
+def test_two_thermometers_of_one_sensor_that_differ_are_told():
+    said = from_header({"CCD-TEMP": -10.0, "DET-TEMP": 20.0})
+    assert said.temperature_c == -10.0
+    (doubt,) = said.doubts
+    assert doubt.text == "DET-TEMP = 20.0 contradicts CCD-TEMP, which is used: -10 C"
+    assert not from_header({"CCD-TEMP": -10.0, "DET-TEMP": -8.5, "AMBTEMP": 20.0}).doubts

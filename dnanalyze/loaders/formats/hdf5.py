@@ -133,13 +133,19 @@ def _masked(
 ) -> tuple[np.ndarray | None, str]:
     """The file's mask and the gaps of its first frame; None where neither masks anything."""
     shape, dtype = first
-    masked = np.zeros(shape, bool)
+    masked, unused = np.zeros(shape, bool), ""
     with h5py.File(path, "r") as file:
         for label in masks:
             data = file[label]
+            check_memory(label, masked.nbytes + _chunk(data))
             if data.shape == shape:
-                check_memory(label, masked.nbytes + _chunk(data))
                 masked |= np.asarray(data[()]) != 0
+            elif data.ndim == 3 and data.shape[1:] == shape and data.shape[0] <= MAX_FRAMES:
+                for k in range(data.shape[0]):  # one for each frame: what any of them marks
+                    masked |= np.asarray(data[k]) != 0
+            else:
+                unused = f"The mask {label[:80]} has the shape {data.shape}, the frames {shape}; "
+                unused += "not used."
         gaps = None
         if not masked.any() and dtype.kind in "iu":
             label, number, turned = place
@@ -150,7 +156,7 @@ def _masked(
     if gaps is not None:
         value = "the largest value" if dtype.kind == "u" else "negative values"
         return gaps, f"No mask is stored; pixels at {value} of {dtype} are taken as masked gaps."
-    return (masked if masked.any() else None), ""
+    return (masked if masked.any() else None), unused
 
 
 @dataclass(frozen=True)
