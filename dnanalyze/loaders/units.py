@@ -66,9 +66,10 @@ def read_number(value: Any) -> Reading | None:
     if isinstance(value, bool) or value is None:
         return None
     if isinstance(value, (tuple, list)) and len(value) == 2 and value[1]:
-        if not all(isinstance(part, (int, float)) for part in value):
+        try:
+            value = value[0] / value[1]  # an EXIF rational
+        except (TypeError, OverflowError):
             return None
-        value = value[0] / value[1]  # an EXIF rational
     if isinstance(value, bytes):
         value = value.decode("ascii", "replace")
     if isinstance(value, str):

@@ -73,6 +73,7 @@ def test_text_is_json_or_lines():
     assert from_text('{"temperature_c": 25, "exposure_s": 0.5}') == expected
     assert from_text("camera: x\nTemperature = 25 C\nExposure: 500 ms\n") == expected
     assert from_text("nothing at all") == Metadata()
+    assert from_text(f'{{"exposure": [{10**400}, 3]}}') == Metadata()
     assert from_text('{"exposure": [[1], 5], "gain": ["a", 2], "temperature": {}}') == Metadata()
     assert from_text("Exposure (ms): 125\nSensor temperature [C]: -7,5\n") == Metadata(-7.5, 0.125)
     assert from_text('{"Exposure [us]": 50, "Temperature (K)": 250}') == Metadata(
