@@ -92,6 +92,7 @@ def _frames() -> Iterator[tuple[str, Sample]]:
     yield "ser", Sample("a.ser", video, _read_folder, False, {"a.txt": program.encode()})
     yield "program text", Sample("a.txt", program.encode(), _read_folder, True, {"a.ser": video})
     page = {"a.npy": _npy(CODES)}
+    yield "mask", Sample("mask.npy", _npy(CODES[0] > 68), _read_folder, False, page)
     camera = b'{"ExposureTime": 20000, "AnalogueGain": 4.0, "FrameDuration": 33333}'
     table = b'{"Summary": {}, "k": {"FileName": "x/a.npy", "Exposure-ms": 10, "Channel": "a"}}'
     yield "program json", Sample("a.json", camera, _read_folder, True, page)
@@ -167,6 +168,13 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         for how in ("RICE_1", "GZIP_1", "GZIP_2")
     }
     first, second = fits.ImageHDU(CODES[0], name="A"), fits.ImageHDU(CODES[1], name="B")
+    flags = fits.ImageHDU((CODES[0] > 68).astype(np.int16), name="DQ")
+    quality = held(fits.HDUList([fits.PrimaryHDU(), first, flags]).writeto)
+    last = io.BytesIO()
+    planes_last = np.random.default_rng(1).integers(60, 70, (*SHAPE, 1)) + CODES[:1].reshape(
+        *SHAPE, 1
+    )
+    np.savez(last, frames=np.repeat(planes_last, 6, 2).astype(np.uint16), mask=CODES[0] > 68)
     empty = fits.PrimaryHDU(header=primary.header.copy(strip=True))
     chips = held(fits.HDUList([empty, first, second]).writeto)
     half = SHAPE[1] // 2
@@ -191,6 +199,7 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         "fits": ("a.fits", plain),
         "fits extension": ("a.fit", extension),
         "fits chips": ("a.fits", chips),
+        "fits quality": ("a.fits", quality),
         "fits amplifiers": ("a.fits", held(amplifiers.writeto)),
         "fits.gz": ("a.fits.gz", gzip.compress(plain, mtime=0)),
         "fits in gz": ("a.fits.gz", plain),  # damaged, then packed
@@ -198,6 +207,7 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         "npy": ("a.npy", _npy(CODES)),
         "npz": ("a.npz", archive(zipfile.ZIP_STORED)),
         "npz deflated": ("a.npz", archive(zipfile.ZIP_DEFLATED)),
+        "npz last": ("a.npz", last.getvalue()),
         "hdf5": ("a.h5", hdf5()),
         "hdf5 chunked": ("a.h5", hdf5(chunks=(1, 8, 8), compression="gzip")),
         "tiff": ("a.tif", tif(CODES, **mono)),
@@ -207,6 +217,7 @@ def _binary_files() -> dict[str, tuple[str, bytes]]:
         "tiff colour": ("a.tif", tif(grey, photometric="rgb", metadata=None)),
         "tiff packed": ("a.tif", _packed_tif()),
         "tiff manager": ("a.tif", tif(CODES[0], extratags=[micro], **mono)),
+        "tiff text": ("a.tif", tif(CODES, description="Exposure (ms): 20\nT [C] = 5", **mono)),
         "tiff ome": ("a.ome.tif", tif(CODES, ome=True, metadata={"axes": "TYX", "Plane": planes})),
         "png": ("a.png", png(CODES[0])),
         "png colour": ("a.png", png(grey)),

@@ -52,7 +52,8 @@ def notes(settings: Sequence[Setting]) -> list[str]:
     if not several:
         return []
     setting, span = max(several, key=lambda pair: pair[1][-1] / pair[1][0])
-    more = f" (and so at {len(several) - 1} more points)" if len(several) > 1 else ""
+    others = len(several) - 1
+    more = f" (and so at {others} other point{'s' * (others > 1)})" if others else ""
     return [
         f"Exposures from {span[0]:.6g} to {span[-1]:.6g} s are one operating point, "
         f"{setting.point.exposure_s:.6g} s{more}: they differ by less than 1 %, or 1 ms where no "

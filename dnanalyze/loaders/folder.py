@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -24,7 +24,8 @@ from dnanalyze.loaders.formats.unread import instead
 from dnanalyze.loaders.grouping import group
 from dnanalyze.loaders.health import examined
 from dnanalyze.loaders.manifest import read_manifest
-from dnanalyze.loaders.masks import Mask, make_mask, read_mask
+from dnanalyze.loaders.masks import Mask, is_mask_file, make_mask, read_mask
+from dnanalyze.loaders.mosaic import large_mosaic
 from dnanalyze.loaders.recording import Cfa, FrameReader, Metadata, Recording, shifted_cfa
 from dnanalyze.loaders.remote import Fetched
 from dnanalyze.loaders.sources import merged
@@ -107,11 +108,15 @@ def load(
     notes: list[str] = []
     manifest = read_manifest(place)
     files = _frame_files(place, sidecar, manifest, notes)
+    masks = [f for f in files if manifest is None and is_mask_file(f)]
+    masks = masks if len(masks) < len(files) else []
+    files = [f for f in files if f not in masks]
     recordings = _recordings(place, files, sidecar, notes)
     part = asked or _dark_part(recordings, notes)
     found = _capture_set(
-        place, sidecar, manifest or {}, recordings, part, tolerance, keep_outliers, mask, notes
-    )
+        place, sidecar, manifest or {}, recordings, part, tolerance, keep_outliers,
+        [*masks, *([] if mask is None else [mask])], notes,
+    )  # fmt: skip
     return found if channel is None else found.channel(channel)
 
 
@@ -221,7 +226,7 @@ def _capture_set(
     part: str,
     tolerance_c: float | None,
     keep_outliers: bool,
-    mask: str | os.PathLike[str] | np.ndarray | None,
+    masks: Sequence[str | os.PathLike[str] | np.ndarray],
     notes: list[str],
 ) -> CaptureSet:
     frames: list[tuple[Frame, float | None]] = []
@@ -270,12 +275,7 @@ def _capture_set(
         _first(config.pixel_pitch_um, first.pixel_pitch_um),
         _first(config.system_gain_dn_e, _common(r.system_gain_dn_e for _, r in recordings)),
     )
-    if sensor.cfa is not None and len(sensor.cfa) > 2:
-        notes.append(
-            f"The mosaic of {len(sensor.cfa)} x {len(sensor.cfa[0])} pixels is analysed as its "
-            "four planes of every second row and column, 00 to 11."
-        )
-    left = _mask(mask, recordings, window, cfa, notes)
+    left = _mask(masks, recordings, window, cfa, notes)
     if left is not None:
         sensor = replace(sensor, shape=left.shape, filled=left.filled)
         frames = [
@@ -292,6 +292,8 @@ def _capture_set(
     settings, suspect = examined(grouped, keep_outliers, config.black_level is not None)
     sensor, differing = with_levels(sensor, settings)
     notes += [*suspect, *differing]
+    if sensor.cfa is not None and len(sensor.cfa) > 2:
+        notes.append(large_mosaic(sensor.cfa, settings[0].frames[0].read()))
     formats = tuple(dict.fromkeys(r.format for _, r in recordings))
     span = TOLERANCE_C if tolerance_c is None else tolerance_c
     source = Source(formats, str(first.dtype), span, part, taken=taken)
@@ -299,7 +301,7 @@ def _capture_set(
 
 
 def _mask(
-    given: str | os.PathLike[str] | np.ndarray | None,
+    given: Sequence[str | os.PathLike[str] | np.ndarray],
     recordings: list[tuple[Path, Recording]],
     window: Window,
     cfa: tuple[tuple[str, ...], ...] | None,
@@ -312,9 +314,9 @@ def _mask(
         if recording.mask is not None:
             masked |= recording.mask[window.slices]
             whose = [printable(file.name)]
-    if given is not None:
-        own = given if isinstance(given, np.ndarray) else read_mask(given)
-        name = "mask" if isinstance(given, np.ndarray) else printable(str(given))
+    for mask in given:
+        own = mask if isinstance(mask, np.ndarray) else read_mask(mask)
+        name = "mask" if isinstance(mask, np.ndarray) else printable(str(mask))
         whole = recordings[0][1].shape
         if own.shape not in (whole, window.shape):
             raise InputError(

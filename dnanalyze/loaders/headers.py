@@ -28,6 +28,7 @@ _OF_SENSOR = re.compile(
     r"(?:CCD|CMOS|CHIP|SENSOR|DETECTOR|DET|CAMERA|CAM|FPA|FOCALPLANE)\d*"
     r"(?:TEMP|TEMPERATURE|TEM)\d?[CK]?$|^TEMP(?:CCD|CHIP|SENSOR|DETECTOR|DET|CAM)\d?$"
 )
+_SENSOR = ("CCDTEMP", "SENSTEMP", "DETTEMP", "CHIPTEMP", "TEMPDET")
 _NOT_OF_SENSOR = re.compile(
     r"ambient|air|outside|weather|focus|dome|mirror|tube|telescope|lens|board|electronic|housing"
     r"|heat ?sink|hot side|chiller|coolant|target|set ?point|setpoint|requested"
@@ -63,6 +64,10 @@ _PER_DN = re.compile(r"(?:adu|dn|counts?|lsb)\s*(?:/|per)\s*(?:e\b|electron)")
 _TENTHS = re.compile(r"\bzwo\b|\basi ?\d{3,4}")  # cameras whose gain is in 0.1 dB by their manual
 _FACTORS = ("gain", "AnalogueGain")  # our own attribute, and libcamera's: factors by definition
 _LINEAR = re.compile(r"\bx\b|factor|linear|(?:adu|dn|counts?|lsb)\s*(?:/|per)\s*e")
+_LINE = re.compile(
+    r"^\s*([A-Za-z][\w \-]{0,40}?(?:[\[(][^\])\n]{1,20}[\])])?)\s*[=:]\s*(.{1,80})$", re.MULTILINE
+)
+_KEY_WITH_UNIT = re.compile(r"(?P<key>[^\[(]*\w)\s*(?P<unit>[\[(][^\])]{1,20}[\])])\s*")
 _DECIBEL = re.compile(r"(?:(?P<part>0?[.,]\d+|1/\d+)\s*)?db\b")
 
 
@@ -109,7 +114,7 @@ def from_text(text: str) -> Metadata:
 
 def lines_of(text: str) -> list[tuple[str, str]]:
     """Keys and values of lines ``key = value`` or ``key: value``."""
-    return re.findall(r"^\s*([A-Za-z][\w \-]{0,40}?)\s*[=:]\s*(.{1,80})$", text, re.MULTILINE)
+    return _LINE.findall(text)
 
 
 def image_type(values: Mapping[str, Any]) -> str:
@@ -138,9 +143,15 @@ class _Header:
     """One header, and what has been found in it."""
 
     def __init__(self, values: Mapping[str, Any], comments: Mapping[str, str] | None) -> None:
-        self.keys = {_plain(k): str(k) for k in reversed(list(values))}
-        self.values = {_plain(k): v for k, v in reversed(list(values.items()))}
+        self.keys: dict[str, str] = {}
+        self.values: dict[str, Any] = {}
         self.comments = {_plain(k): v for k, v in (comments or {}).items()}
+        for name, value in reversed(list(values.items())):
+            match = _KEY_WITH_UNIT.fullmatch(str(name)[:80])  # "Exposure (ms)"
+            key = _plain(match["key"] if match else name)
+            self.keys[key], self.values[key] = str(name), value
+            if match:
+                self.comments[key] = match["unit"]
         self.cooled = comments is not None  # FITS
         self.found: dict[str, Any] = {}
         self.taken: dict[str, tuple[str, str]] = {}
@@ -192,6 +203,15 @@ class _Header:
             return
         key, value = known
         self.take("temperature_c", value, key)
+        for other in (k for k in self.values if k != key and (k in _SENSOR or _of_sensor(k))):
+            also = self._temperature_of((other,))
+            if also is not None and abs(also[1] - value) > OFF_SET_POINT:
+                self.doubt(
+                    "temperature_c",
+                    other,
+                    f"contradicts {self.keys[key]}, which is used: {value:g} C",
+                )
+                break
         if asked is not None and abs(asked[1] - value) > OFF_SET_POINT:
             self.doubt(
                 "temperature_c", key,

@@ -154,17 +154,22 @@ class _View:
         return replace(self.setting, frames=frames)
 
     def near(self) -> list[int]:
-        """Frames that differ far less from the one before than the other neighbours do."""
+        """Frames that differ far less from the one before than the other neighbours do.
+
+        Without those that are left out: an odd frame differs by more than any.
+        """
+        kept = [id(f) not in self.left_out for f in self.frames]
+        steps = {k: s for k, s in enumerate(self.steps) if kept[k] and kept[k + 1]}
         return [
             k + 1
-            for k, step in enumerate(self.steps)
-            if len(self.steps) > 1 and step < FROZEN * np.median(np.delete(self.steps, k))
+            for k, step in steps.items()
+            if len(steps) > 1
+            and step < FROZEN * np.median([s for other, s in steps.items() if other != k])
         ]
 
     def frozen(self) -> list[tuple[str, str]]:
         """Names of those that are kept, each with that of the one before."""
-        near = [k for k in self.near() if id(self.frames[k]) not in self.left_out]
-        return [(self.frames[k].name, self.frames[k - 1].name) for k in near]
+        return [(self.frames[k].name, self.frames[k - 1].name) for k in self.near()]
 
     def moved(self) -> tuple[float, float] | None:
         """By how much the level moves over the frames, DN, and how much noise alone moves it."""

@@ -23,6 +23,11 @@ CARRY, MOVING = 0.25, 0.3
 SCATTER = 4.0  # bits below full scale; a sixteenth of it is no noise of a dark frame
 UNIFORM = 40.0  # DN; bytes that hold low bits of larger codes differ by 85 on average
 FAR, WIDE = 20.0, 4.0  # noises off the level and factor of the noise that make a row no pixels
+UNLIKELY = (
+    1.0  # of the mean log share of pairs of bytes; that of 64 pixels scatters by a quarter of it
+)
+LOOKED_AT = 1 << 22  # pixels
+CLEAR = 8.0  # standard errors of a variance of column means
 EDGE = 8  # rows; sensors embed one to four
 
 
@@ -167,6 +172,32 @@ def _other_packing(data: np.ndarray, smooth: float) -> str:
     return f"pixels scatter as stated and are smooth in a packing; set packing: {how}, bits: {bits}"
 
 
+def is_turned(pixels: np.ndarray) -> bool:
+    """Whether pixels in a row make more of a pattern of columns with height and width exchanged.
+
+    Parameters
+    ----------
+    pixels : ndarray, (rows, columns)
+        The first frame as stated.
+    """
+    rows, columns = pixels.shape
+    if rows == columns:
+        return False
+    size = min(pixels.size, LOOKED_AT)
+    middle = float(np.median(pixels))
+    reach = 6 * max(1.0, float(np.median(np.abs(pixels - middle))))
+    clipped = np.clip(pixels - middle, -reach, reach)
+    # a pattern of rows may be one of columns in the other shape, and is none of this question
+    flat = (clipped - clipped.mean(axis=1, keepdims=True)).ravel()[:size]
+    found = []
+    for width in (columns, rows):
+        held = flat[: size // width * width].reshape(-1, width)
+        by_chance = float(flat.var()) / held.shape[0]
+        found.append((float(held.mean(axis=0).var()) - by_chance, by_chance))
+    (stated, _), (turned, by_chance) = found
+    return turned > max(2.0 * stated, CLEAR * by_chance * float(np.sqrt(2 / rows)))
+
+
 def odd_edges(read: Callable[[int, int], np.ndarray], height: int) -> str:
     """A note on rows at the top or bottom that hold no pixels; "" if there are none.
 
@@ -231,13 +262,18 @@ def sign_doubt(codes: np.ndarray, unsigned: bool) -> str:
 def side_of(data: bytes, rest: int) -> str:
     """Whether ``rest`` bytes too many stand before or behind the pixels: "header" or "footer".
 
-    Their bytes are those that pixels hardly have.
+    Their bytes are those that pixels hardly have at even and at odd places; "" where that holds
+    for both ends, as embedded rows make it, or for neither.
     """
-    body = np.frombuffer(data[rest:-rest], np.uint8)
-    share = (np.bincount(body, minlength=256) + 0.5) / (body.size + 128.0)
-    ends = (np.frombuffer(data[:rest], np.uint8), np.frombuffer(data[-rest:], np.uint8))
-    first, last = (float(np.log(share[end]).mean()) for end in ends)
-    return "header" if first <= last else "footer"
+    values = np.frombuffer(data, np.uint8) + 256 * (np.arange(len(data)) % 2)
+    body = values[rest:-rest]
+    share = (np.bincount(body, minlength=512) + 0.5) / (body.size / 2 + 128.0)
+    chance = np.log(share)
+    usual = float(chance[body].mean())
+    odd = [float(chance[end].mean()) < usual - UNLIKELY for end in (values[:rest], values[-rest:])]
+    if odd[0] == odd[1]:
+        return ""
+    return "header" if odd[0] else "footer"
 
 
 def _levels(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,6 +28,13 @@ MOST = 0.2  # share of the pixels that may be filled
 LEAST_PLACED = 1e-3
 BLOCK = 4  # lines at the largest code side by side: a gap, and no defect
 _SEED = 0
+MASK_SUFFIXES = (".npy", ".fits", ".fit", ".fts", ".h5", ".hdf5", ".hdf", ".nxs", ".tif", ".tiff",
+                 ".png")  # fmt: skip
+_NAMED = re.compile(
+    r"(?:^|[_. -])(?:bpm|(?:bad|dead|defect)[_ -]?(?:pix(?:el)?s?)?[_ -]?(?:map|mask)?"
+    r"|(?:pix(?:el)?[_ -]?)?mask)$",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +105,8 @@ def make_mask(masked: np.ndarray, name: str, period: int = 1) -> Mask:
     InputError
         Too little is left.
     """
-    rows = _left(masked.mean(axis=1) < GONE, period)
-    columns = _left(masked[rows].mean(axis=0) < GONE if rows.size else rows > 0, period)
-    rest = masked[np.ix_(rows, columns)]
-    share = float(rest.mean()) if rest.size else 1.0
-    if rows.size < MIN_ROWS or columns.size < MIN_COLUMNS or share > MOST:
+    rows, columns, rest = _whole_lines(masked, period)
+    if not _enough(rest):
         raise InputError(
             f"{name}: the mask leaves {int((~masked).sum())} of {masked.size} pixels, too few in "
             f"too few rows and columns; mask less than {100 * MOST:g} % of what is analysed, or "
@@ -113,6 +118,22 @@ def make_mask(masked: np.ndarray, name: str, period: int = 1) -> Mask:
     for part in parts:
         digest.update(str(part.size).encode() + part.astype(np.int64).tobytes())
     return Mask(*parts, digest.hexdigest())
+
+
+def leaves_enough(masked: np.ndarray) -> bool:
+    """Whether `make_mask` takes this mask of a monochrome region."""
+    return _enough(_whole_lines(masked, 1)[2])
+
+
+def _whole_lines(masked: np.ndarray, period: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns that are left, and the mask on these."""
+    rows = _left(masked.mean(axis=1) < GONE, period)
+    columns = _left(masked[rows].mean(axis=0) < GONE if rows.size else rows > 0, period)
+    return rows, columns, masked[np.ix_(rows, columns)]
+
+
+def _enough(rest: np.ndarray) -> bool:
+    return rest.shape[0] >= MIN_ROWS and rest.shape[1] >= MIN_COLUMNS and rest.mean() <= MOST
 
 
 def _left(kept: np.ndarray, period: int) -> np.ndarray:
@@ -169,6 +190,16 @@ def _block(lines: np.ndarray) -> np.ndarray:
     return out
 
 
+def is_mask_file(path: Path) -> bool:
+    """Whether a file is a mask by its name ("bpm.fits", "darks_bad_pixels.png") and content."""
+    if not _NAMED.search(path.stem) or path.suffix.lower() not in MASK_SUFFIXES:
+        return False
+    try:
+        return bool(read_mask(path).mean() < GONE)
+    except InputError:
+        return False
+
+
 def read_mask(path: str | os.PathLike[str]) -> np.ndarray:
     """A mask from a file: NumPy, FITS, HDF5, PNG or TIFF; pixels that are not 0 are left out.
 
@@ -218,7 +249,7 @@ def read_mask(path: str | os.PathLike[str]) -> np.ndarray:
 def _of_hdf5(file: Path) -> np.ndarray:
     import h5py
 
-    from dnanalyze.loaders.formats.hdf5_names import is_mask
+    from dnanalyze.loaders.formats.dataset_names import is_mask
 
     with h5py.File(file, "r") as content:
         found: list[str] = []

@@ -8,8 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dnanalyze.digits import number
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 from dnanalyze.loaders.recording import Cfa
+from dnanalyze.robust import robust_deviation
+
+APART = 0.3  # of the scatter of the pixels of one colour: 1 % of its variance and more
 
 
 def planes(captures: CaptureSet) -> list[tuple[str, CaptureSet]]:
@@ -52,6 +56,36 @@ def plane_names(cfa: Cfa) -> dict[tuple[int, int], str]:
         seen[colour] += 1
         names[place] = colour if total[colour] == 1 else f"{colour}{seen[colour]}"
     return names
+
+
+def large_mosaic(cfa: Cfa, frame: np.ndarray) -> str:
+    """A note on a mosaic of more than 2 x 2 pixels, and on colours that differ in level.
+
+    Parameters
+    ----------
+    cfa : tuple of tuple of str
+        Larger than 2 x 2.
+    frame : ndarray
+        One frame, (rows, columns), DN.
+    """
+    rows, columns = len(cfa), len(cfa[0])
+    said = (
+        f"The mosaic of {rows} x {columns} pixels is analysed as its four planes of every second "
+        "row and column, 00 to 11."
+    )
+    letters = np.array(cfa)
+    own: dict[str, np.ndarray] = {}
+    for colour in dict.fromkeys(letters.flat):
+        places = [frame[r::rows, c::columns].ravel() for r, c in np.argwhere(letters == colour)]
+        own[str(colour)] = np.concatenate(places)
+    levels = {colour: float(np.median(v)) for colour, v in own.items()}
+    scatter = min(robust_deviation(v) for v in own.values())
+    if np.ptp(list(levels.values())) <= max(APART * scatter, 1.0):
+        return said
+    listed = ", ".join(f"{colour} {number(level, 5)}" for colour, level in levels.items())
+    return (
+        f"{said} Its colours differ in level ({listed} DN): the DSNU of these planes contains that."
+    )
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ numbers, dates and binning factors (``2x2``) are not read as measurements.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.matching import named_groups
-from dnanalyze.loaders.physical import fault
+from dnanalyze.loaders.physical import ABSOLUTE_ZERO, fault
 from dnanalyze.loaders.recording import Doubt, Metadata
 from dnanalyze.loaders.units import plain_minus
 
@@ -48,13 +48,18 @@ _TEMPERATURES = (
         re.IGNORECASE,
     ),
 )
-_MAYBE_TEMPERATURE = re.compile(r"c|t(?:[+-]|m|neg)?\d|temp", re.IGNORECASE)
+_KELVIN = re.compile(rf"{_START}(?P<value>\d{{2,3}}(?:[.,]\d+)?)_?K{_END}")  # 4K is a frame size
+_KELVIN_FROM, _KELVIN_TO = 20.0, 400.0
+# "1_30s" may be 1/30 s, "exp1_5s" 1.5 s, or the number ahead an index
+_AHEAD = re.compile(r"(?:(?<![A-Za-z0-9.,-])|(?<=exp)|(?<=exposure))([1-9]\d?)_$", re.IGNORECASE)
+_MAYBE_TEMPERATURE = re.compile(r"c|k|t(?:[+-]|m|neg)?\d|temp", re.IGNORECASE)
 _MINUS_OR_DASH = re.compile(rf"(?<=[A-Za-z0-9])-{_DEGREES}(?:deg|°)?c{_END}", re.IGNORECASE)
 _UNITS = {
     "us": 1e-6, "µs": 1e-6, "usec": 1e-6, "ms": 1e-3, "msec": 1e-3, "s": 1.0, "sec": 1.0,
     "secs": 1.0, "second": 1.0, "seconds": 1.0, "min": 60.0, "mins": 60.0, "minutes": 60.0,
+    "h": 3600.0, "hour": 3600.0, "hours": 3600.0,
 }  # fmt: skip
-_UNIT = r"(?P<gap>[_ ]?)(?P<unit>[uµ]s|[um]sec|ms|secs?|seconds?|s|min(?:ute)?s?)"
+_UNIT = r"(?P<gap>[_ ]?)(?P<unit>[uµ]s|[um]sec|ms|secs?|seconds?|s|min(?:ute)?s?|h(?:ours?)?)"
 _EXPOSURES = (
     re.compile(
         rf"{_START}(?P<key>t|exp(?:os(?:ure)?|time)?)[_=-]?(?P<value>{_NUMBER}){_UNIT}{_END}",
@@ -77,7 +82,7 @@ _RANGES = {  # ends before and behind a value of the same kind: 20-25C, 1s..5s
 _GAIN = re.compile(rf"{_START}gain[_=-]?(?P<value>{_NUMBER})_?(?P<unit>x|db)?{_END}", re.IGNORECASE)
 _ISO = re.compile(rf"{_START}iso[_=-]?(?P<value>\d{{2,7}}){_END}", re.IGNORECASE)
 _CHANNEL = re.compile(rf"{_START}(hcg|lcg|lofic|long|short){_END}(?![_ -]?exp)", re.IGNORECASE)
-_COLDEST, _HOTTEST = -200.0, 300.0
+_COLDEST, _HOTTEST = -271.0, 300.0
 
 
 def from_names(parts: Sequence[str]) -> Metadata:
@@ -116,20 +121,23 @@ def from_folder(files: Sequence[Sequence[str]]) -> list[Metadata]:
             known[text] = _Name.of(text)
     named = [[known[text] for text in parts] for parts in files]
     counting = _counting(named)
-    return [_metadata(parts, counting) for parts in named]
+    before = _numbers_ahead(known.values())
+    return [_metadata(parts, counting, before) for parts in named]
 
 
 @dataclass(frozen=True)
 class _Said:
     """One value that a name says.
 
-    ``index`` where it may count frames; ``doubt`` is what is doubtful about it.
+    ``index`` where it may count frames; ``doubt`` is what is doubtful about it; ``ahead`` is a
+    number before it that belongs to it, unless it counts files.
     """
 
     value: float | None
     text: str
     index: bool = False
     doubt: str = ""
+    ahead: str = ""
 
 
 @dataclass(frozen=True)
@@ -166,7 +174,17 @@ def _counting(files: Sequence[Sequence[_Name]]) -> set[tuple[str, str]]:
     }
 
 
-def _metadata(parts: Sequence[_Name], counting: set[tuple[str, str]]) -> Metadata:
+def _numbers_ahead(names: Iterable[_Name]) -> set[str]:
+    """Shapes of names in which the number ahead of a value is always the same."""
+    ahead: dict[str, set[str]] = {}
+    for name in names:
+        for said in name.said["exposure_s"]:
+            if said.ahead:
+                ahead.setdefault(name.shape, set()).add(said.ahead)
+    return {shape for shape, own in ahead.items() if len(own) == 1}
+
+
+def _metadata(parts: Sequence[_Name], counting: set[tuple[str, str]], before: set[str]) -> Metadata:
     found: dict[str, Any] = {}
     taken: dict[str, tuple[str, str]] = {}
     doubts: list[Doubt] = []
@@ -189,6 +207,12 @@ def _metadata(parts: Sequence[_Name], counting: set[tuple[str, str]]) -> Metadat
                         text = f"{said.text!r} in the name {said.doubt}"
                         doubt = Doubt(quantity, f"{quantity} {said.doubt}", text)
                         (unread if said.value is None else doubts).append(doubt)
+                    if said.ahead and said.value and part.shape in before and quantity not in found:
+                        text = (
+                            f"{said.text!r} in the name, behind {said.ahead!r}, is taken as "
+                            f"{said.value:g} s; where both are one number, a manifest settles it"
+                        )
+                        doubts.append(Doubt(quantity, "ahead", text))
                     take(quantity, said.value, said.text)
     for part in parts:
         gain, text = _gain(part.text)
@@ -262,6 +286,12 @@ def _temperatures(text: str) -> tuple[_Said, ...]:
             elif groups["sign"] == "m" and match[0].endswith("c"):
                 doubt = f"is read as {value:g} C; where it is a name, a manifest settles it"
             found.append(_ranged("C", text, match, _Said(value, match[0], index, doubt)))
+    for match in _KELVIN.finditer(text):
+        value = float(match["value"].replace(",", "."))
+        if _KELVIN_FROM <= value <= _KELVIN_TO:
+            celsius = round(value + ABSOLUTE_ZERO, 6)
+            doubt = f"is taken as kelvin, {celsius:g} C"
+            found.append(_Said(celsius, match[0], doubt=doubt))
     found += [
         _Said(None, m[0], doubt="may begin with a minus or a dash; not used")
         for m in _MINUS_OR_DASH.finditer(text)
@@ -282,7 +312,10 @@ def _exposures(text: str) -> tuple[_Said, ...]:
                 and (not groups.get("key"))
             )
             doubt = "may be an index; taken as an exposure, s" if index else ""
-            found.append(_ranged("s", text, match, _Said(value, match[0], index, doubt)))
+            before = _AHEAD.search(text, max(0, match.start() - 12), match.start())
+            whole = groups["value"].isdigit() and groups["unit"] and not groups.get("key")
+            ahead = before[1] if before and whole else ""
+            found.append(_ranged("s", text, match, _Said(value, match[0], index, doubt, ahead)))
     return tuple(found)
 
 

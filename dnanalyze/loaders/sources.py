@@ -16,6 +16,10 @@ from dnanalyze.loaders.program_text import ProgramTexts
 from dnanalyze.loaders.provenance import Taken, Tally
 from dnanalyze.loaders.recording import Metadata, Recording
 
+# Quantity, relative and absolute difference from which header and name contradict each other: a
+# name rounds the exposure, and tells the set point.
+_APART = (("temperature_c", 0.0, 5.0), ("exposure_s", 0.05, 1e-6))
+
 
 def merged(
     place: Place,
@@ -43,6 +47,7 @@ def merged(
     """
     names = [printable(place.relative(file)) for file, _ in recordings]
     odd: dict[str, list[str]] = {}
+    named_otherwise: dict[str, list[tuple[str, Metadata, Metadata]]] = {}
     frames: list[Metadata] = []
     elsewhere = config.metadata().of("sidecar")
     named = _named(place, [f for f, _ in recordings], config)
@@ -52,7 +57,10 @@ def merged(
             own, wrong = header.plausible()
             for text in wrong:
                 odd.setdefault(text, []).append(name)
-            known = manifest.get(file, Metadata()).or_else(own.of("header"))
+            stated = manifest.get(file, Metadata())
+            known = stated.or_else(own.of("header"))
+            for quantity in _contradicted(known, said):
+                named_otherwise.setdefault(quantity, []).append((name, known, said))
             frames.append(known.or_else(texts.of(file)).or_else(said).or_else(elsewhere))
     frames, note = settled(
         frames, [r.system_gain_dn_e for _, r in recordings for _ in range(len(r.frames))]
@@ -70,7 +78,39 @@ def merged(
         for text, files in odd.items()
     ]
     notes += [*filter(None, [note, apart]), *tally.notes()]
+    notes += [_of_names(quantity, files) for quantity, files in named_otherwise.items()]
     return known_of, tally.sources()
+
+
+def _contradicted(header: Metadata, name: Metadata) -> list[str]:
+    """Quantities of which a header says one value and a name, with its unit, another."""
+    found = []
+    for quantity, relative, least in _APART:
+        stated, named = getattr(header, quantity), getattr(name, quantity)
+        if stated is None or named is None or not _unit_of(name, quantity):
+            continue
+        source, example = header.taken.get(quantity, ("", ""))
+        if not source.startswith("header") or example.startswith("image type"):
+            continue
+        if abs(stated - named) > max(relative * abs(stated), least):
+            found.append(quantity)
+    return found
+
+
+def _unit_of(name: Metadata, quantity: str) -> bool:
+    """Whether the text of a name ends with a unit."""
+    return name.taken.get(quantity, ("", ""))[1][-1:].isalpha()
+
+
+def _of_names(quantity: str, files: Sequence[tuple[str, Metadata, Metadata]]) -> str:
+    """A note on names that say another value than the header."""
+    name, header, said = files[0]
+    count = len(dict.fromkeys(file for file, _, _ in files))
+    (source, example), (_, text) = header.taken[quantity], said.taken[quantity]
+    return (
+        f"{name}{f' and {count - 1} more' if count > 1 else ''}: the name says {text}, the "
+        f"{source} {example}; the header is used, and a manifest with {quantity} settles it."
+    )
 
 
 def _named(place: Place, files: list[Path], config: Config) -> list[Metadata]:

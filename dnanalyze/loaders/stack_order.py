@@ -10,6 +10,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.checks import MIN_COLUMNS
 
 PAIRS = 32  # of planes that are compared
+LOOKED_AT = 1 << 15  # pixels of each plane
 CLEAR = 6.0  # standard errors of a correlation
 NOTE = (
     "The last axis counts the frames, as their likeness tells; frame_axis in the sidecar decides."
@@ -44,12 +45,16 @@ def frames_last(name: str, stack: Any, asked: str | None) -> bool:
     if asked is not None:
         return asked == "last"
     a, b, c = stack.shape
+    rows = min(b, max(MIN_COLUMNS, LOOKED_AT // c))
+    part = slice((b - rows) // 2, (b + rows) // 2)
     firsts = np.unique(np.linspace(0, a - 2, min(PAIRS, a - 1)).astype(int))
-    pairs = [np.asarray(stack[k : k + 2], dtype=np.float64) for k in firsts.tolist()]
+    pairs = [np.asarray(stack[k : k + 2, part], dtype=np.float64) for k in firsts.tolist()]
     along_first = float(np.mean([_likeness(p[0], p[1]) for p in pairs]))
-    rows = np.concatenate(pairs)  # (2 pairs, b, c)
-    along_last = float(np.mean([_likeness(rows[..., k], rows[..., k + 1]) for k in range(c - 1)]))
-    error = 1.0 / np.sqrt(rows.size / 2)
+    all_pairs = np.concatenate(pairs)  # (2 pairs, rows, c)
+    along_last = float(
+        np.mean([_likeness(all_pairs[..., k], all_pairs[..., k + 1]) for k in range(c - 1)])
+    )
+    error = 1.0 / np.sqrt(all_pairs.size / 2)
     if c < MIN_COLUMNS or along_last > along_first + CLEAR * error:
         return True
     if along_first > along_last + CLEAR * error:

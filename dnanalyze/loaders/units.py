@@ -66,7 +66,10 @@ def read_number(value: Any) -> Reading | None:
     if isinstance(value, bool) or value is None:
         return None
     if isinstance(value, (tuple, list)) and len(value) == 2 and value[1]:
-        value = value[0] / value[1]  # an EXIF rational
+        try:
+            value = value[0] / value[1]  # an EXIF rational
+        except (TypeError, OverflowError):
+            return None
     if isinstance(value, bytes):
         value = value.decode("ascii", "replace")
     if isinstance(value, str):

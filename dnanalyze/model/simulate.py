@@ -50,7 +50,7 @@ def simulate(
         "cpu", or "cuda" for a GPU; the pixels do not depend on it beyond rounding.
     like : CaptureSet, optional
         Captures whose frame size, operating points, numbers of frames and sensor are taken where
-        they are not given.
+        they are not given; rows, columns and frames that they leave out are not simulated.
 
     Returns
     -------
@@ -77,7 +77,8 @@ def simulate(
     if like is not None:
         shape = shape or like.sensor.shape
         settings = settings or [(s.point, len(s.frames)) for s in like.settings]
-        sensor = sensor or replace(like.sensor, shape=shape)
+        # every simulated pixel is its own, masked ones included
+        sensor = sensor or replace(like.sensor, shape=shape, filled=0.0)
     if shape is None or settings is None:
         raise InputError("simulate: give shape and settings, or captures to be like")
     draw = (

@@ -11,7 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint, Window
 ARRAY = np.random.default_rng(0).integers(0, 4096, (120, 160)).astype(np.uint16)
 
 
-def dng(path, array=ARRAY, active=None, iso=400):
+def dng(path, array=ARRAY, active=None, iso=400, extra=()):
     """A minimal DNG; its CFAPattern (RGGB) begins at the active area (DNG 1.6, CFAPattern)."""
     unity = (1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1)
     tags = [
@@ -25,8 +25,10 @@ def dng(path, array=ARRAY, active=None, iso=400):
         (33434, 5, 1, (1, 20), True),
         (34855, 3, 1, iso, True),
     ]
+    tags += extra
     if active:
         tags.append((50829, 4, 4, active, True))
+    path.parent.mkdir(exist_ok=True)
     tifffile.imwrite(path, array, photometric="cfa", metadata=None, extratags=tags)
     return path
 
@@ -104,3 +106,23 @@ def test_truncated_files_are_seen_at_load(tmp_path):
     (tmp_path / "b.dng").write_bytes(b"not a raw file" * 100)
     with pytest.raises(InputError, match=r"^b\.dng: LibRaw cannot open it"):
         load(tmp_path)
+
+
+def test_the_black_level_of_masked_pixels_is_not_cut_to_whole_codes(tmp_path):
+    codes = np.random.default_rng(1).normal(64.7, 2.0, (160, 200)).round().astype(np.uint16)
+    masks = (50830, 4, 4, (0, 0, 160, 60), True)
+    dng(tmp_path / "a.dng", codes, (0, 64, 160, 200), extra=[masks])
+    captures = load(tmp_path)
+    assert captures.settings[0].black_level == pytest.approx(64.7, abs=0.1)
+
+
+def test_expanded_and_floating_codes_are_told(tmp_path):
+    table = tuple(int(k) ** 2 // 16 for k in range(256))
+    dng(tmp_path / "a" / "a.dng", (ARRAY // 16).astype(np.uint8),
+        extra=[(50712, 3, 256, table, True)])  # fmt: skip
+    captures = load(tmp_path / "a")
+    assert "expand their codes by a table" in captures.notes[0]
+    frame = captures.settings[0].frames[0].read()
+    np.testing.assert_array_equal(frame, np.array(table)[ARRAY // 16])
+    dng(tmp_path / "b" / "a.dng", (ARRAY / 4096).astype(np.float32))
+    assert "floating-point pixels, which LibRaw scales" in load(tmp_path / "b").notes[0]

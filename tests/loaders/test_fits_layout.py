@@ -1,6 +1,7 @@
 """FITS files with several images, amplifiers, sections, colours and orders of rows."""
 
 import gzip
+import io
 
 import numpy as np
 import pytest
@@ -58,12 +59,53 @@ def test_images_beside_the_frames_are_left_out_and_said(tmp_path):
     several(
         tmp_path / "a.fits",
         (noise(1), {"EXTNAME": "SCI"}),
-        (noise(2).astype("u1"), {"EXTNAME": "DQ"}),
+        (noise(2).astype("f4"), {"EXTNAME": "ERR"}),
         (noise(3, (24, 20)), {"EXTNAME": "GUIDE"}),
+        (noise(4, (24, 20)), {"EXTNAME": "BPM"}),
     )
     captures = load(tmp_path)
     assert (captures.frame_count, captures.channels) == (1, [])
-    assert "left out: DQ, GUIDE" in " ".join(captures.notes)
+    assert "left out: ERR, GUIDE, BPM" in " ".join(captures.notes)
+
+
+@pytest.mark.parametrize("name", ["DQ", "MASK", "BPM", "BADPIX", "PIXELDQ", "quality"])
+@pytest.mark.parametrize("suffix", [".fits", ".fits.gz", ".fits.fz"])
+def test_masks_of_data_quality_are_left_out(tmp_path, name, suffix):
+    flags = np.zeros((24, 20), "i2")
+    flags[10:12] = 4
+    path = tmp_path / f"a{suffix}"
+    frame = noise(1, (24, 20)).astype("i2")
+    image = fits.CompImageHDU if suffix == ".fits.fz" else fits.ImageHDU
+    units = [fits.PrimaryHDU(), image(frame, name="SCI"), image(flags, name=name)]
+    data = io.BytesIO()
+    fits.HDUList(units).writeto(data)
+    path.write_bytes(gzip.compress(data.getvalue()) if suffix == ".fits.gz" else data.getvalue())
+    captures = load(tmp_path)
+    assert captures.notes[0].startswith(f"Masked by {path.name}: 2 rows.")
+    np.testing.assert_array_equal(next(captures.frames()).read(), np.delete(frame, (10, 11), 0))
+
+
+def test_masks_of_several_chips_are_joined(tmp_path):
+    flags = np.zeros((2, 24, 20), "u1")
+    flags[0, 3], flags[1, :, 7] = 1, 8
+    units = [
+        (x, {"EXTNAME": name, "EXTVER": k + 1})
+        for k in range(2)
+        for name, x in ((f"CHIP{k}", noise(k, (24, 20))), ("DQ", flags[k]))
+    ]
+    several(tmp_path / "a.fits", *units)
+    captures = load(tmp_path)
+    assert captures.channels == ["CHIP0", "CHIP1"]
+    assert captures.sensor.shape == (23, 19)
+
+
+def test_a_mask_of_most_pixels_is_told_and_not_used(tmp_path):
+    good = np.ones((16, 20), "u1")  # 1 is good here
+    good[3, 3] = 0
+    several(tmp_path / "a.fits", (noise(1), {"EXTNAME": "SCI"}), (good, {"EXTNAME": "MASK"}))
+    captures = load(tmp_path)
+    assert captures.sensor.shape == (16, 20)
+    assert "MASK marks 99.7 % of the pixels, too many to leave out; not used" in captures.notes[0]
 
 
 def test_images_without_name_that_differ_in_time_are_frames(tmp_path):

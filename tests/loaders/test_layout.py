@@ -69,9 +69,39 @@ def test_a_wrong_layout_is_refused_with_the_right_one(tmp_path, data, keys, reme
         raw(tmp_path, data, **keys)
 
 
+@pytest.mark.parametrize("turned", [True, False])
+def test_height_and_width_exchanged_are_told_by_a_pattern_of_columns(tmp_path, turned):
+    rng = np.random.default_rng(4)
+    shape = (96, 120)
+    codes = rng.normal(260, 3, shape) + rng.normal(0, 3, shape[1]) + np.linspace(0, 9, 96)[:, None]
+    sides = {"width": 96, "height": 120} if turned else {"width": 120, "height": 96}
+    if turned:
+        with pytest.raises(InputError, match="set width: 120 and height: 96"):
+            raw(tmp_path, codes.astype("<u2"), **sides)
+    else:
+        assert raw(tmp_path, codes.astype("<u2"), **sides).sensor.shape == shape
+
+
+@pytest.mark.parametrize("shape", [(96, 40), (40, 96), (64, 256), (256, 64), (128, 96)])
+@pytest.mark.parametrize(("row", "column"), [(0, 8), (8, 0), (8, 3)])
+def test_a_mosaic_of_either_shape_is_not_exchanged(tmp_path, shape, row, column):
+    codes = np.random.default_rng(5).normal(260, 3, shape)
+    codes[:, ::2] += column
+    codes[::2] += row
+    captures = raw(tmp_path, codes.astype("<u2"), width=shape[1], height=shape[0])
+    assert captures.sensor.shape == shape
+
+
 def test_bytes_behind_the_pixels_are_left_out(tmp_path):
     captures = raw(tmp_path, dark().tobytes() + b"TAIL" * 16, footer_bytes=64)
     assert np.array_equal(captures.settings[0].frames[0].read(), dark())
+
+
+def test_bytes_too_many_beside_embedded_rows_may_be_at_either_end(tmp_path):
+    codes = dark()
+    codes[0] = np.arange(SHAPE[1]) * 997 % 4096
+    with pytest.raises(InputError, match="header_offset: 64 or footer_bytes: 64, whichever end"):
+        raw(tmp_path, codes.tobytes() + bytes(64))
 
 
 def test_embedded_rows_are_said(tmp_path):

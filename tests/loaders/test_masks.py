@@ -159,3 +159,29 @@ def test_codes_of_gaps():
     frame[5, 5] = frame[:, 9] = 65535
     assert gaps_of(frame) is None  # a saturated pixel and a saturated column
     assert gaps_of((counts - 100).astype(np.int32)) is None
+
+
+def test_a_mask_beside_the_frames_is_told_by_name_and_content(tmp_path, frames):
+    folder = saved(tmp_path / "a", frames)
+    np.save(folder / "bad_pixels.npy", gaps().astype(np.uint16))
+    np.save(folder / "dark_20C_1s_mask.npy", frames[0] + 1)  # a frame, whatever its name
+    captures = load(folder, keep_outliers=True)
+    assert captures.frame_count == 9
+    assert captures.notes[0].startswith("Masked by ")
+    assert "bad_pixels.npy: 8 rows, 3 columns." in captures.notes[0]
+    dark = saved(tmp_path / "b", frames)
+    fits.HDUList([fits.PrimaryHDU(), fits.ImageHDU(gaps().astype(np.uint8), name="BPM")]).writeto(
+        dark / "bpm.fits"
+    )
+    assert load(dark).sensor.shape == (120, 157)
+
+
+def test_one_mask_for_each_frame_of_a_stack(tmp_path, frames):
+    masked = np.zeros(frames.shape, np.uint8)
+    masked[0, 40:48] = masked[1, :, 100:103] = 1
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["data"], file["pixel_mask"] = frames, masked
+    assert load(tmp_path).sensor.shape == (120, 157)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["data"], file["pixel_mask"] = frames, masked[:, :9]
+    assert "pixel_mask has the shape" in load(tmp_path).notes[0]

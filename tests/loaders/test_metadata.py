@@ -73,6 +73,12 @@ def test_text_is_json_or_lines():
     assert from_text('{"temperature_c": 25, "exposure_s": 0.5}') == expected
     assert from_text("camera: x\nTemperature = 25 C\nExposure: 500 ms\n") == expected
     assert from_text("nothing at all") == Metadata()
+    assert from_text(f'{{"exposure": [{10**400}, 3]}}') == Metadata()
+    assert from_text('{"exposure": [[1], 5], "gain": ["a", 2], "temperature": {}}') == Metadata()
+    assert from_text("Exposure (ms): 125\nSensor temperature [C]: -7,5\n") == Metadata(-7.5, 0.125)
+    assert from_text('{"Exposure [us]": 50, "Temperature (K)": 250}') == Metadata(
+        pytest.approx(-23.15), pytest.approx(5e-5)
+    )
 
 
 def test_tiff_description_and_exif_tag(tmp_path):
@@ -128,3 +134,29 @@ def test_skip_and_tolerance_of_the_sidecar(tmp_path):
     assert captures.source.tolerance_c == 4.0
     assert len(load(tmp_path, config=sidecar, tolerance_c=2.0).settings) == 2
     assert len(load(tmp_path, config=sidecar, tolerance_c=1.0).settings) == 3
+
+
+def test_a_name_that_contradicts_the_header_is_told(tmp_path):
+    for k, exposure in enumerate((30.0, 30.0, 10.2)):
+        name = f"dark_{k}_10s_-10C.fits"
+        fits_file(tmp_path / name, EXPTIME=exposure, CCD_TEMP=-9.1, IMAGETYP="Dark")
+    captures = load(tmp_path)
+    (note,) = (n for n in captures.notes if "the name says" in n)
+    assert note.startswith(
+        "dark_0_10s_-10C.fits and 1 more: the name says 10s, the header EXPTIME 30.0; the header"
+    )
+    assert {s.point.exposure_s for s in captures.settings} == {30.0, 10.2}
+
+
+def test_a_number_without_unit_in_a_name_contradicts_nothing(tmp_path):
+    fits_file(tmp_path / "expos1_t20.fits", EXPTIME=30.0, CCD_TEMP=-10.0)
+    fits_file(tmp_path / "bias_1s.fits", EXPTIME=0.0, CCD_TEMP=-10.0, IMAGETYP="Bias")
+    assert not [n for n in load(tmp_path).notes if "the name says" in n]
+
+
+def test_two_thermometers_of_one_sensor_that_differ_are_told():
+    said = from_header({"CCD-TEMP": -10.0, "DET-TEMP": 20.0})
+    assert said.temperature_c == -10.0
+    (doubt,) = said.doubts
+    assert doubt.text == "DET-TEMP = 20.0 contradicts CCD-TEMP, which is used: -10 C"
+    assert not from_header({"CCD-TEMP": -10.0, "DET-TEMP": -8.5, "AMBTEMP": 20.0}).doubts

@@ -16,6 +16,10 @@ from dnanalyze.loaders.recording import Metadata
         ("65C", 65.0),
         ("t025", 25.0),
         ("m10C", -10.0),
+        ("dark_253.15K", -20.0),
+        ("dark_4K", None),
+        ("dark_800K", None),
+        ("dark_-230C_10s", -230.0),
         ("neg10C", -10.0),
         ("dark_-10C", -10.0),
         ("temp_25", 25.0),
@@ -75,6 +79,7 @@ def test_temperature(name, temperature):
         ("exp_2.5E-2s", 0.025),
         ("25C,5s", 5.0),
         ("dark_5min", 300.0),
+        ("dark_2h_cold", 7200.0),
         ("dark_500usec", 5e-4),
         ("2024-01-05-10s", 10.0),
         # no exposures
@@ -181,3 +186,13 @@ def test_what_was_taken_from_the_name_is_kept():
         "temperature_c": ("name", "20,5C"), "exposure_s": ("name", "0,5s"),
         "gain": ("name", "gain4"), "channel": ("name", "hcg"),
     }  # fmt: skip
+
+
+def test_two_numbers_that_may_be_one_are_told():
+    (said,) = from_folder([["exp1_5s"]])
+    assert said.exposure_s == 5.0
+    assert "'5s' in the name, behind '1', is taken as 5 s" in said.doubts[0].text
+    fractions = from_folder([["dark_1_30s_a"], ["dark_1_60s_b"]])
+    assert [len(s.doubts) for s in fractions] == [1, 1]
+    counted = from_folder([["dark_1_30s"], ["dark_2_30s"], ["2024-01-05_30s"], ["dark_01_30s"]])
+    assert [(s.exposure_s, s.doubts) for s in counted] == [(30.0, ())] * 4

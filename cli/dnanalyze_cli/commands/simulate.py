@@ -9,7 +9,15 @@ import typer
 
 from dnanalyze.errors import InputError
 from dnanalyze_cli.numbers import celsius, numbers, rows_and_columns
-from dnanalyze_cli.options import Config, EffectFiles, Json, Quiet, Tolerance
+from dnanalyze_cli.options import (
+    Config,
+    EffectFiles,
+    Json,
+    KeepOutliers,
+    Mask,
+    Quiet,
+    Tolerance,
+)
 from dnanalyze_cli.session import Session
 
 _FRAMES = "The frames"
@@ -105,6 +113,8 @@ def simulate(
     json: Json = None,
     config: Config = None,
     tolerance_c: Tolerance = None,
+    keep_outliers: KeepOutliers = False,
+    mask: Mask = None,
     effects: EffectFiles = None,
     quiet: Quiet = False,
 ) -> None:
@@ -124,7 +134,11 @@ def simulate(
     assert own is not None
     if seed is not None:
         own = replace(own, seed=seed)
-    pattern = session.load(config, tolerance_c) if like else None
+    if mask is not None and like is None:
+        raise InputError("--mask: leaves out pixels of --like CAPTURES; give both")
+    pattern = (
+        session.load(config, tolerance_c, keep_outliers=keep_outliers, mask=mask) if like else None
+    )
     size = rows_and_columns(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
     channels = channel.split(",") if channel else (pattern.channels if pattern else [])
     if channels or pattern is not None:
@@ -135,7 +149,7 @@ def simulate(
         )
     points = _points(own, pattern, temperatures, exposure, gain, channels, frames)
     _check_size(size, sum(count for _, count in points))
-    sensor = replace(pattern.sensor, shape=size) if pattern else None
+    sensor = replace(pattern.sensor, shape=size, filled=0.0) if pattern else None
     threads = cpu_count()
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
     with atomic_folder(out) as folder, session.progress("Simulating") as tick:

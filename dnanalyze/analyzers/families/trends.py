@@ -27,6 +27,7 @@ ENERGIES_EV = np.linspace(0.05, 3.0, 60)  # of whatever grows with temperature
 LEVEL_ERROR = 0.02  # DN, of a median of codes
 UNKNOWN_DRIFT = 0.1  # DN, how far a single frame may stand off
 RELATIVE_ERROR = 0.02  # of the dark signal: a thermometer good to about 0.2 C
+GAP = 5.0  # standard errors of the mean; of a normal distribution the median has 1.25
 HEADROOM = 4.0  # standard errors above 0 from which a dark rate tells an activation energy
 
 INFOS = (
@@ -76,6 +77,10 @@ def trends(
         series = _series(points, settings)
         laws, dark = dark_signal(series, sensor.black_level_at(points))
         rates |= dict(zip(points, dark, strict=True)) if dark else {}
+        if "pedestal" in laws:
+            known = laws["pedestal"]
+            apart = _between_levels(points, settings)
+            laws["pedestal"] = replace(known, se=math.hypot(known.se, apart)) if apart else known
         for name, value in laws.items():
             out.setdefault(name, value)
     repeat = hot_repeat([s for s in settings if s.point not in saturated])
@@ -127,6 +132,17 @@ def _series(points: list[OperatingPoint], settings: Sequence[SettingStatistics])
     kelvin = [math.nan if p.temperature_c is None else p.temperature_c + KELVIN for p in points]
     exposure = [p.exposure_s if timed and p.exposure_s is not None else 1.0 for p in points]
     return Series(np.array(kelvin), np.array(exposure), np.array(level), np.array(error), timed)
+
+
+def _between_levels(points: list[OperatingPoint], settings: Sequence[SettingStatistics]) -> float:
+    """How uncertain a median is that lies between two levels of the pixels; 0 where it does not.
+
+    Half the pixels lie at another level where readout taps have black levels of their own.
+    """
+    here = [s for s in settings if s.point in points]
+    lowest = min(here, key=lambda s: s.values["median"].value).values
+    error = lowest["median"].se
+    return error if "mean" in lowest and error > GAP * lowest["mean"].se else 0.0
 
 
 def dark_signal(

@@ -30,7 +30,8 @@ MODULES = {
     **dict.fromkeys(
         (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fz"), "fits"
     ),
-    **dict.fromkeys((".npy", ".npz"), "numpy_files"),
+    **dict.fromkeys((".npy",), "numpy_files"),
+    **dict.fromkeys((".npz",), "npz"),
     **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nxs"), "hdf5"),
     **dict.fromkeys((".png",), "png"),
     **dict.fromkeys((".pgm",), "pgm"),

@@ -22,7 +22,16 @@ from dnanalyze.robust import robust_deviation
 
 # The rim of a masked area sees stray light and the start of the readout.
 _GUARD_ROWS, _GUARD_COLUMNS = 16, 4
+_NOTES = {  # by tag of the image
+    50712: "The files expand their codes by a table (LinearizationTable): the steps between codes "
+    "differ, and so does the noise of rounding.",
+}
+_FLOATS = (
+    "The files hold floating-point pixels, which LibRaw scales and rounds to integers: one DN here "
+    "is another unit; save integers, or give the frames as TIFF or FITS."
+)
 _BLACK = (50713, 50714, 50715, 50716)  # BlackLevelRepeatDim, BlackLevel, BlackLevelDeltaH, DeltaV
+ROUNDED = 1.5  # DN, within which a level is that of the masked pixels
 _MAX_PAGES = 100  # previews and the image itself; cameras write three or four
 
 
@@ -33,7 +42,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     file of a camera and wherever the ISO speed or the stated black level changes; the others take
     them from the one before.
     """
-    metadata, stated = _exif(path, name)
+    metadata, stated, told = _exif(path, name)
     with open_raw(path) as raw:
         sizes = raw.sizes
         shape = sizes.raw_height, sizes.raw_width
@@ -57,11 +66,11 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             sizes.left_margin,
             sizes.left_margin + sizes.width,
         )
-        black = [float(b) for b in raw.black_level_per_channel]
         masked = _masked(active, shape)
-        notes: tuple[str, ...] = ()
+        black = _black(raw, masked)
+        notes = told
         if masked is not None:
-            notes = (
+            notes += (
                 "The files hold a masked (optical black) strip of "
                 f"{masked.shape[0]} x {masked.shape[1]} pixels; region 'masked' loads it.",
             )
@@ -75,7 +84,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
             masked=masked,
             cfa=_colour_filter(raw, active),
             bits=math.ceil(math.log2(raw.white_level + 1)) if raw.white_level else None,
-            black_level=sum(black) / len(black) if black else None,
+            black_level=black,
             white_level=float(raw.white_level) if raw.white_level else None,
             notes=notes,
             lit=masked is not None and _lit(raw, active, masked),
@@ -110,9 +119,13 @@ def open_raw(path: Path) -> Any:
         return rawpy.imread(str(path))
     except rawpy.LibRawError as error:
         raise InputError(
-            f"{path.name}: LibRaw cannot open it ({one_line(error)}); it is damaged, "
-            "truncated or of an unknown camera: copy it again, or convert it to DNG"
+            f"{path.name}: LibRaw cannot open it ({one_line(error)}); it is damaged, truncated or "
+            f"of an unknown camera: copy it again, or convert it to {_other(path)}"
         ) from error
+
+
+def _other(path: Path) -> str:
+    return "16-bit TIFF" if path.suffix.lower() == ".dng" else "DNG"
 
 
 def _unpack(raw: Any, name: str) -> None:
@@ -142,6 +155,23 @@ def _masked(active: Window, shape: tuple[int, int]) -> Window | None:
     return Window(top, bottom, left, right)
 
 
+def _black(raw: Any, masked: Window | None) -> float | None:
+    """The black level that LibRaw states, DN, the mean over the colours.
+
+    Where it is that of the masked pixels, which LibRaw cuts to whole DN, it is measured there.
+    """
+    stated = [float(b) for b in raw.black_level_per_channel]
+    if not stated:
+        return None
+    level = sum(stated) / len(stated)
+    if masked is None:
+        return level
+    strip = raw.raw_image[masked.slices]
+    middle, spread = float(np.median(strip)), max(1.0, robust_deviation(strip))
+    own = float(np.clip(strip, middle - 4 * spread, middle + 4 * spread).mean())
+    return own if abs(own - level) < ROUNDED else level
+
+
 def _lit(raw: Any, active: Window, masked: Window) -> bool:
     """Whether the active area lies far above the masked strip, which shares all but the light.
 
@@ -169,8 +199,8 @@ def _colour_filter(raw: Any, active: Window) -> Any:
     return shifted_cfa(visible, -active.top, -active.left)
 
 
-def _exif(path: Path, name: str) -> tuple[Metadata | None, str]:
-    """Exposure and ISO of files built like a TIFF (DNG, CR2, NEF, ARW), and black level tags.
+def _exif(path: Path, name: str) -> tuple[Metadata | None, str, tuple[str, ...]]:
+    """Of files built like a TIFF (DNG, CR2, NEF, ARW) exposure, ISO, black level tags and notes.
 
     None for other files.
 
@@ -183,6 +213,7 @@ def _exif(path: Path, name: str) -> tuple[Metadata | None, str]:
     names = {k: k for k in ("ExposureTime", "ISOSpeedRatings", air)} | {"Temperature": air}
     header: dict[str, Any] = {}
     needed, stated = 0, ""
+    told: dict[str, None] = {}
     try:
         with tifffile.TiffFile(path) as tif:
             first: Any = tif.pages[0]
@@ -196,12 +227,15 @@ def _exif(path: Path, name: str) -> tuple[Metadata | None, str]:
             ]
             for page in pages:
                 stated += "".join(str(page.tags[t].value) for t in _BLACK if t in page.tags)
+                told |= dict.fromkeys(text for tag, text in _NOTES.items() if tag in page.tags)
+                if page.dtype is not None and page.dtype.kind == "f":
+                    told[_FLOATS] = None
                 runs = zip(page.dataoffsets, page.databytecounts, strict=False)
                 needed = max([needed, *(start + length for start, length in runs)])
     except Exception:  # no TIFF, or one that tifffile does not know: LibRaw reads it
-        return None, ""
+        return None, "", ()
     check_length(name, needed, path.stat().st_size)
-    return from_header(header) if header else None, stated
+    return from_header(header) if header else None, stated, tuple(told)
 
 
 def _shot(raw: Any) -> Metadata:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import gzip
 import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, ClassVar, cast
@@ -39,6 +39,7 @@ from dnanalyze.loaders.headers import (
     image_type,
 )
 from dnanalyze.loaders.layout import sign_doubt
+from dnanalyze.loaders.masks import leaves_enough
 from dnanalyze.loaders.plain import PlainPixels
 from dnanalyze.loaders.recording import Area, Cfa, Metadata, Recording, shifted_cfa
 
@@ -57,7 +58,8 @@ def _read(path: Path, name: str, previous: Recording | None) -> Recording:
     with gzip.open(path) if packed else path.open("rb") as file:
         found = list(units(cast(IO[bytes], file), name, packed))
     notes: list[str] = []
-    parts = [_part(path, name, image, packed, notes) for image in images(found, name, notes)]
+    frames, masks = images(found, name, notes)
+    parts = [_part(path, name, image, packed, notes) for image in frames]
     first = parts[0]
     for part in parts:
         if part.dtype != first.dtype:
@@ -96,6 +98,7 @@ def _read(path: Path, name: str, previous: Recording | None) -> Recording:
         cfa=_colour_filter(values, first.shape[0], notes),
         pixel_pitch_um=_positive(values.get("XPIXSZ")),
         system_gain_dn_e=_inverse(electrons_per_dn(values, first.image.comments)),
+        mask=_mask([_part(path, name, m, packed, []) for m in masks], first.shape, notes),
         notes=tuple(dict.fromkeys(notes)),
         left_out=_left_out(values),
     )
@@ -129,6 +132,22 @@ class Parts:
         """Pixels of ``window`` of frame ``index``."""
         part, number = self.places[index]
         return self.parts[part](number, window)
+
+
+def _mask(masks: Sequence[_Part], shape: tuple[int, int], notes: list[str]) -> np.ndarray | None:
+    """Pixels that a mask of the file marks; a mask that leaves too few is told and not used."""
+    marked = np.zeros(shape, bool)
+    for mask in masks:
+        own = mask.pixels(0, Window.whole(shape)) != 0  # NaN among them
+        if leaves_enough(own):
+            marked |= own
+        else:
+            notes.append(
+                f"The mask {str(mask.image.values.get('EXTNAME')).strip()[:20]} marks "
+                f"{100 * own.mean():.3g} % of the pixels, too many to leave out; not used. A mask "
+                "of the bad pixels is taken with --mask."
+            )
+    return marked if marked.any() else None
 
 
 def _part(path: Path, name: str, image: Image, packed: bool, notes: list[str]) -> _Part:

@@ -1,4 +1,4 @@
-"""Which images of a FITS file hold frames: those of several chips, or of one chip in a series."""
+"""Which images of a FITS file hold frames, of several chips or of one in a series, and masks."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from dnanalyze.loaders.formats.fits_units import Unit
 
 _MAX_IMAGES = 256  # the largest mosaic camera has 201 chips
 _MAX_CARDS = 100_000  # over all images, the inherited ones counted for each; about 1 s
-_BESIDE = re.compile(  # what pipelines put beside an image
-    r"(?:ERR(?:OR)?|DQ|B?MASK|BPM|BADPIX\w*|UNC(?:ERT\w*)?|VAR(?:IANCE)?|IVAR|WHT|WEIGHT|SAMP|TIME"
-    r"|QUAL(?:ITY)?|FLAGS?|THUMB(?:NAIL)?|PREVIEW)",
+# What pipelines put beside an image; of the first kind every pixel that is not 0 is bad.
+_MASKS = re.compile(
+    r"\w*DQ|[A-Z]*_?MASK|BPM|BAD_?PIX\w*|(?:DATA_?)?QUAL(?:ITY)?|FLAGS?", re.IGNORECASE
+)
+_BESIDE = re.compile(
+    r"ERR(?:OR)?|UNC(?:ERT\w*)?|VAR(?:IANCE)?|IVAR|WHT|WEIGHT|SAMP|TIME|THUMB(?:NAIL)?|PREVIEW",
     re.IGNORECASE,
 )
 _NAMES = (
@@ -59,8 +62,8 @@ class Image:
     channel: str
 
 
-def images(units: Sequence[Unit], name: str, notes: list[str]) -> list[Image]:
-    """The images of a file that hold frames of one shape.
+def images(units: Sequence[Unit], name: str, notes: list[str]) -> tuple[list[Image], list[Image]]:
+    """The images of a file that hold frames of one shape, and its masks of their shape.
 
     Parameters
     ----------
@@ -71,14 +74,19 @@ def images(units: Sequence[Unit], name: str, notes: list[str]) -> list[Image]:
     notes : list of str
         Takes what is left out, and what the several images are taken for.
 
+    Returns
+    -------
+    frames, masks : list of Image
+
     Raises
     ------
     InputError
         No image, or too many.
     """
     found = [u for u in units if u.is_image or u.is_compressed]
+    masks = [u for u in found if _MASKS.fullmatch(_text(u, "EXTNAME"))]
     beside = [u for u in found if _BESIDE.fullmatch(_text(u, "EXTNAME"))]
-    found = [u for u in found if u not in beside]
+    found = [u for u in found if u not in beside and u not in masks]
     if not found:
         raise InputError(f"{name}: holds no image; give files with one image or cube each")
     if len(found) > _MAX_IMAGES:
@@ -88,6 +96,8 @@ def images(units: Sequence[Unit], name: str, notes: list[str]) -> list[Image]:
         raise InputError(f"{name}: its headers hold {cards} cards; damaged: copy it again")
     shape = Counter(_shape(u) for u in found).most_common(1)[0][0]
     beside += [u for u in found if _shape(u) != shape]
+    beside += [u for u in masks if _shape(u) != shape[:2]]
+    masks = [u for u in masks if _shape(u) == shape[:2]][:_MAX_IMAGES]
     found = [u for u in found if _shape(u) == shape]
     if beside:
         notes.append(
@@ -95,7 +105,8 @@ def images(units: Sequence[Unit], name: str, notes: list[str]) -> list[Image]:
             f"{', '.join(_label(u) for u in beside)[:120]}."
         )
     channels = _channels(found, notes)
-    return [_image(units[0], u, c) for u, c in zip(found, channels, strict=True)]
+    frames = [_image(units[0], u, c) for u, c in zip(found, channels, strict=True)]
+    return frames, [_image(u, u, "") for u in masks]
 
 
 def _channels(found: list[Unit], notes: list[str]) -> list[str]:

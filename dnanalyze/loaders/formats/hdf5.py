@@ -1,6 +1,6 @@
 """HDF5: the 2-D or 3-D numeric datasets of one shape, with what lies on their way and beside.
 
-Datasets whose names say mask, calibration or light (`hdf5_names`) are no dark frames.
+Datasets whose names say mask, calibration or light (`dataset_names`) are no dark frames.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import h5py
 import numpy as np
@@ -23,7 +23,7 @@ from dnanalyze.loaders.checks import (
     check_stored,
 )
 from dnanalyze.loaders.config import Config
-from dnanalyze.loaders.formats.hdf5_names import SCALARS, frames_of, is_mask, last
+from dnanalyze.loaders.formats.dataset_names import SCALARS, frames_of, is_mask, last
 from dnanalyze.loaders.formats.numpy_files import stack_shape
 from dnanalyze.loaders.headers import bayer_pattern, from_header
 from dnanalyze.loaders.masks import gaps_of
@@ -31,6 +31,8 @@ from dnanalyze.loaders.recording import Metadata, Recording
 from dnanalyze.loaders.stack_order import NOTE, doubtful, frames_last
 
 _MAX_DATASETS = 10_000  # each is opened, in about 0.1 ms
+_PARTS = 8  # of a frame: larger chunks are decoded once for the frame, and not for each part
+_HELD = 1 << 26  # bytes
 _PER_FRAME = ("temperature_c", "exposure_s", "gain")
 
 
@@ -41,7 +43,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     ``temperature_c``, ``exposure_s`` or ``gain`` may hold one value for each frame of a stack.
     """
     places: list[tuple[str, int, bool]] = []
-    last_axis = False
+    last_axis, small = False, True
     metadata: list[Metadata] = []
     first: tuple[tuple[int, int], np.dtype] | None = None
     with h5py.File(path, "r") as file:
@@ -53,9 +55,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         for label in labels:
             data = file[label]
             where = f"{name}: {label}"
-            turned = doubtful(data.shape) and frames_last(where, data, config.frame_axis)
-            shape = (data.shape[2], *data.shape[:2]) if turned else data.shape
-            count, frame = stack_shape(where, shape, False, data.dtype)
+            count, frame, turned = _order(where, data, config.frame_axis, path.stat().st_size)
             last_axis = last_axis or turned
             if first is not None and (frame, data.dtype) != first:
                 raise InputError(
@@ -63,21 +63,9 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
                     "store frames of one shape and type"
                 )
             first = frame, data.dtype
-            if data.external or data.is_virtual:
-                raise InputError(f"{where}: keeps its pixels in another file; repack the dataset")
-            pixels = frame[0] * frame[1]
-            size = pixels * data.dtype.itemsize
-            if data.chunks is None:
-                offset = data.id.get_offset()
-                if offset is not None:
-                    check_length(where, offset + count * size, path.stat().st_size)
-                else:
-                    check_stored(where, data.id.get_storage_size(), count * pixels, count * size)
-            else:
-                check_stored(where, data.id.get_storage_size(), count * pixels, count * size)
-                chunk = int(np.prod(data.chunks, dtype=np.int64)) * data.dtype.itemsize
-                check_memory(where, size + chunk)
-                _check_chunks(where, data, chunk, path.stat().st_size)
+            size = frame[0] * frame[1] * data.dtype.itemsize
+            check_memory(where, size + _chunk(data))
+            small = small and _chunk(data) <= size // _PARTS
             attributes = root | _group_attributes(file, label) | dict(data.attrs)
             check_count(name, len(places) + count)
             places += [(label, k, turned) for k in range(count)]
@@ -90,7 +78,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         "HDF5",
         first[0],
         first[1].newbyteorder("="),
-        Datasets(path, tuple(places)),
+        Datasets(path, tuple(places), small),
         tuple(metadata),
         cfa=bayer_pattern(_text(attributes.get("cfa", attributes.get("BAYERPAT", "")))),
         black_level=_number(attributes.get("black_level")),
@@ -145,12 +133,19 @@ def _masked(
 ) -> tuple[np.ndarray | None, str]:
     """The file's mask and the gaps of its first frame; None where neither masks anything."""
     shape, dtype = first
-    masked = np.zeros(shape, bool)
+    masked, unused = np.zeros(shape, bool), ""
     with h5py.File(path, "r") as file:
         for label in masks:
             data = file[label]
+            check_memory(label, masked.nbytes + _chunk(data))
             if data.shape == shape:
                 masked |= np.asarray(data[()]) != 0
+            elif data.ndim == 3 and data.shape[1:] == shape and data.shape[0] <= MAX_FRAMES:
+                for k in range(data.shape[0]):  # one for each frame: what any of them marks
+                    masked |= np.asarray(data[k]) != 0
+            else:
+                unused = f"The mask {label[:80]} has the shape {data.shape}, the frames {shape}; "
+                unused += "not used."
         gaps = None
         if not masked.any() and dtype.kind in "iu":
             label, number, turned = place
@@ -161,16 +156,19 @@ def _masked(
     if gaps is not None:
         value = "the largest value" if dtype.kind == "u" else "negative values"
         return gaps, f"No mask is stored; pixels at {value} of {dtype} are taken as masked gaps."
-    return (masked if masked.any() else None), ""
+    return (masked if masked.any() else None), unused
 
 
 @dataclass(frozen=True)
 class Datasets:
-    """Frames of the datasets of a file: dataset, index in it, and whether that is the last axis."""
+    """Frames of the datasets of a file: dataset, index in it, and whether that is the last axis.
+
+    ``partial`` where a part of a frame lies in chunks that are small beside the frame.
+    """
 
     path: Path
     places: tuple[tuple[str, int, bool], ...]
-    partial: ClassVar[bool] = True
+    partial: bool = True
 
     def __call__(self, index: int, window: Window) -> np.ndarray:
         """Pixels of ``window`` of frame ``index``; only the chunks that it touches are read."""
@@ -188,11 +186,60 @@ def _datasets(file: h5py.File, name: str) -> list[str]:
     def visit(label: str, item: Any) -> None:
         if len(datasets) > _MAX_DATASETS:
             raise InputError(f"{name}: more than {_MAX_DATASETS} datasets; split the file")
-        if isinstance(item, h5py.Dataset) and item.ndim in (2, 3) and item.dtype.kind in "iuf":
+        if not isinstance(item, h5py.Dataset) or item.ndim not in (2, 3):
+            return
+        if item.dtype.kind in ("iufb" if is_mask(label) else "iuf"):
             datasets.append(label)
 
     file.visititems(visit)  # soft and external links are not followed
     return datasets
+
+
+def _order(
+    where: str, data: h5py.Dataset, asked: str | None, file_size: int
+) -> tuple[int, tuple[int, int], bool]:
+    """(frames, (rows, columns)), and whether the last axis counts the frames."""
+    shape = data.shape
+    turned = False
+    if doubtful(shape):
+        _check_storage(where, data, file_size)
+        turned = frames_last(where, _held(data), asked)
+        shape = (shape[2], *shape[:2]) if turned else shape
+    count, frame = stack_shape(where, shape, False, data.dtype)
+    _check_storage(where, data, file_size)
+    return count, frame, turned
+
+
+def _check_storage(where: str, data: h5py.Dataset, file_size: int) -> None:
+    """Refuse pixels that lie elsewhere, are cut off, or are so few bytes that they hold no noise.
+
+    Raises
+    ------
+    InputError
+    """
+    if data.external or data.is_virtual:
+        raise InputError(f"{where}: keeps its pixels in another file; repack the dataset")
+    pixels = int(np.prod(data.shape, dtype=object))
+    size, offset = pixels * data.dtype.itemsize, None
+    if data.chunks is None:
+        offset = data.id.get_offset()
+    if offset is not None:
+        check_length(where, offset + size, file_size)
+    else:
+        check_stored(where, data.id.get_storage_size(), pixels, size)
+    if data.chunks is not None:
+        _check_chunks(where, data, _chunk(data), file_size)
+
+
+def _chunk(data: h5py.Dataset) -> int:
+    """Bytes of a chunk, decoded; 0 where there are none."""
+    return int(np.prod(data.chunks, dtype=object)) * data.dtype.itemsize if data.chunks else 0
+
+
+def _held(data: h5py.Dataset) -> Any:
+    """The values of a small dataset in chunks, so that these are decoded once."""
+    held = data.chunks is not None and data.size * data.dtype.itemsize <= _HELD
+    return data[()] if held else data
 
 
 def _check_chunks(where: str, data: h5py.Dataset, chunk: int, file_size: int) -> None:

@@ -17,6 +17,7 @@ from dnanalyze.loaders.layout import (
     GROUPS,
     ROWS,
     bytes_fault,
+    is_turned,
     odd_edges,
     packing_fault,
     side_of,
@@ -73,6 +74,11 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
         raw = RawRows(path, offsets, stride, stride, 8, "plain", "u1")
         if fault := _fault(raw, (height, width), config, packed, dtype):
             raise InputError(f"{name}: {fault} in the sidecar")
+        if isinstance(decode, PlainPixels) and is_turned(decode(0, Window(0, height, 0, width))):
+            raise InputError(
+                f"{name}: columns of {height} rows make no pattern, those of {width} do: height "
+                f"and width are exchanged; set width: {height} and height: {width} in the sidecar"
+            )
         note = odd_edges(lambda a, b: decode(0, Window(a, b, 0, width)), height)
         notes = (note,) if note else ()
     return Recording(
@@ -115,9 +121,12 @@ def _beside(path: Path, rest: int, config: Config) -> str:
         data = file.read(end + size)
         file.seek(-(end + config.footer_bytes), 2)
         data += file.read(end)
-    if side_of(data, end) == "header":
-        return f"header_offset: {config.header_offset + rest}"
-    return f"footer_bytes: {config.footer_bytes + rest}"
+    header = f"header_offset: {config.header_offset + rest}"
+    footer = f"footer_bytes: {config.footer_bytes + rest}"
+    side = side_of(data, end)
+    if not side:
+        return f"{header} or {footer}, whichever end holds no pixels"
+    return header if side == "header" else footer
 
 
 @dataclass(frozen=True)

@@ -114,6 +114,24 @@ def test_one_setting_has_no_trend():
     assert analyze(captures_of([(OperatingPoint(), frames)])).trends == {}
 
 
+def test_a_black_level_between_two_taps_is_uncertain_by_their_distance():
+    rng = np.random.default_rng(6)
+    taps = np.where(np.arange(SHAPE[1]) < 32, 1000, 1150)
+    made = [
+        (
+            OperatingPoint(25.0, exposure),
+            [(taps + 0.2 * exposure + rng.normal(0, 3, SHAPE)).round() for _ in range(4)],
+        )
+        for exposure in (0.0, 300.0)
+    ]
+    found = analyze(captures_of(made)).trends["pedestal"]
+    assert found.se > 30
+    one = [(point, [f[:, :32] for f in frames]) for point, frames in made]
+    found = analyze(captures_of(one)).trends["pedestal"]
+    assert found.value == pytest.approx(1000, abs=4 * found.se)
+    assert found.se < 0.5
+
+
 def test_no_energy_is_told_over_a_span_that_the_thermometer_blurs():
     # jitter of .4 C: a rise of 20 % over it would be 2.5 eV
     celsius = np.array([-17.26, -17.2, -17.03, -16.86])

@@ -1,4 +1,4 @@
-"""What the names of HDF5 datasets mean: NeXus, data exchange, and files of photon counters."""
+"""What the names of datasets mean: NeXus, data exchange, and files of photon counters."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def last(label: str) -> str:
 
 
 def is_mask(label: str) -> bool:
-    """Whether a dataset is a mask by its name."""
+    """Whether a dataset, or an array of an archive, is a mask by its name."""
     return last(label) in MASKS
 
 
