@@ -273,7 +273,8 @@ def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
 
 def at_a_glance(held: Bench) -> Moments:
     """Moments of the train half."""
-    black = held.direct.black
+    # of points that are not simulated, no row is fitted
+    black = held.direct.black_at([point for point, _ in held.plan.settings])
     return moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level, black)
 
 
@@ -409,6 +410,7 @@ def _sessions_told(held: Bench, model: NoiseModel) -> list[str]:
         f"not determined: dark signal at {point.label()}; the black level there differs by "
         f"{minus(f'{own.law.at(point) - usual:+.3g}')} DN from that of the other operating points"
         for point in own.moved
+        if point in model.pedestal.points
     ]
 
 

@@ -91,6 +91,15 @@ class Direct:
             return self.sessions.law
         return self.level.law if self.level is not None and self.level.moves else None
 
+    def black_at(self, points: Sequence[OperatingPoint]) -> TableLaw | None:
+        """`black`, of sessions with rows for these operating points alone; None where it is one."""
+        own = self.sessions
+        if own is None:
+            return self.black
+        if not set(points) & set(own.moved):
+            return replace(self, sessions=None).black
+        return TableLaw(tuple(points), tuple(own.law.at(p) for p in points))
+
     def gains_at(self, setting: float | None) -> list[Known]:
         """System gains at a setting of the gain, DN/e-; that of photon transfer first."""
         return [known for at, known in self.gains if at in (None, setting)]
@@ -128,9 +137,10 @@ class Direct:
     def _of_black(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
         law, level = model.pedestal, self.level
         if self.sessions is not None and isinstance(law, TableLaw):
-            own, row = self.sessions, int(knob.part)
-            if law.points != own.law.points:
+            own, point = self.sessions, law.points[int(knob.part)]
+            if point not in own.law.points:
                 return []
+            row = own.law.points.index(point)
             return [Tie(at, own.law.values[row], float(own.errors[row]))]
         if level is None:
             return []

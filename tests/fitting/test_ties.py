@@ -10,13 +10,14 @@ import pytest
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import fit_on, ordinary_start
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.moments import BlackLevel
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.ties import Direct, Known, Tie, direct, misfits
+from dnanalyze.loaders.arrays import from_arrays
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.registry import catalogue
@@ -24,10 +25,10 @@ from dnanalyze.model.registry import catalogue
 SENSOR = VirtualSensor(gain_dn_e=0.5, temperatures_c=(40.0, 60.0, 80.0))
 
 
-def with_bias() -> CaptureSet:
+def with_bias(sensor: VirtualSensor = SENSOR) -> CaptureSet:
     """Dark frames over temperature, each beside bias frames."""
-    dark = generate(SENSOR, {}, (96, 96), frames=4, seed=2)
-    bias = generate(replace(SENSOR, exposure_s=0.0), {}, (96, 96), frames=4, seed=2, first=50)
+    dark = generate(sensor, {}, (96, 96), frames=4, seed=2)
+    bias = generate(replace(sensor, exposure_s=0.0), {}, (96, 96), frames=4, seed=2, first=50)
     settings = sorted((*dark.settings, *bias.settings), key=lambda s: s.point.sort_key())
     return replace(dark, settings=tuple(settings))
 
@@ -82,6 +83,44 @@ def test_rows_of_the_black_level_are_bound_at_their_temperatures():
     ties = Direct(level=level).ties(moving, knobs_of(moving))
     assert [(t.position, t.error) for t in ties] == [(60.0, 0.1), (70.0, 0.2)]
     assert Direct(level=level).ties(model, knobs_of(model)) == ()  # one level for all
+
+
+def moved_by(shift):
+    """Four exposures at two temperatures, one of them a session of another black level."""
+    sensor = replace(SENSOR, temperatures_c=(60.0, 80.0))
+    made = with_bias(sensor)
+    longest = max(s.point.exposure_s for s in made.settings)
+    for n, share in enumerate((0.3, 0.6)):
+        more = replace(sensor, exposure_s=longest * share)
+        more = generate(more, {}, (96, 96), frames=4, seed=2, first=100 + 50 * n)
+        made = replace(made, settings=(*made.settings, *more.settings))
+    at = OperatingPoint(60.0, longest * 0.6, 1.0)
+    stacks = {
+        s.point: np.stack([f.read() for f in s.frames]) + (shift if s.point == at else 0)
+        for s in made.settings
+    }
+    return from_arrays(stacks, bits=12), at
+
+
+def test_a_session_of_another_black_level_is_told_and_its_row_bound():
+    made, at = moved_by(40)
+    sessions = direct(analyze(made, workers=1)).sessions
+    assert sessions is not None
+    assert sessions.moved == (at,)
+    assert sessions.law.at(at) == pytest.approx(SENSOR.pedestal_dn + 40.0, abs=1.0)
+    held = bench(design(made))
+    model = ordinary_start(held)
+    assert model.pedestal.points == tuple(point for point, _ in held.plan.settings)
+    assert model.pedestal.at(at) == held.direct.sessions.law.at(at)
+    bound = held.direct.ties(model, knobs_of(model))
+    assert len(bound) == len(held.plan.settings)
+    ended = fit_on(made, model, replicates=0, held=held)
+    assert any("black level there differs by +4" in text for text in ended.undetermined)
+    assert at not in [a.point for a in ended.direct]
+
+
+def test_a_steady_black_level_has_no_sessions():
+    assert direct(analyze(with_bias(), workers=1)).sessions is None
 
 
 def test_misfits_are_in_standard_errors():
