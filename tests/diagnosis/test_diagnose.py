@@ -48,10 +48,9 @@ def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
     assert 0.94 < first.confidence <= 1.0 - OUTSIDE
     assert first.error_after < every[-1].error_after < found.error
     assert all(c.confidence > 0.99 for c in every)
-    before = [found.error, *(c.error_after for c in every)]
-    for c, was in zip(every, before, strict=False):  # each beside those before it
-        share = (was - c.error_after) / (found.error - 1.0)
-        assert c.explained == pytest.approx(min(1.0, max(0.0, share)))
+    assert len({c.error_after for c in every}) == 1  # they are fitted together
+    share = (found.error - every[0].error_after) / (found.error - 1.0)
+    assert all(c.explained == pytest.approx(min(1.0, max(0.0, share))) for c in every)
     assert set(EVERYDAY) < set(found.model.names)
     # the model with what every sensor has is asked the same question, and nothing of that is new
     again = diagnose_on(captures, found.model, known=KNOWN, held=held)

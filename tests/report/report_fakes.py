@@ -161,7 +161,7 @@ def refinement(**more: object) -> SimpleNamespace:
     """Something added, something taken out again."""
     steps = [
         SimpleNamespace(
-            added=a, error=e, confidence=c, evidence=["stripes"] if c else [], confused_with=r,
+            model=None, added=a, error=e, confidence=c, evidence=["stripes"] if c else [], confused_with=r,
             supported=True,
         )
         for a, e, c, r in (

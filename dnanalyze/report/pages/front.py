@@ -199,5 +199,5 @@ def classifier_front(told: Any) -> list[Section]:
     if told is None:
         return []
     return [
-        Section("classifier-first", "Can a classifier tell?", text=[told.sentence()], half=True)
+        Section("classifier-first", "Classifier two-sample test", text=[told.sentence()], half=True)
     ]
