@@ -161,8 +161,8 @@ def refinement(**more: object) -> SimpleNamespace:
     """Something added, something taken out again."""
     steps = [
         SimpleNamespace(
-            model=None, added=a, error=e, confidence=c, evidence=["stripes"] if c else [], confused_with=r,
-            supported=True,
+            added=a, error=e, confidence=c, evidence=["stripes"] if c else [], confused_with=r,
+            supported=True, model=None,
         )
         for a, e, c, r in (
             (None, 6.5, None, []), ("row_fpn", 4.0, 0.6, ["row_noise"]),

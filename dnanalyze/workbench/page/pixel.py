@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import panel as pn
 from bokeh.models import BasicTicker, ColumnDataSource, FixedTicker
 from matplotlib.figure import Figure
 
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import celsius
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
@@ -131,15 +133,17 @@ class Pixel:
             }
 
     def _table(self) -> pd.DataFrame:
-        """One row a value."""
+        """One row a value; without a pixel the names of the columns."""
         settings = self.context.session.captures.settings
         row, column = self._at or (-1, -1)
-        return pd.DataFrame(
+        rows = [
             {"layer": name, "column": column, "row": row, **vars(s.point), "frame": k, "value": v}
             for name, values in self._values.items()
             for s, here in zip(settings, values, strict=False)
             for k, v in enumerate(here)
-        )
+        ]
+        point = [field.name for field in fields(OperatingPoint)]
+        return pd.DataFrame(rows, columns=["layer", "column", "row", *point, "frame", "value"])
 
     def _picture(self) -> Figure:
         """Values over the operating points."""
