@@ -15,15 +15,18 @@ import numpy as np
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.emva import evaluate, kinds
 from dnanalyze.fitting.knobs import PEDESTAL, Knob
+from dnanalyze.fitting.level import NOISE, SHARE
 from dnanalyze.fitting.level_laws import session_levels
 from dnanalyze.fitting.moments import BlackLevel, black_level
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.vectors import FIT_ERRORS
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 
 RECORDED = 0.1  # relative error of a gain that the camera states, or the user
 LEAST = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
+LEAST_ERROR = 1e-3  # DN, of a level: frames of one code all over state none
 TRANSFER = "photon transfer"
 GAIN = ("dark_shot_noise", "dn_per_e")
 # Effects by which the temporal noise over the level is not that of shot noise.
@@ -192,7 +195,8 @@ def _sessions(seen: Readings, level: BlackLevel | None) -> SessionLevels | None:
     noise = seen.value("temporal_noise_core")
     noise = np.where(np.isfinite(noise), noise, seen.value("frame_noise_core"))
     signal = np.maximum(medians - np.nanmin(medians), 0.0)
-    off = np.maximum.reduce([2.0 * errors, 0.05 * noise, 0.01 * signal, np.full_like(noise, 1e-3)])
+    off = np.maximum.reduce([FIT_ERRORS * errors, NOISE * noise, SHARE * signal])
+    off = np.maximum(off, LEAST_ERROR)
     if not (np.isfinite(medians).all() and np.isfinite(off).all()):
         return None
     black = level.law if level is not None and level.moves else None

@@ -120,8 +120,24 @@ def _plane(captures: CaptureSet, plane: str) -> CaptureSet:
 
 
 def _image(captures: CaptureSet, kind: str) -> np.ndarray:
-    """Mean of the frames, or their standard deviation; one frame in memory at a time."""
-    frames: Sequence[Frame] = captures.settings[0].frames
+    return over_frames(captures.settings[0].frames, kind == TEMPORAL)
+
+
+def over_frames(frames: Sequence[Frame], deviation: bool = False) -> np.ndarray:
+    """Mean of frames, or their standard deviation (ddof 1), by Welford's recurrence.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        One of them is in memory at a time.
+    deviation : bool
+        Whether the standard deviation is wanted; it is NaN of a single frame.
+
+    Returns
+    -------
+    ndarray of float32
+        DN.
+    """
     mean = frames[0].read().astype(np.float32)
     squares = np.zeros_like(mean)
     for number, frame in enumerate(frames[1:], 2):
@@ -129,4 +145,6 @@ def _image(captures: CaptureSet, kind: str) -> np.ndarray:
         step = x - mean
         mean += step / number
         squares += step * (x - mean)
-    return np.sqrt(squares / (len(frames) - 1)) if kind == TEMPORAL else mean
+    if not deviation:
+        return mean
+    return np.sqrt(squares / (len(frames) - 1)) if len(frames) > 1 else np.full_like(mean, np.nan)

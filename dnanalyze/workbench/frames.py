@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numba import njit
 
-from dnanalyze.loaders.captures import CaptureSet, Frame, Window
+from dnanalyze.loaders.captures import CaptureSet, Window
+from dnanalyze.report.fields import over_frames
 
 Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
@@ -52,29 +52,8 @@ def image(captures: CaptureSet, view: View) -> np.ndarray:
     if view.kind == "frame":
         found = frames[view.frame % len(frames)].read().astype(np.float32)
     else:
-        found = _moment(frames[:MOST_FRAMES], view.kind == "temporal noise")
+        found = over_frames(frames[:MOST_FRAMES], view.kind == "temporal noise")
     return plane_of(found, view.plane, captures.sensor.cfa)
-
-
-def _moment(frames: Sequence[Frame], deviation: bool) -> np.ndarray:
-    """Mean or standard deviation over frames, by Welford's recurrence: one frame in memory."""
-    mean: np.ndarray | None = None
-    squares: np.ndarray | None = None
-    for number, frame in enumerate(frames, 1):
-        x = frame.read().astype(np.float32)
-        if mean is None or squares is None:
-            mean, squares = x, np.zeros_like(x)
-            continue
-        step = x - mean
-        mean += step / number
-        squares += step * (x - mean)
-    assert mean is not None
-    assert squares is not None
-    if not deviation:
-        return mean
-    if len(frames) < 2:
-        return np.full_like(mean, np.nan)
-    return np.sqrt(squares / (len(frames) - 1))
 
 
 def planes(cfa: tuple[tuple[str, ...], ...] | None) -> list[str]:

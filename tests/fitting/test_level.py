@@ -10,7 +10,7 @@ import small_series as small
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.least_squares import given, minimise, start
-from dnanalyze.fitting.level import DarkSignals, level
+from dnanalyze.fitting.level import DarkSignals, allowed, level
 from dnanalyze.fitting.ties import Direct
 from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint
@@ -85,6 +85,18 @@ def test_the_signal_is_above_the_measured_black_level():
     np.testing.assert_allclose(
         held.train.bounds[at], np.maximum(2.0, tolerance / floors), rtol=0.05
     )
+
+
+@pytest.mark.parametrize(("shift", "wanted"), [(0.0, 2.0), (30.0, 60.0)])
+def test_a_level_beyond_the_laws_may_be_off_by_twice_that(shift, wanted):
+    """Four exposures of a signal of 10 DN/s at 100 DN, floors of 1 DN; one level is off."""
+    points = [OperatingPoint(20.0, float(t)) for t in range(6)]
+    values = np.array([100.0, 110.0, 120.0, 130.0 + shift, 140.0, 150.0])
+    keys = tuple(Key(s, "", "median") for s in range(6))
+    held = Target(keys, values, values, np.ones(6), np.full(6, "level"))
+    held = replace(held, allowed=allowed(held, DarkSignals(np.zeros(6), np.zeros(6)), points))
+    assert held.bounds[3] == pytest.approx(wanted, rel=0.05)
+    assert held.bounds[[0, 1, 2, 4, 5]] == pytest.approx(2.0, rel=0.2)
 
 
 @pytest.mark.parametrize("bound", [np.inf, 4.0])

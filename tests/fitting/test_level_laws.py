@@ -75,3 +75,15 @@ def test_a_session_has_a_black_level_of_its_own_and_the_others_share_theirs():
     assert law.at(SERIES[7]) == pytest.approx(91.0, abs=0.5)
     assert law.at(SERIES[6]) == pytest.approx(100.0, abs=0.5)
     assert session_levels(SERIES, seen, 10.0 + noise, still) is None  # within a pixel's noise
+
+
+def test_a_share_of_a_large_signal_is_no_other_black_level():
+    bright = levels(SERIES, rate=400.0)
+    signal = bright - 100.0
+    off = np.zeros(len(SERIES))
+    off[8] = 0.06 * signal[8]  # a thermometer .6 C off
+    noise, still = np.full(len(SERIES), 4.0), np.maximum(0.01 * signal, 0.1)
+    assert off[8] > 10 * noise[8]
+    assert session_levels(SERIES, bright + off, noise, still) is None
+    _, moved = session_levels(SERIES, bright + 5.0 * off, noise, still)
+    assert moved[8]
