@@ -123,9 +123,8 @@ class CurvePlot:
         """
         made, fresh = self.figure, subject != self._subject
         self._subject = subject
-        for axis, log in zip(self._axes, (axes.log_x, axes.log_y), strict=True):
-            axis.scaled(log)
-        self._axes[0].named(without_shared(list(labels)) if labels else [])
+        self._axes[0].show(axes.log_x, without_shared(list(labels)) if labels else [])
+        self._axes[1].show(axes.log_y)
         for name, source in self.sources.items():
             c = curves.get(name)
             data = dict(EMPTY) if c is None else {k: getattr(c, k) for k in EMPTY}
@@ -207,27 +206,23 @@ class _Axis:
         }
         self._places = FixedTicker(ticks=[])
 
-    def scaled(self, log: bool) -> None:
-        """Set the scale, with ticks of its kind."""
-        name = f"{self._which}_scale"
+    def show(self, log: bool, labels: Sequence[str] = ()) -> None:
+        """Set the scale, with ticks of its kind or with names of the places 0, 1, ....
+
+        A ticker is set only where it is another one: Bokeh then searches the whole page for models
+        (80 ms), at every move of a slider.
+        """
+        name, names = f"{self._which}_scale", dict(enumerate(labels))
         if getattr(self._figure, name) is not self._scales[log]:
             setattr(self._figure, name, self._scales[log])
-        self._ticks(self._tickers[log])
         if self._axis.formatter is not self._formatters[log]:
             self._axis.formatter = self._formatters[log]
-
-    def named(self, labels: Sequence[str]) -> None:
-        """Name places; none: the ticks of the scale."""
-        names = dict(enumerate(labels))
         if self._axis.major_label_overrides != names:
             self._axis.major_label_overrides = names
             self._axis.major_label_orientation = "horizontal" if len(labels) <= 6 else 0.7
-        if labels:
-            if self._places.ticks != list(names):
-                self._places.ticks = list(names)
-            self._ticks(self._places)
-
-    def _ticks(self, ticker: Any) -> None:
+        if names and self._places.ticks != list(names):
+            self._places.ticks = list(names)
+        ticker = self._places if names else self._tickers[log]
         for part in (self._axis, self._grid):
             if part.ticker is not ticker:
                 part.ticker = ticker
