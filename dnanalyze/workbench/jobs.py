@@ -65,7 +65,13 @@ class Worker:
         self._pipe: Connection | None = None
         self._lock = Lock()
         self._rest: Timer | None = None
-        self.job: Job | None = None
+        self._running: Job | None = None
+        self._waiting: Job | None = None  # for work in the background to end
+
+    @property
+    def job(self) -> Job | None:
+        """The task asked for last, until it is over."""
+        return self._waiting or self._running
 
     def start(
         self,
@@ -76,16 +82,25 @@ class Worker:
     ) -> Job:
         """Begin a task; the callbacks are called from a thread of this process.
 
+        A task that is cancelled while it waits for work in the background to end never runs.
+
         Raises
         ------
         RuntimeError
             A task is under way that is not in the background.
         """
+        job = Job(task)
+        with self._lock:
+            if self._waiting is not None or (self._running and not self._running.background):
+                raise RuntimeError("a task is under way")
+            self._waiting = job
         self._dismiss()
         with self._lock:
-            if self.job is not None:
-                raise RuntimeError("a task is under way")
-            self.job = job = Job(task)
+            self._waiting = None
+            if job.cancelled:
+                job.over.set()
+                return job
+            self._running = job
             if self._rest is not None:
                 self._rest.cancel()
             self._begin()
@@ -117,7 +132,7 @@ class Worker:
                     (done if answer[0] == "done" else failed)(answer[1])
             finally:  # whoever waits for the task is not kept by an error of its callbacks
                 with self._lock:
-                    self.job = None
+                    self._running = None
                     self._rest = Timer(IDLE_S, self.rest)
                     self._rest.daemon = True
                     self._rest.start()
@@ -129,22 +144,28 @@ class Worker:
     def _dismiss(self) -> None:
         """End work in the background; its process stays, with its statistics, if it listens."""
         with self._lock:
-            job = self.job
-            if job is None or not job.background:
+            job = self._running
+            if job is None:
                 return
             if self._pipe is not None:
                 with suppress(OSError):
                     self._pipe.send(None)
         if not job.over.wait(YIELD_S):
-            self.cancel()
+            self._stop(job)
             job.over.wait(YIELD_S)
 
     def cancel(self) -> None:
-        """End the task under way; what it has told so far stays."""
+        """End the task asked for last; what it has told so far stays."""
         with self._lock:
-            if self.job is None:
+            if self._waiting is not None:
+                self._waiting.cancelled = True
                 return
-            job, self.job.cancelled = self.job, True
+            job = self._running
+        if job is not None:
+            self._stop(job)
+
+    def _stop(self, job: Job) -> None:
+        job.cancelled = True
         self._end()
         job.over.wait(PATIENCE_S)
 
