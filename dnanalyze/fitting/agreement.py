@@ -11,6 +11,7 @@ import numpy as np
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
 from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.level_laws import beyond_laws
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.ties import GAIN, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
@@ -90,30 +91,30 @@ def _gains(held: Bench, state: State) -> list[Agreement]:
 
 
 def _dark_signals(held: Bench, state: State) -> list[Agreement]:
-    """Median above the black level, on both halves of the field together."""
+    """Median above the black level, on both halves of the field together.
+
+    What a level is beyond all laws of black level and dark signal, such as a signal that is not
+    proportional to the exposure time, is an error of it as a dark signal.
+    """
     level = held.direct.level
     if level is None:
         return []
     moved = () if held.direct.sessions is None else held.direct.sessions.moved
-    halves = (held.train, state.train), (held.test, state.test)
-    scale = catalogue()["median"].scale
+    medians = _medians(held, state)
+    points = [held.plan.settings[s][0] for s in medians]
+    measured, errors = (
+        np.array([getattr(m, of) for m in medians.values()]) for of in ("measured", "error")
+    )
+    beyond = beyond_laws(points, measured, errors, held.direct.black)
     found = []
-    for s, (point, _) in enumerate(held.plan.settings):
-        known = level.at(point.temperature_c)
-        if known is None or not point.exposure_s or point in moved:
+    for (s, seen), rest in zip(medians.items(), beyond, strict=True):
+        point = held.plan.settings[s][0]
+        black = level.at(point.temperature_c)
+        if black is None or not point.exposure_s or point in moved:
             continue
-        black, error = known
-        measured, predicted, errors = [], [], []
-        for half, z in halves:
-            at = (half.names == "median") & (half.setting == s)
-            measured += half.values[at].tolist()
-            predicted += [scale.plain(c) for c in half.predicted(z)[at]]
-            errors += (half.floor[at] / math.sqrt(2.0)).tolist()
-        if not measured or not np.isfinite(predicted).all():
-            continue
-        signal = float(np.mean(measured)) - black
-        spread = math.hypot(float(np.mean(errors)), error)
-        if signal < -SEEN * spread:
+        signal = seen.measured - black[0]
+        error = math.hypot(seen.error, black[1])
+        if signal < -SEEN * error:
             continue  # the black level of these frames is another one
         steady = held.train.values[
             (held.train.names == "temporal_noise_core") & (held.train.setting == s)
@@ -122,11 +123,37 @@ def _dark_signals(held: Bench, state: State) -> list[Agreement]:
             Agreement(
                 "dark signal", point, "DN",
                 signal,
-                spread,
-                float(np.mean(predicted)) - value_at(state.model.pedestal, point),
+                math.hypot(error, float(rest)),
+                seen.predicted - value_at(state.model.pedestal, point),
                 NOISE * float(steady.mean()) if steady.size else 0.0,
             )
         )  # fmt: skip
+    return found
+
+
+@dataclass(frozen=True)
+class _Median:
+    """Median of one setting, DN: mean of both halves of the field."""
+
+    measured: float
+    error: float
+    predicted: float
+
+
+def _medians(held: Bench, state: State) -> dict[int, _Median]:
+    """By setting; without those that the model does not predict."""
+    scale = catalogue()["median"].scale
+    found = {}
+    for s in range(len(held.plan.settings)):
+        measured, predicted, errors = [], [], []
+        for half, z in ((held.train, state.train), (held.test, state.test)):
+            at = (half.names == "median") & (half.setting == s)
+            measured += half.values[at].tolist()
+            predicted += [scale.plain(c) for c in half.predicted(z)[at]]
+            errors += (half.floor[at] / math.sqrt(2.0)).tolist()
+        if measured and np.isfinite(predicted).all():
+            means = (float(np.mean(x)) for x in (measured, errors, predicted))
+            found[s] = _Median(*means)
     return found
 
 

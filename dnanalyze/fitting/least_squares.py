@@ -127,8 +127,9 @@ def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None
     """Simulate a model; take over derivatives from a like model where knobs agree."""
     train = bench.fitted_z(model)
     blank = np.full((len(train), len(knobs)), np.nan)
-    ties = bench.direct.ties(model, knobs, loss(train) / len(train))
-    begun = State(model, knobs, train, unseen(bench, model), blank, False, bench.train.bounds, ties)
+    over = loss(train) / len(train)
+    bounds, ties = bench.train.bounds(over), bench.direct.ties(model, knobs, over)
+    begun = State(model, knobs, train, unseen(bench, model), blank, False, bounds, ties)
     return begun if like is None else with_derivatives_of(begun, like)
 
 
@@ -274,8 +275,9 @@ def minimise(
     """
     if not state.knobs:
         return replace(state, at_rest=True)
-    ties = bench.direct.ties(state.model, state.knobs, state.loss / len(state.train))
-    state = replace(derive(bench, state), at_rest=False, ties=ties)
+    over = state.loss / len(state.train)
+    bounds, ties = bench.train.bounds(over), bench.direct.ties(state.model, state.knobs, over)
+    state = replace(derive(bench, state), at_rest=False, bounds=bounds, ties=ties)
     damping, stale, true = DAMPING, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)

@@ -71,7 +71,7 @@ class DarkSignals:
     signal : ndarray
         Level above the measured black level, DN.
     noise : ndarray
-        Temporal noise of a pixel there, DN; 0 where one frame does not tell it.
+        Noise of a pixel there, DN: temporal, or within the frame where there is one.
     """
 
     signal: np.ndarray
@@ -93,7 +93,7 @@ def dark_signals(statistics: Statistics, held: Target, black: Law | None = None)
     if black is None:
         series = seen.points, seen.value(MEAN)
         black = pedestal_guess(*series, statistics.sensor.black_level, seen.error(MEAN))
-    steady = np.nan_to_num(seen.value("temporal_noise_core"))
+    steady = np.nan_to_num(seen.noise)
     signal, noise = np.full((2, len(held.keys)), np.nan)
     for i in np.flatnonzero(np.isin(held.names, (MEAN, MEDIAN))):
         setting = held.keys[i].setting

@@ -53,6 +53,12 @@ class Readings:
             [_mean([s.values[name].se for s in p if name in s.values]) for p in self.planes]
         )
 
+    @property
+    def noise(self) -> np.ndarray:
+        """Noise of a pixel, DN: in time, or within a frame where a point has one alone."""
+        steady = self.value("temporal_noise_core")
+        return np.where(np.isfinite(steady), steady, self.value("frame_noise_core"))
+
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A curve of one point; empty where it lacks it (first colour plane)."""
         return self.planes[setting][0].curves.get(name, np.empty(0))

@@ -192,8 +192,7 @@ def direct(statistics: Statistics) -> Direct:
 def _sessions(seen: Readings, level: BlackLevel | None) -> SessionLevels | None:
     """The black levels of operating points that do not follow the laws of the others."""
     medians, errors = seen.value("median"), seen.error("median")
-    noise = seen.value("temporal_noise_core")
-    noise = np.where(np.isfinite(noise), noise, seen.value("frame_noise_core"))
+    noise = seen.noise
     signal = np.maximum(medians - np.nanmin(medians), 0.0)
     off = np.maximum.reduce([FIT_ERRORS * errors, NOISE * noise, SHARE * signal])
     off = np.maximum(off, LEAST_ERROR)

@@ -91,13 +91,17 @@ class Target:
             found.setdefault((k.setting, k.plane), []).append((i, k.name, known[k.name].scale))
         return found
 
-    @property
-    def bounds(self) -> np.ndarray | None:
-        """How far each number may be off in a fit, in floors; inf: left to the loss."""
+    def bounds(self, overdispersion: float = 1.0) -> np.ndarray | None:
+        """How far each number may be off in a fit, in floors; inf: left to the loss.
+
+        ``overdispersion``: loss a statistic. What is wrong with a model pulls at its levels by as
+        much more; the share of the bounds that is due to errors is divided by its root.
+        """
         if self.allowed is None:
             return None
+        errors = FIT_ERRORS / max(overdispersion, 1.0) ** 0.5
         return np.where(
-            np.isinf(self.allowed), np.inf, np.maximum(FIT_ERRORS, self.allowed / self.floor)
+            np.isinf(self.allowed), np.inf, np.maximum(errors, self.allowed / self.floor)
         )
 
     @cached_property

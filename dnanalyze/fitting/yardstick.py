@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
-from dnanalyze.fitting.least_squares import State
+from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.noise_model import NoiseModel
@@ -135,10 +135,11 @@ def _ratio(half: Target, drawn: np.ndarray) -> np.ndarray:
 
 def expressed(state: State, there: Bench, here: Bench) -> State:
     """A state of one yardstick in another of the same statistics."""
+    train = there.train.expressed(state.train, here.train)
     return replace(
         state,
-        train=there.train.expressed(state.train, here.train),
+        train=train,
         unseen=cache(lambda: there.test.expressed(state.test, here.test)),
         jacobian=state.jacobian * (there.train.floor / here.train.floor)[:, None],
-        bounds=here.train.bounds,
+        bounds=here.train.bounds(loss(train) / len(train)),
     )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from test_ties import SENSOR, with_bias
 
 from dnanalyze.demo.sensor import arrhenius
+from dnanalyze.fitting import agreement
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
@@ -59,3 +61,10 @@ def test_a_tenth_is_none():
     assert Agreement("x", None, "DN", 1.0, 0.001, 1.09).kept
     assert not Agreement("x", None, "DN", 1.0, 0.001, 1.11).kept
     assert Agreement("x", None, "DN", 1.0, 0.001, 1.11, tolerance=0.2).kept
+
+
+def test_what_no_law_explains_is_an_error_of_a_dark_signal(fitted, monkeypatch):
+    before = [a.error for a in agreements(*fitted) if a.quantity == "dark signal"]
+    monkeypatch.setattr(agreement, "beyond_laws", lambda points, *_: np.full(len(points), -3.0))
+    after = [a.error for a in agreements(*fitted) if a.quantity == "dark signal"]
+    assert after == pytest.approx(np.hypot(before, 3.0))

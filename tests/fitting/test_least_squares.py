@@ -109,7 +109,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
     def z(moved):
         return far - slope[:, 0] * (positions(moved, knobs) - here)
 
-    held = SimpleNamespace(bounds=None)
+    held = SimpleNamespace(bounds=lambda _: None)
     straight = SimpleNamespace(fitted_z=z, judged_z=z, train=held, direct=Direct())
     begun = least_squares.State(model, knobs, z(model), given(z(model)), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)

@@ -78,12 +78,12 @@ def test_the_signal_is_above_the_measured_black_level():
     """A fit may miss the median by half of 1 % of it, or by 2 floors where there is hardly any."""
     held = small.bench_of()
     at = held.train.names == "median"
-    assert np.isinf(held.train.bounds[~at]).all()
+    assert np.isinf(held.train.bounds()[~at]).all()
     values, floors = held.train.values[at], held.train.floor[at]
     noise = held.train.values[held.train.names == "temporal_noise_core"]
     tolerance = np.maximum(0.005 * (values - 64.0), 0.025 * noise)
     np.testing.assert_allclose(
-        held.train.bounds[at], np.maximum(2.0, tolerance / floors), rtol=0.05
+        held.train.bounds()[at], np.maximum(2.0, tolerance / floors), rtol=0.05
     )
 
 
@@ -95,8 +95,17 @@ def test_a_level_beyond_the_laws_may_be_off_by_twice_that(shift, wanted):
     keys = tuple(Key(s, "", "median") for s in range(6))
     held = Target(keys, values, values, np.ones(6), np.full(6, "level"))
     held = replace(held, allowed=allowed(held, DarkSignals(np.zeros(6), np.zeros(6)), points))
-    assert held.bounds[3] == pytest.approx(wanted, rel=0.05)
-    assert held.bounds[[0, 1, 2, 4, 5]] == pytest.approx(2.0, rel=0.2)
+    assert held.bounds()[3] == pytest.approx(wanted, rel=0.05)
+    assert held.bounds()[[0, 1, 2, 4, 5]] == pytest.approx(2.0, rel=0.2)
+
+
+@pytest.mark.parametrize(("overdispersion", "bound"), [(0.5, 2.0), (1.0, 2.0), (16.0, 0.5)])
+def test_what_is_wrong_with_a_model_narrows_the_bounds_of_its_levels(overdispersion, bound):
+    """By its root, as it does for all that binds a fit; what a level may be off anyway stays."""
+    keys = tuple(Key(s, "", "median") for s in range(2))
+    held = Target(keys, np.zeros(2), np.zeros(2), np.full(2, 0.1), np.full(2, "level"))
+    held = replace(held, allowed=np.array([0.0, 0.3]))
+    assert held.bounds(overdispersion) == pytest.approx([bound, 3.0])
 
 
 @pytest.mark.parametrize("bound", [np.inf, 4.0])
@@ -112,7 +121,7 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
         x = positions(moved, knobs)[0] - here
         return np.concatenate([[30.0 * x], np.full(20, 60.0 * (x - 1.0))])
 
-    held = SimpleNamespace(bounds=bounds)
+    held = SimpleNamespace(bounds=lambda _: bounds)
     straight = SimpleNamespace(fitted_z=z, judged_z=z, train=held, direct=Direct())
     slope = np.concatenate([[30.0], np.full(20, 60.0)])[:, None]
     ended = minimise(straight, replace(start(straight, model, knobs), jacobian=slope), 12)
