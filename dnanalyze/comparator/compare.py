@@ -14,12 +14,13 @@ from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import at_a_glance, fit_on, with_seed
+from dnanalyze.fitting.fit import as_captured, at_a_glance, fit_on, with_seed
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.vectors import prediction
+from dnanalyze.fitting.whole_field import Coverage, coverage
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
@@ -51,6 +52,8 @@ class Comparison(Result):
         Of the held-out half, with their curves.
     level : Level, optional
         Difference between the mean dark signals of model and captures.
+    coverage : Coverage, optional
+        What of the captures it rests on, and where the model departs from the rest of the field.
     capture_set : CaptureSet, optional
         The measured frames.
     """
@@ -66,6 +69,7 @@ class Comparison(Result):
     simulated: Statistics
     gaussian: Statistics
     level: Level | None = None
+    coverage: Coverage | None = None
     capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
@@ -135,7 +139,7 @@ def compare_on(
     paper = fit_on(captures, begun, held=held, replicates=0, tell=tell).state
     held = by_design(held, model or paper.model)
     m = at_a_glance(held)
-    plain = held.statistics(gaussian_model(m), errors=True)
+    plain = held.statistics(as_captured(held, gaussian_model(m)), errors=True)
     made = held.statistics(model or paper.model, errors=True)
     z = held.test.z(prediction(made, 1, held.test))
     baselines = {
@@ -155,6 +159,7 @@ def compare_on(
         made[1],
         plain[1],
         held.level(held.train.z(prediction(made, 0, held.train)), z),
+        coverage(held.plan, model or paper.model),
         captures,
     )
 

@@ -11,7 +11,7 @@ from dnanalyze.fitting.from_part import converge, fitted
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import EVERYDAY
+from dnanalyze.model.registry import EVERYDAY, WANG
 
 EVERY_SENSOR = (
     "baseline effect, present in every sensor: added with the other baseline effects, untested"
@@ -25,9 +25,9 @@ def far_off(state: State) -> bool:
 
 
 def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
-    """Whether a model has none of the baseline effects that are not excluded."""
+    """Whether a model has none of the baseline effects that are not excluded, but the converter."""
     wanted = any(name not in exclude for name in EVERYDAY)
-    return wanted and all(model.get(name) is None for name in EVERYDAY)
+    return wanted and all(name in WANG or model.get(name) is None for name in EVERYDAY)
 
 
 def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> NoiseModel:
@@ -41,3 +41,8 @@ def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> 
 def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
     """All baseline effects fitted together: without one of them the others take its share."""
     return fitted(bench, begun, partial(converge, hopeless=FAR_OFF))
+
+
+def new_in(model: NoiseModel, before: NoiseModel) -> list[str]:
+    """Baseline effects of a model that another one has not."""
+    return [n for n in EVERYDAY if model.get(n) is not None and before.get(n) is None]

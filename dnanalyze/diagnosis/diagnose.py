@@ -12,6 +12,7 @@ from dnanalyze.diagnosis.baseline import (
     baseline_fitted,
     baseline_start,
     lacks_baseline,
+    new_in,
 )
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, trials
 from dnanalyze.diagnosis.detectability import detection_limits
@@ -40,11 +41,12 @@ from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.fitting.whole_field import coverage
 from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
+from dnanalyze.model.registry import BASE, known_effects
 from dnanalyze.progress import Progress, ignored, reporter
 
 __all__ = ["Diagnosis", "diagnose"]
@@ -222,10 +224,12 @@ def judge(
     best: Trial | None,
     known: dict[str, type[Effect]],
     follow_up: bool = False,
+    elsewhere: bool = True,
 ) -> Diagnosis:
     """The verdict on a model, with its candidates; ``best``: the one that is significant.
 
     ``follow_up``: whether what it leaves is tested for further effects, which takes simulations.
+    ``elsewhere``: whether a model fitted to a window is compared with the rest of the field.
     """
     held, state, error = null.held, null.state, null.error
     open_yet = null.unexplained
@@ -246,7 +250,8 @@ def judge(
     else:
         candidates = []
     direct = agreements(held, state)
-    right = not open_yet and all(a.kept for a in direct)
+    seen = coverage(held.plan, state.model if elsewhere and best is None else None)
+    right = not open_yet and all(a.kept for a in direct) and not seen.departs
     verdict = "missing" if best is not None else "adequate" if right else "unexplained"
     return Diagnosis(
         name,
@@ -259,6 +264,7 @@ def judge(
         trials=[best, *(t for t in tried if t is not best)] if best is not None else list(tried),
         level=held.level(state.train, state.test),
         direct=direct,
+        coverage=seen,
     )
 
 
@@ -350,7 +356,8 @@ def _with_baseline_listed(
     before, ended = Null(null.held, expressed(asked, held, null.held)), null.state
     if found.verdict == "missing":  # beside what is missing too
         ended = start(null.held, found.trials[0].state.model, [])
-    chance = float(confidences([judged(before, EVERYDAY[-1], ended)])[0])
+    new = new_in(baseline.model, asked.model)
+    chance = float(confidences([judged(before, new[0], ended)])[0])
     error = Null.of(held, asked).error
     share = _share(error, error - null.error)
     listed = [
@@ -358,7 +365,7 @@ def _with_baseline_listed(
             effect.name, null.error, share, chance, [],
             [*evidence_for(null.held, before.state, null.state, type(effect)), EVERY_SENSOR],
         )
-        for name in EVERYDAY
+        for name in new
         if (effect := baseline.model.get(name)) is not None
     ]  # fmt: skip
     others = [  # in shares of the same error

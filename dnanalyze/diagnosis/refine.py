@@ -137,7 +137,14 @@ def refine_on(
         path = search.run(state, exclude)
     except TimeUp:
         return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
-    found = judge(captures.name, Null.of(unlimited, path.state), path.tried, path.best, known)
+    found = judge(
+        captures.name,
+        Null.of(unlimited, path.state),
+        path.tried,
+        path.best,
+        known,
+        elsewhere=not limit.over,
+    )
     if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
     told = None

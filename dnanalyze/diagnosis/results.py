@@ -14,6 +14,7 @@ from dnanalyze.fitting.fit import Fit, Parameters, uncertain
 from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.whole_field import Coverage, coverage
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.result import Result
@@ -117,6 +118,8 @@ class Diagnosis(Result):
     direct : list of Agreement
         Quantities that the frames determine without a model, beside the model's; those of an
         adequate model agree.
+    coverage : Coverage, optional
+        What of the captures the verdict rests on.
     capture_set : CaptureSet, optional
         The measured frames.
     finished : bool
@@ -139,6 +142,7 @@ class Diagnosis(Result):
     level: Level | None = None
     law: str = ""
     direct: list[Agreement] = field(default_factory=list)
+    coverage: Coverage | None = None
     capture_set: CaptureSet | None = field(default=None, compare=False)
     finished: bool = True
     screened: list[str] = field(default_factory=list)
@@ -231,6 +235,12 @@ class Refinement(Result):
         if self.diagnosis is not None:
             return self.diagnosis.direct
         return agreements(self.bench, self.state)
+
+    @property
+    def coverage(self) -> Coverage:
+        """What of the captures the verdict rests on."""
+        known = None if self.diagnosis is None else self.diagnosis.coverage
+        return known or coverage(self.bench.plan)
 
     @property
     def level(self) -> Level | None:

@@ -20,6 +20,7 @@ from dnanalyze.diagnosis.baseline import (
     baseline_start,
     far_off,
     lacks_baseline,
+    new_in,
 )
 from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
 from dnanalyze.diagnosis.explain import evidence_for
@@ -220,7 +221,7 @@ class Search:
         begun = baseline_start(self.held, exclude, path.state.model.seed)
         state = baseline_fitted(self.held, begun)
         error = self._error(state)
-        for name in (n for n in EVERYDAY if state.model.get(n) is not None):
+        for name in new_in(state.model, path.state.model):
             path = self._noted(path, state, name, why=[EVERY_SENSOR], error=error)
         self._kept(path)
         return path

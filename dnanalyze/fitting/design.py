@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dnanalyze.fitting.placement import middle, placed, surveyed
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Setting, Window
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 
@@ -97,11 +98,13 @@ def design(
     step = 4 if captures.sensor.cfa else 2
     wide = max(step, int(cols * shrink) // step * step) if cols >= step else cols
     half = max(step, int(rows * shrink) // (2 * step) * step) if rows >= 2 * step else rows
-    left = (cols - wide) // 2 // step * step
-    top = max(0, (rows - 2 * half) // 2 // step * step)
+    around = middle((rows, cols), (min(rows, 2 * half), wide), step)
+    if shrink < 1.0:
+        period = 1 if captures.sensor.cfa is None else len(captures.sensor.cfa)
+        around = placed(surveyed(captures, thinned), (rows, cols), around.shape, step, period)
+    top, left = around.top, around.left
     train = Window(top, top + half, left, left + wide)
-    bottom = min(rows, top + 2 * half)
-    test = Window(bottom - half, bottom, left, left + wide)
+    test = Window(around.bottom - half, around.bottom, left, left + wide)
     return Design(replace(captures, settings=thinned), train, test, captures, unit)
 
 

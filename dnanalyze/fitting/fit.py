@@ -45,6 +45,7 @@ from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import built_in
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from astropy.table import QTable
 
 REPLICATES = 24
+WHOLE = 0.95  # `lattice` of whole codes, 1, less its error
 FEW = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
 DERIVATIVES = 40  # simulations for the last derivatives of few groups of knobs; many take 6 each
@@ -250,11 +252,24 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
 
 
 def paper_start(held: Bench) -> NoiseModel:
-    """The paper's model by moments of the train half, at the pedestal that suits it best."""
+    """The paper's model by moments of the train half, at the pedestal that suits it best.
+
+    Rounded to codes where the captures are: the paper says nothing of the converter, and a model of
+    continuous values has no pixel that never changes.
+    """
     seen = held.part or held
-    models = paper_models(at_a_glance(held))
+    models = [as_captured(held, model) for model in paper_models(at_a_glance(held))]
     losses = [loss(seen.train.z(found)) for found in seen.several(models)]
     return replace(models[int(np.argmin(losses))], unit=held.plan.unit)
+
+
+def as_captured(held: Bench, model: NoiseModel) -> NoiseModel:
+    """A model with the captures' converter, where their values are whole codes."""
+    seen = Readings(held.measured[0])
+    if not (seen.value("lattice") > WHOLE).all():
+        return model
+    bits = converter_bits(seen, held.plan.captures.sensor.bits)
+    return model.with_effect(built_in()["quantization"](bits=bits))  # type: ignore[call-arg]
 
 
 def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:

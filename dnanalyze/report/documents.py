@@ -131,6 +131,7 @@ def comparison(
         statistics=result.statistics,
         model=result.model,
         **_level(result),
+        **_coverage(result),
         **({} if judged is None else {"classifier": classifier(judged)}),
     )
 
@@ -163,6 +164,18 @@ def _level(result: Any) -> Document:
     return {"level": _point(level.point) | fields}
 
 
+def _coverage(result: Any) -> Document:
+    """What of the captures a verdict rests on; null where the result does not say."""
+    seen = getattr(result, "coverage", None)
+    if seen is None:
+        return {"coverage": None}
+    keys = "settings", "all_settings", "frames", "all_frames", "window", "field", "share"
+    off = seen.departures
+    fields = "kind", "place", "row", "column", "difference_dn", "sigma", "share"
+    told = None if off is None else [_point(d.point) | _fields(d, *fields) for d in off]
+    return {"coverage": _fields(seen, *keys) | {"departures": told}}
+
+
 def diagnosis(where: str, result: Any) -> Document:
     """The verdict and the candidates, best first."""
     keys = (
@@ -184,6 +197,7 @@ def diagnosis(where: str, result: Any) -> Document:
         finished=getattr(result, "finished", True),
         screened=getattr(result, "screened", []),
         **_level(result),
+        **_coverage(result),
     )
 
 
@@ -270,6 +284,7 @@ def refinement(
         model=output,
         fitted=result.model.to_plain(),
         **_level(result),
+        **_coverage(result),
         **_classified(result),
     )
 

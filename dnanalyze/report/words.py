@@ -308,7 +308,47 @@ def with_remarks(headline: str, result: Any) -> str:
     if level is not None and not level.kept:
         more.append(sentence(level_words(level)))
     more += [sentence(direct_words(a)) for a in getattr(result, "direct", []) if not a.kept]
+    more += coverage_words(getattr(result, "coverage", None))
     return " ".join([headline, *more])
+
+
+def coverage_words(seen: Any) -> list[str]:
+    """What a verdict rests on, where that is not all of the captures, and what is off elsewhere."""
+    if seen is None:
+        return []
+    whole = seen.window.shape == tuple(seen.field)
+    parts = []
+    if seen.settings < seen.all_settings:
+        parts.append(f"{seen.settings} of {plural(seen.all_settings, 'operating point')}")
+    if seen.frames < seen.all_frames:
+        parts.append(f"{seen.frames} of {plural(seen.all_frames, 'frame')}")
+    if not whole:
+        (rows, columns), window = seen.window.shape, seen.window
+        parts.append(
+            f"{rows:,} × {columns:,} of {seen.field[0]:,} × {seen.field[1]:,} pixels "
+            f"({number(100 * seen.share, 2)} %: from row {window.top:,} and column {window.left:,})"
+        )
+    made = [sentence(f"it rests on {listing(parts)}")] if parts else []
+    if whole or seen.departures is None:
+        return made
+    if not seen.departures:
+        return [
+            *made,
+            "The rest of the field agrees with it, by means of blocks, rows and columns.",
+        ]
+    return [*made, *(sentence(departure_words(d)) for d in seen.departures)]
+
+
+def departure_words(found: Any) -> str:
+    """Where the rest of the field departs from the model, and by how much."""
+    way = "above" if found.difference_dn > 0 else "below"
+    noun = "block of 32 × 32 pixels" if found.kind == "blocks" else found.kind[:-1]
+    what = f"at the {found.place} a {noun}" if found.kind == "blocks" else found.place
+    return (
+        f"outside of these pixels, {what} lies {number(abs(found.difference_dn), 2)} DN {way} the "
+        f"model at {point_label(found.point)} ({number(found.sigma, 2)} sigma; "
+        f"{number(100 * found.share, 2)} % of the {found.kind} depart)"
+    )
 
 
 def direct_words(found: Any) -> str:
@@ -387,6 +427,8 @@ def _refined(result: Any) -> str:
         "unexplained": f"no effect of the catalogue explains the residual in {left}",
     }
     told = getattr(result, "classification", None)
+    if not result.unexplained:
+        ending["unexplained"] = "no statistic shows a residual, but the model is not adequate"
     if told is not None and told.tells and not result.unexplained:
         ending["unexplained"] = (
             "no statistic shows a residual, but a classifier tells simulated from measured frames"

@@ -19,7 +19,7 @@ from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
-from dnanalyze.model.registry import BASE, find
+from dnanalyze.model.registry import WANG, find
 from dnanalyze.report.words import plural, point_label, varied
 from dnanalyze.workbench import recipe
 from dnanalyze.workbench.evaluation import Evaluation, Preview, evaluate
@@ -313,7 +313,7 @@ class WorkbenchSession:
             with self._lock:
                 self._kept = [found, *(e for e in self._kept if e is not found)][:KEPT]
                 self.history = self._history().measured(node.number, found.error, found.families)
-                if node.model.names == [BASE] and (self.baseline is None or node.command):
+                if set(node.model.names) <= WANG and (self.baseline is None or node.command):
                     self.baseline = found
                 if self.history.at == node.number:
                     self.evaluation = found
@@ -358,7 +358,7 @@ class WorkbenchSession:
         frozen = tuple(sorted(self.pinned))
         command = ("fit", "--replicates", "0", *(w for n in frozen for w in ("--frozen", n)))
         base = self.present
-        first = base.parent is None and base.model.names == [BASE] and self.model is None
+        first = base.parent is None and set(base.model.names) <= WANG and self.model is None
 
         def done(found: dict[str, Any]) -> None:
             action = "Wang 2025 model, fitted" if first else "fit"

@@ -1,0 +1,126 @@
+"""Where in a large field a model is fitted: where the field has most structure.
+
+A window in the middle of a large sensor sees no glow of a corner, no stripe along a border and no
+defect column elsewhere, and what no window sees no model can name. The field is surveyed first,
+from afar, without any model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.stats import norm
+
+from dnanalyze.analyzers.field_profile import BLOCK, FieldProfile, field_profile
+from dnanalyze.loaders.captures import CaptureSet, Setting, Window
+from dnanalyze.robust import robust_deviation
+
+FRAMES = 2  # of a setting that is surveyed
+CHANCE = 0.01  # that anything of a structureless field counts as structure
+
+
+def surveyed(captures: CaptureSet, chosen: Sequence[Setting]) -> list[FieldProfile]:
+    """Profiles of two settings: that with most signal, and that with least.
+
+    Charge shows in the one, and what the readout places in the other.
+    """
+
+    def signal(setting: Setting) -> tuple[float, float]:
+        return setting.point.exposure_s or 0.0, setting.point.temperature_c or 0.0
+
+    ends = {min(chosen, key=signal).point: None, max(chosen, key=signal).point: None}
+    return [field_profile(f.read() for f in s.frames[:FRAMES]) for s in chosen if s.point in ends]
+
+
+def placed(
+    profiles: Sequence[FieldProfile],
+    shape: tuple[int, int],
+    size: tuple[int, int],
+    step: int,
+    period: int = 1,
+) -> Window:
+    """The window of a size with most structure; that in the middle where none stands out.
+
+    Parameters
+    ----------
+    profiles : sequence of FieldProfile
+        Of the measured field.
+    shape, size : (int, int)
+        Of the field and of the window, (rows, columns).
+    step : int
+        Pixels on whose multiples a window begins.
+    period : int
+        Of the colour filter.
+
+    Returns
+    -------
+    Window
+
+    Notes
+    -----
+    Structure are the squares of block means about their median in the window, and of rows and
+    columns about their neighbours, in standard deviations over the field, that exceed what chance
+    gives once in 100 fields.
+    """
+    best, most = middle(shape, size, step), 0.0
+    for window in _tried(shape, size, step):
+        found = sum(_structure(p, window, period) for p in profiles)
+        if found > most:
+            best, most = window, found
+    return best
+
+
+def _tried(shape: tuple[int, int], size: tuple[int, int], step: int) -> Iterator[Window]:
+    """The middle first, then windows that overlap by half, with the ends of the field."""
+    yield middle(shape, size, step)
+    down, across = (
+        np.linspace(0.0, 1.0, 1 + int(np.ceil(2.0 * (n - m) / m))) if n > m else [0.0]
+        for n, m in zip(shape, size, strict=True)
+    )
+    for y in down:
+        for x in across:
+            yield _at(shape, size, step, y, x)
+
+
+def middle(shape: tuple[int, int], size: tuple[int, int], step: int) -> Window:
+    """The window in the middle of the field."""
+    return _at(shape, size, step, 0.5, 0.5)
+
+
+def _at(
+    shape: tuple[int, int], size: tuple[int, int], step: int, down: float, across: float
+) -> Window:
+    """The window at a share of the way it may move."""
+    top, left = (
+        int(share * (n - m)) // step * step
+        for share, n, m in zip((down, across), shape, size, strict=True)
+    )
+    return Window(top, top + size[0], left, left + size[1])
+
+
+def _structure(profile: FieldProfile, window: Window, period: int) -> float:
+    rows = slice(-(-window.top // BLOCK), window.bottom // BLOCK)
+    columns = slice(-(-window.left // BLOCK), window.right // BLOCK)
+    own = profile.blocks[rows, columns]
+    found = 0.0
+    if own.size:
+        found += _excess(own - np.median(own), _roughness(profile.blocks), profile.blocks.size)
+    for axis, where in (("rows", window.slices[0]), ("columns", window.slices[1])):
+        lines = profile.lines(axis, period)
+        found += _excess(lines[where], robust_deviation(lines), lines.size)
+    return found
+
+
+def _roughness(blocks: np.ndarray) -> float:
+    """Standard deviation of a block by its neighbours, which share its shading."""
+    across = np.diff(blocks, axis=1) if blocks.shape[1] > 1 else np.diff(blocks, axis=0)
+    return robust_deviation(across) / 2.0**0.5 if across.size else 0.0
+
+
+def _excess(off: np.ndarray, deviation: float, count: int) -> float:
+    """Sum of squares, in standard deviations, of those that chance does not explain."""
+    if deviation <= 0.0:
+        return 0.0
+    z = np.abs(off) / deviation
+    return float(np.sum(z[z > norm.isf(CHANCE / (2 * count))] ** 2))

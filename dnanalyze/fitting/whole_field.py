@@ -1,0 +1,237 @@
+"""A model held against the whole of a large field, of which it was fitted to a window.
+
+Means of blocks, rows and columns of measured and simulated mean frames are compared all over the
+field. The scatter of their differences within the window is the yardstick, since there the
+statistics judge the model; of rows and columns it is that over the field where that is larger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import norm
+
+from dnanalyze.analyzers.field_profile import BLOCK, FieldProfile, field_profile
+from dnanalyze.fitting.design import Design
+from dnanalyze.fitting.level import NOISE
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulate import simulate
+from dnanalyze.progress import ignored
+from dnanalyze.robust import robust_deviation
+
+FRAMES = 2  # of each operating point
+CHANCE = 0.01  # that a right model is told to be off anywhere at any operating point
+
+
+@dataclass(frozen=True)
+class Departure:
+    """Where a model departs from the frames outside of the window that it was fitted to.
+
+    Parameters
+    ----------
+    point : OperatingPoint
+    kind : str
+        "blocks", "rows" or "columns".
+    row, column : int or None
+        The farthest pixel block's first pixel, or the line; None for what crosses the field.
+    difference_dn : float
+        Measured less modelled there, DN.
+    sigma : float
+        The same in standard deviations of such differences within the window.
+    share : float
+        Of the blocks, rows or columns of the field, those that depart.
+    place : str
+        Where that is, such as "top left", "column 5871".
+    """
+
+    point: OperatingPoint
+    kind: str
+    row: int | None
+    column: int | None
+    difference_dn: float
+    sigma: float
+    share: float
+    place: str
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What of the captures a verdict on a model rests on.
+
+    Parameters
+    ----------
+    settings, all_settings : int
+        Operating points that enter, of those there are.
+    frames, all_frames : int
+        The same of frames.
+    window : Window
+        Part of the field whose statistics are compared.
+    field : (int, int)
+        The whole of it, (rows, columns).
+    departures : tuple of Departure, optional
+        Where the model departs from the rest of the field; None where that was not compared.
+    """
+
+    settings: int
+    all_settings: int
+    frames: int
+    all_frames: int
+    window: Window
+    field: tuple[int, int]
+    departures: tuple[Departure, ...] | None = None
+
+    @property
+    def share(self) -> float:
+        """Of the pixels of a frame, those in the window."""
+        rows, columns = self.window.shape
+        return rows * columns / (self.field[0] * self.field[1])
+
+    @property
+    def departs(self) -> bool:
+        """Whether the model is known to be off outside of the window."""
+        return bool(self.departures)
+
+
+def coverage(plan: Design, model: NoiseModel | None = None) -> Coverage:
+    """What a design looks at; with a model, where that departs from the rest of the field."""
+    chosen, every = plan.captures.settings, plan.everything.settings
+    return Coverage(
+        len(chosen),
+        len(every),
+        sum(len(s.frames) for s in chosen),
+        sum(len(s.frames) for s in every),
+        _around(plan),
+        plan.shape,
+        None if model is None else tuple(departures(plan, model)),
+    )
+
+
+def departures(
+    plan: Design, model: NoiseModel, tell: Callable[[str], None] = ignored
+) -> list[Departure]:
+    """What of the whole field the model does not have; nothing where its window is all of it.
+
+    Parameters
+    ----------
+    plan : Design
+        What the model was fitted to.
+    model : NoiseModel
+    tell : callable
+        Called with what is being done.
+
+    Returns
+    -------
+    list of Departure
+        The largest of each kind at any operating point, the largest first.
+    """
+    around = _around(plan)
+    if around.shape == plan.shape:
+        return []
+    worst: dict[str, Departure] = {}
+    tests = 3 * len(plan.captures.settings)
+    for off, point in _differences(plan, model, tell):
+        for found in _beyond(off, around, point, _period(plan.captures), CHANCE / tests):
+            if found.kind not in worst or found.sigma > worst[found.kind].sigma:
+                worst[found.kind] = found
+    return sorted(worst.values(), key=lambda d: -d.sigma)
+
+
+def _around(plan: Design) -> Window:
+    """Both halves."""
+    a, b = plan.windows
+    return Window(
+        min(a.top, b.top), max(a.bottom, b.bottom), min(a.left, b.left), max(a.right, b.right)
+    )
+
+
+def _period(captures: CaptureSet) -> int:
+    cfa = captures.sensor.cfa
+    return 1 if cfa is None else len(cfa)
+
+
+def _differences(
+    plan: Design, model: NoiseModel, tell: Callable[[str], None]
+) -> Iterator[tuple[FieldProfile, OperatingPoint]]:
+    """Measured less simulated, of each operating point."""
+    settings = [(s.point, min(len(s.frames), FRAMES)) for s in plan.captures.settings]
+    made = simulate(model.in_codes, plan.shape, settings, "whole field", plan.captures.sensor)
+    for measured, simulated in zip(plan.captures.settings, made.settings, strict=True):
+        tell(f"the whole field at {measured.point.label()}")
+        count = len(simulated.frames)
+        seen, drawn = (
+            field_profile(f.read() for f in s.frames[:count]) for s in (measured, simulated)
+        )
+        yield seen.less(drawn), measured.point
+
+
+def _beyond(
+    off: FieldProfile, window: Window, point: OperatingPoint, period: int, chance: float
+) -> Iterator[Departure]:
+    least = NOISE * off.noise  # as of a level
+    inside = _blocks_in(window)
+    own = off.blocks[inside]
+    if own.size > 1:
+        away = off.blocks - np.median(own)
+        sd = robust_deviation(own)
+        own_most = float(np.abs(own - np.median(own)).max())
+        at = _farthest(away, sd, own_most, least, chance)
+        if at is not None:
+            index, share = at
+            row, column = (int(i) for i in np.unravel_index(index, away.shape))
+            value = float(away.flat[index])
+            yield Departure(
+                point, "blocks", row * BLOCK, column * BLOCK, value, abs(value) / sd, share,
+                _place(row / away.shape[0], column / away.shape[1]),
+            )  # fmt: skip
+    for axis, where in (("rows", window.slices[0]), ("columns", window.slices[1])):
+        lines = off.lines(axis, period)
+        own = lines[where]
+        sd = max(robust_deviation(own), robust_deviation(lines))
+        at = _farthest(lines, sd, float(np.abs(own).max()), least, chance)
+        if at is not None:
+            index, share = at
+            value = float(lines[index])
+            row_at, column_at = (index, None) if axis == "rows" else (None, index)
+            yield Departure(
+                point, axis, row_at, column_at, value, abs(value) / sd, share,
+                f"{axis[:-1]} {index}",
+            )  # fmt: skip
+
+
+def _farthest(
+    off: np.ndarray, deviation: float, inside: float, least: float, chance: float
+) -> tuple[int, float] | None:
+    """The number farthest off and the share that are; None where nothing is.
+
+    Off is what chance gives no number of so many, nothing in the window is, and a level may not be.
+    """
+    if deviation <= 0.0:
+        return None
+    size = np.abs(off)
+    limit = max(float(norm.isf(chance / (2 * off.size))) * deviation, inside, least)
+    index = int(np.argmax(size))
+    return (index, float(np.mean(size > limit))) if size.flat[index] > limit else None
+
+
+def _blocks_in(window: Window) -> tuple[slice, slice]:
+    return (
+        slice(-(-window.top // BLOCK), window.bottom // BLOCK),
+        slice(-(-window.left // BLOCK), window.right // BLOCK),
+    )
+
+
+def _place(down: float, across: float) -> str:
+    """Of a ninth of the field.
+
+    Examples
+    --------
+    >>> from dnanalyze.fitting.whole_field import _place
+    >>> _place(0.1, 0.9), _place(0.5, 0.1), _place(0.5, 0.5)
+    ('top right', 'left', 'middle')
+    """
+    vertical = ("top", "", "bottom")[min(int(3 * down), 2)]
+    side = ("left", "", "right")[min(int(3 * across), 2)]
+    return " ".join(w for w in (vertical, side) if w) or "middle"
