@@ -26,7 +26,7 @@ def far_off(state: State) -> bool:
 
 def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
     """Whether a model has none of the baseline effects that are not excluded, but the converter."""
-    wanted = any(name not in exclude for name in EVERYDAY)
+    wanted = any(name not in exclude and model.get(name) is None for name in EVERYDAY)
     return wanted and all(name in WANG or model.get(name) is None for name in EVERYDAY)
 
 

@@ -134,7 +134,7 @@ def diagnose_on(
     limit = TimeLimit.after(budget)
     held = held or bench(design(captures, unit=None if model is None else model.unit))
     limited = held.within(limit)
-    model = located(held, with_seed(held, model, seed) or paper_start(held))
+    model = located(held, with_seed(held, model, seed) or paper_start(held, exclude))
     known = known_effects(() if known is None else known)
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     so_far = SoFar()

@@ -120,7 +120,7 @@ def refine_on(
     unlimited = held or bench(design(captures, unit=None if model is None else model.unit))
     held = unlimited.within(limit)
     known = known_effects(() if known is None else known)
-    begun = located(unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited))
+    begun = located(unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited, exclude))
     open_to = {n: e for n, e in known.items() if n not in exclude}
     if first is not None:
         with suppress(TimeUp):

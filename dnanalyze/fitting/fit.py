@@ -251,14 +251,16 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
             raise InputError(f"--frozen (frozen): no parameter {name!r}; valid: {', '.join(valid)}")
 
 
-def paper_start(held: Bench) -> NoiseModel:
+def paper_start(held: Bench, exclude: Sequence[str] = ()) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best.
 
-    Rounded to codes where the captures are: the paper says nothing of the converter, and a model of
+    Without the effects of ``exclude``. Rounded to codes where the captures are: the paper says nothing of the converter, and a model of
     continuous values has no pixel that never changes.
     """
     seen = held.part or held
-    models = [as_captured(held, model) for model in paper_models(at_a_glance(held))]
+    models = paper_models(at_a_glance(held))
+    if "quantization" not in exclude:
+        models = [as_captured(held, model) for model in models]
     losses = [loss(seen.train.z(found)) for found in seen.several(models)]
     return replace(models[int(np.argmin(losses))], unit=held.plan.unit)
 
