@@ -26,7 +26,8 @@ from dnanalyze.diagnosis.selection import (
     significant,
     standings,
 )
-from dnanalyze.fitting.from_part import STEPS, carried, derived_anew, part_for
+from dnanalyze.fitting.changes import part_for
+from dnanalyze.fitting.from_part import STEPS, carried, derived_anew
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import (
     State,

@@ -12,7 +12,7 @@ import numpy as np
 from dnanalyze.diagnosis.selection import CERTAIN, LEAST
 from dnanalyze.digits import number, unit_text
 from dnanalyze.estimate import Estimated
-from dnanalyze.fitting.from_part import Changes
+from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings

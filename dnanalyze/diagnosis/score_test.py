@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 from dnanalyze.diagnosis.nuisance import from_moments, least_noise, unbiased
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.from_part import Changes
+from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.residual import Residual

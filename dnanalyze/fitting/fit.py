@@ -254,8 +254,8 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
 def paper_start(held: Bench, exclude: Sequence[str] = ()) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best.
 
-    Without the effects of ``exclude``. Rounded to codes where the captures are: the paper says nothing of the converter, and a model of
-    continuous values has no pixel that never changes.
+    Rounded to codes where the captures are, unless ``exclude`` has the quantization: the paper says
+    nothing of the converter, and a model of continuous values has no pixel that never changes.
     """
     seen = held.part or held
     models = paper_models(at_a_glance(held))

@@ -8,30 +8,24 @@ simulated sensor.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
+from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
-from dnanalyze.fitting.vectors import Target
-from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 STEPS = 6  # of a fit between two computations of the derivatives
 # Fall of the loss in a round with new derivatives, per overdispersion, below which no parameter
 # moves by more than about its standard error: then the fit has ended.
 SETTLED = 2.0
-
-
-def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
-    """The part of the field on which a model may be fitted first; None where it may not."""
-    return bench.part if model.placing is Placing.EVERYWHERE else None
 
 
 def fitted(
@@ -112,40 +106,6 @@ def converge(
     if found is state:
         return state
     return converge(bench, found, rounds, iterations, tell, hopeless)
-
-
-@dataclass(frozen=True)
-class Changes:
-    """What a change of the model does to the predictions of the fitted half.
-
-    ``bench``: where both models are simulated. ``base``: predictions of the unchanged model there.
-    ``wanted``: numbers of the whole field, in whose floors a change is expressed.
-    """
-
-    bench: Bench
-    base: np.ndarray
-    wanted: Target
-
-    @classmethod
-    def of(cls, bench: Bench, model: NoiseModel, placing: Placing) -> Changes:
-        """For effects of one placing: on the part of the field, or on a half, where that shows them
-        as the whole does.
-        """
-        if placing < Placing.SOMEWHERE:
-            near = part_for(bench, model) if placing is Placing.EVERYWHERE else None
-            near = near or bench.evened(model)
-        else:
-            near = bench
-        return cls(near, near.fitted_coordinates(model), bench.train)
-
-    def by(self, models: Sequence[NoiseModel]) -> Iterator[np.ndarray]:
-        """Change of each number by each of several models, in floors; 0 where one lacks it."""
-        rows = self.bench.train.rows_of(self.wanted)
-        known = rows >= 0
-        for moved in self.bench.several(models):
-            change = np.zeros(len(self.wanted.keys))
-            change[known] = np.nan_to_num(moved - self.base)[rows[known]]
-            yield change / self.wanted.floor
 
 
 def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:

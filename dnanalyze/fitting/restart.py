@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
 from dnanalyze.fitting.least_squares import SMALLEST, State, minimise, start, weights
 from dnanalyze.fitting.predictor import Bench
@@ -64,8 +65,10 @@ def _lost(bench: Bench, state: State) -> list[int]:
             lowered[i] = state.knobs[i].inside(here[i] - RISE)
         without.append(turned(state.model, state.knobs, lowered))
     found = []
-    for members, coordinates in zip(groups, bench.several(without), strict=True):
-        change = bench.train.z(coordinates) - state.train
+    if not groups:
+        return []
+    changes = Changes.of(bench, state.model, state.model.placing)
+    for members, change in zip(groups, changes.by(without), strict=True):
         found += [i for i in members if np.linalg.norm(_own(bench, state, i, change)) < SMALLEST]
     return found
 

@@ -7,9 +7,10 @@ import pytest
 
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting import from_part
+from dnanalyze.fitting.changes import Changes, part_for
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.from_part import Changes, carried, converge, derived_anew, fitted, part_for
+from dnanalyze.fitting.from_part import carried, converge, derived_anew, fitted
 from dnanalyze.fitting.knobs import knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import State, derive, given, minimise, start
 from dnanalyze.fitting.moments import moments
