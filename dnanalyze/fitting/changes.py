@@ -1,0 +1,52 @@
+"""What changes of a model do to its predictions, on as little of the field as shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.vectors import Target
+from dnanalyze.model.effect import Placing
+from dnanalyze.model.noise_model import NoiseModel
+
+
+def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
+    """The part of the field on which a model may be fitted first; None where it may not."""
+    return bench.part if model.placing is Placing.EVERYWHERE else None
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What a change of the model does to the predictions of the fitted half.
+
+    ``bench``: where both models are simulated. ``base``: predictions of the unchanged model there.
+    ``wanted``: numbers of the whole field, in whose floors a change is expressed.
+    """
+
+    bench: Bench
+    base: np.ndarray
+    wanted: Target
+
+    @classmethod
+    def of(cls, bench: Bench, model: NoiseModel, placing: Placing) -> Changes:
+        """For effects of one placing: on the part of the field, or on a half, where that shows them
+        as the whole does.
+        """
+        if placing < Placing.SOMEWHERE:
+            near = part_for(bench, model) if placing is Placing.EVERYWHERE else None
+            near = near or bench.evened(model)
+        else:
+            near = bench
+        return cls(near, near.fitted_coordinates(model), bench.train)
+
+    def by(self, models: Sequence[NoiseModel]) -> Iterator[np.ndarray]:
+        """Change of each number by each of several models, in floors; 0 where one lacks it."""
+        rows = self.bench.train.rows_of(self.wanted)
+        known = rows >= 0
+        for moved in self.bench.several(models):
+            change = np.zeros(len(self.wanted.keys))
+            change[known] = np.nan_to_num(moved - self.base)[rows[known]]
+            yield change / self.wanted.floor
