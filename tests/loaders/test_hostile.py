@@ -21,7 +21,10 @@ from dnanalyze.loaders.checks import MAX_CODE
 
 @pytest.fixture(autouse=True)
 def at_once():
-    """What hangs fails, and is not waited for."""
+    """What hangs fails, and is not waited for, where the system has an alarm."""
+    if not hasattr(signal, "SIGALRM"):
+        yield
+        return
 
     def ring(*_):
         raise TimeoutError("took more than 20 s")
