@@ -33,8 +33,8 @@ class Comparison(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     model : NoiseModel
         The model that was compared.
     error : float
@@ -51,11 +51,9 @@ class Comparison(Result):
         Of the held-out half, with their curves.
     level : Level, optional
         Difference between the mean dark signals of model and captures.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     model: NoiseModel
     error: float
     baselines: dict[str, float]
@@ -66,10 +64,9 @@ class Comparison(Result):
     simulated: Statistics
     gaussian: Statistics
     level: Level | None = None
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
-        return f"{self.captures}, model error {number(self.error)}"
+        return f"{self.captures.name}, model error {number(self.error)}"
 
 
 def compare(
@@ -144,7 +141,7 @@ def compare_on(
     }
     rows = table(held, made)
     return Comparison(
-        captures.name,
+        captures,
         model or paper.model,
         pooled(z, held.test.families),
         baselines,
@@ -155,7 +152,6 @@ def compare_on(
         made[1],
         plain[1],
         held.level(held.train.z(prediction(made, 0, held.train)), z),
-        captures,
     )
 
 

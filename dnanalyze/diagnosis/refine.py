@@ -137,7 +137,7 @@ def refine_on(
         path = search.run(state, exclude)
     except TimeUp:
         return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
-    found = judge(captures.name, Null.of(unlimited, path.state), path.tried, path.best, known)
+    found = judge(captures, Null.of(unlimited, path.state), path.tried, path.best, known)
     if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
     told = None
@@ -156,7 +156,7 @@ def refine_on(
         _so_far(captures, unlimited, path),
         steps=steps,
         verdict=found.verdict,
-        diagnosis=replace(found, capture_set=captures),
+        diagnosis=found,
         timed_out=limit.over,
         classification=told,
     )
@@ -166,8 +166,8 @@ def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
     """A refinement that is not finished."""
     state = path.state
     return Refinement(
-        captures.name, list(path.steps), state.model.names, "missing", state.model, None, held,
-        state, capture_set=captures,
+        captures, list(path.steps), state.model.names, "missing", state.model, None, held,
+        state,
     )  # fmt: skip
 
 
@@ -261,9 +261,8 @@ def add_on(
         Step(None, null.error, model=null.state.model),
         Step(name, ended.error, sure, why, supported=yes, model=after.state.model),
     ]
-    found = judge(captures.name, ended, [], None, known)
+    found = judge(captures, ended, [], None, known)
     return Refinement(
-        captures.name, steps, after.state.model.names, found.verdict, after.state.model,
-        replace(found, capture_set=captures), ended.held, ended.state, by_hand=True,
-        capture_set=captures,
+        captures, steps, after.state.model.names, found.verdict, after.state.model,
+        found, ended.held, ended.state, by_hand=True,
     )  # fmt: skip

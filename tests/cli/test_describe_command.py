@@ -101,7 +101,7 @@ def test_a_map_is_written_with_the_model_that_names_it(tmp_path, capsys, monkeyp
     def learned(captures, model, **_):
         one = np.ones(1)
         return LearnedPattern(
-            "sensor", effect, model.with_effect(effect), 0.5, one, one, [], 0.4, 0.3, 2.0, 1.1
+            captures, effect, model.with_effect(effect), 0.5, one, one, [], 0.4, 0.3, 2.0, 1.1
         )
 
     monkeypatch.setattr("dnanalyze.description.pattern.learn_pattern", learned)
