@@ -30,9 +30,9 @@ REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 
 # Squared standard scores by which a law with one number more must be better: one pattern of a
 # constant size in a thousand is by chance (chi^2 of one number).
 CLEAR = 10.83
-# Of bands, law and weights: on four sensors of benchmarks/describe_anew.py (halves, rings, gain of
-# blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by 4 % at
-# most, a fourth and further ones by nothing.
+# Of bands, law and weights: on four sensors of benchmarks/describe_new_sensors.py (halves, rings,
+# gain of blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by
+# 4 % at most, a fourth and further ones by nothing.
 ROUNDS = 3
 # eV: slopes outside .2 to 1.5 eV are no generation of charge; .01 is less than the usual error
 ENERGIES = np.arange(0.05, 1.505, 0.01)

@@ -51,7 +51,10 @@ def test_an_own_effect_file_is_overwritten_only_by_force(folder, tmp_path, capsy
     own.write_text("mine")
     assert main(["describe", folder, "--write", str(own)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line == f"dnanalyze: --write {own}: exists; name another file, or give --force"
+    assert (
+        line
+        == f"dnanalyze: --write {own}: exists; name another file, or give --force to replace it"
+    )
     assert own.read_text() == "mine"
     assert main(["describe", folder, "--write", str(own), "--force"]) == 0
     assert "RingsEffect" in own.read_text()
