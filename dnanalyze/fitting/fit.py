@@ -275,7 +275,7 @@ def at_a_glance(held: Bench) -> Moments:
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
-    """Free the estimate of its simulated sensor's luck; errors from its scatter over such sensors.
+    """Correct the estimate for the chance of its simulated sensor; errors from the scatter.
 
     A simulated sensor scatters as much as the measured one, and so do its derivatives. How far the
     one of the fit lies from the mean of itself and ``replicates`` others is taken off, and the

@@ -33,7 +33,7 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         options, effect = replace(options, captures=effect), options.captures
     session = options.session("add", output=output)
     if swapped:
-        print(f"note: effect {effect}, captures {options.captures}", file=sys.stderr)
+        print(f"note: taken as effect {effect}, captures {options.captures}", file=sys.stderr)
     known = session.known()
     find(effect, known)
     found, own = options.begin(session)

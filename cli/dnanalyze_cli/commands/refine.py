@@ -142,7 +142,7 @@ def refine(
         if output is None:
             not_kept(session.console)
         elif result.timed_out and (line := go_on()):
-            continued(session.console, shlex.join(line))
+            continued(session.console, shlex.join([*line, "--time-limit", f"{budget:g}"]))
 
         def page() -> str:
             with session.progress("Comparing the model with the captures"):

@@ -61,7 +61,7 @@ def not_kept(console: Console) -> None:
 
 def continued(console: Console, line: str) -> None:
     """The time limit ended the search: the command that goes on."""
-    console.print(f"To continue the search: {line}", style="dim")
+    console.print(f"To continue the search: {line}", style="dim", soft_wrap=True)
 
 
 def _reason(step: Any) -> str:
