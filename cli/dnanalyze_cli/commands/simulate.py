@@ -136,6 +136,8 @@ def simulate(
     assert own is not None
     if seed is not None:
         own = replace(own, seed=seed)
+    if like is not None and out.resolve() == Path(like).resolve():
+        raise InputError(f"{out}: is the folder of --like, which is never changed; name another")
     check_folder(out, force)
     if mask is not None and like is None:
         raise InputError("--mask: leaves out pixels of --like CAPTURES; give both")
