@@ -22,7 +22,7 @@ from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from strangers.score import wilson
+from third_party.score import wilson
 
 import dnanalyze
 from dnanalyze import NoiseModel, OperatingPoint, catalogue

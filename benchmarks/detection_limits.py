@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from strangers.score import wilson
+from third_party.score import wilson
 
 import dnanalyze
 from dnanalyze.demo import draw_sensor, generate

@@ -4,7 +4,7 @@
     python benchmarks/first_answers.py table now.jsonl --against then.jsonl
 
 A part is 3 of the temperatures, 4 of the frames and 144 x 144 pixels: small enough for hundreds of
-cases. DIR is what ``strangers make`` wrote. To run another version, put it first on PYTHONPATH.
+cases. DIR is what ``third_party make`` wrote. To run another version, put it first on PYTHONPATH.
 
 Right is: with an effect of the catalogue, the first candidate beyond the baseline is one of its
 names and has a confidence of at least .2; with nothing hidden, no candidate has .5; with an effect
@@ -21,9 +21,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from strangers.answers import BASELINE, names_of
-from strangers.run import store, stored
-from strangers.score import (
+from third_party.answers import BASELINE, names_of
+from third_party.run import store, stored
+from third_party.score import (
     Row,
     accepted,
     counted,

@@ -58,17 +58,21 @@ def statistics() -> str:
 def commands() -> str:
     """Every command with its arguments and options."""
     group: Any = typer.main.get_command(app)
+    shown = {name: c for name, c in group.commands.items() if not c.hidden}
     parts = [
         "# Commands\n",
         "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 an internal error "
         "(`DNANALYZE_DEBUG=1` shows its traceback). Progress goes to stderr; it is silent "
         "with `--quiet` or without a terminal. Generated from the code by "
         "`docs/make_reference.py`; `dnanalyze COMMAND --help` prints the same.\n",
+        "A file of results that exists is replaced. A folder of frames, an effect file, a map and "
+        "a targets file may hold work of yours: they are replaced with `--force` only. `-` prints "
+        "any one output.\n",
         "| command | gives |\n|---|---|",
-        "\n".join(f"| [{n}](#{n}) | {_cell(_help(c.help))} |" for n, c in group.commands.items()),
+        "\n".join(f"| [{n}](#{n}) | {_cell(_help(c.help))} |" for n, c in shown.items()),
         "",
     ]
-    for name, command in group.commands.items():
+    for name, command in shown.items():
         arguments = [p for p in command.params if p.param_type_name == "argument"]
         options = [p for p in command.params if p.param_type_name == "option" and p.name != "help"]
         usage = " ".join(p.metavar if p.required else f"[{p.metavar}]" for p in arguments)

@@ -45,24 +45,28 @@ app = typer.Typer(
     help="Compare a noise model with dark frames and identify the missing physical effect.",
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode="rich",
-    epilog="Start with [bold]dnanalyze demo[/bold] or [bold]dnanalyze compare FOLDER[/bold].",
+    epilog="Start with [bold]dnanalyze demo[/bold], or with your own frames: "
+    "[bold]dnanalyze refine FOLDER -o model.yaml --report page.html[/bold].",
 )
 for panel, commands in {
-    "Measure": (inspect.inspect, analyze.analyze, workbench.workbench),
-    "Model": (fit.fit, simulate.simulate, compare.compare, hdr.hdr),
-    "Find what is missing": (
+    "A first hour": (
+        demo.demo,
+        inspect.inspect,
+        analyze.analyze,
+        compare.compare,
         diagnose.diagnose,
-        add.add,
         refine.refine,
-        describe.describe,
-        channels.channels,
         detect.detect,
+        simulate.simulate,
+        check.check,
     ),
-    "Check and share": (benchmark.benchmark, check.check, export.export),
-    "Learn": (effects.effects, demo.demo),
+    "Further": (workbench.workbench, effects.effects, benchmark.benchmark, export.export),
+    "Step by step": (fit.fit, add.add, describe.describe),
 }.items():
     for command in commands:
         app.command(rich_help_panel=panel, no_args_is_help=False)(command)
+for command in (channels.channels, hdr.hdr):  # earlier names of `refine` and `compare --combine`
+    app.command(hidden=True)(command)
 
 # The base of every usage error; Typer carries its own copy of Click, so it is found through Typer.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from dnanalyze_cli.session import Session
 
 _FILES, _READING, _RUN = "Results", "Reading the captures", "The run"
+_HDR = "Combined HDR frames"
 
 Captures = Annotated[
     str, typer.Argument(metavar="CAPTURES", help="Folder of dark frames.", show_default=False)
@@ -150,6 +151,45 @@ ModelOut = Annotated[
         metavar="M.yaml",
         rich_help_panel=_FILES,
         help="The new model file; - prints it.",
+    ),
+]
+
+Force = Annotated[
+    bool,
+    typer.Option(
+        "--force",
+        rich_help_panel=_FILES,
+        help="Replace what may hold work of yours: frames, effect files, maps, targets. Other "
+        "results are replaced in any case.",
+    ),
+]
+Combine = Annotated[
+    Path | None,
+    typer.Option(
+        "--combine",
+        metavar="HDR.yaml",
+        rich_help_panel=_HDR,
+        help="The captures are combined HDR frames: how the channels of --model become one output.",
+        show_default=False,
+    ),
+]
+Light = Annotated[
+    float,
+    typer.Option(
+        "--light",
+        metavar="DN",
+        min=0.0,
+        rich_help_panel=_HDR,
+        help="Uniform light, DN of the first channel.",
+    ),
+]
+CombinedOut = Annotated[
+    Path | None,
+    typer.Option(
+        "--simulate",
+        metavar="OUT",
+        rich_help_panel=_HDR,
+        help="Also write the simulated combined frames, TIFF.",
     ),
 ]
 

@@ -16,86 +16,12 @@ from dnanalyze.report.files import check_output, write_together
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from dnanalyze.fitting.least_squares import State
-    from dnanalyze.fitting.predictor import Bench
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.effect import Effect
     from dnanalyze.model.noise_model import NoiseModel
+    from dnanalyze_cli.progress import Progress
 
 STDOUT = Path("-")
-
-
-@dataclass(frozen=True)
-class Progress:
-    """A progress bar that library calls can feed, or one that stays silent."""
-
-    bars: Any = None
-    task: Any = None
-
-    def __call__(self, done: float = 0, total: float | None = None, what: str = "") -> None:
-        """So much of the total is done; or what is under way."""
-        if what:
-            self.now(what)
-        elif self.bars:
-            count = "" if total is None else f"{done:.0f} of {total:.0f}"
-            self.bars.update(self.task, completed=done, total=total, count=count)
-
-    def now(self, text: str) -> None:
-        """The phase, beside the bar; what was counted before is no part of it."""
-        if self.bars:
-            self.bars.reset(self.task, description=text, total=None, count="")
-
-    def doing(self, text: str) -> None:
-        """The same phase, in other words: its time goes on."""
-        if self.bars:
-            self.bars.update(self.task, description=text)
-
-    def trying(self, what: str) -> None:
-        """What a search is at: an effect that is tried or refitted, or another step of it."""
-        steps = {"baseline effects": "Fitting", "detection limits": "Estimating"}
-        self.doing(f"{steps.get(what, 'Trying')} {what}")
-
-    def note(self, text: str) -> None:
-        """A line that stays, above the bar."""
-        if self.bars:
-            self.bars.console.print(text, highlight=False)
-
-    @property
-    def first(self) -> Callable[[list[str]], None] | None:
-        """What a search calls with its first answer; None where nobody is watching."""
-        if not self.bars:
-            return None
-        from dnanalyze.report.words import first_answer
-
-        return lambda effects: self.note(first_answer(effects)) if effects else None
-
-    def bench(self, captures: CaptureSet) -> Bench:
-        """The captures read once, frame by frame in sight."""
-        from dnanalyze.fitting.design import design
-        from dnanalyze.fitting.predictor import bench
-        from dnanalyze.fitting.processes import helpers_for
-
-        plan = design(captures)
-        helpers = helpers_for(plan.pixels)  # they start while the frames are read
-        if self.bars:
-            from dnanalyze_cli.watched import watched
-
-            self.now("Reading frames")
-            plan = replace(plan, captures=watched(plan.captures, self))
-        held = bench(plan, helpers)
-        self.now("Fitting")
-        return held
-
-    def fitting(self, held: Bench) -> Callable[[State], None]:
-        """What a fit calls with every better state: the model error on the fitted data."""
-        from dnanalyze.comparator.error import pooled
-        from dnanalyze.digits import number
-
-        def tell(state: State) -> None:
-            error = pooled(state.train, held.train.families)
-            self.doing(f"Fitting, model error {number(error)}")
-
-        return tell
 
 
 @dataclass
@@ -255,14 +181,14 @@ class Session:
 
     @contextmanager
     def _bar(self, text: str) -> Iterator[Progress]:
+        from dnanalyze_cli.progress import Elapsed, Progress, Remaining
+
         if self.quiet or not sys.stderr.isatty():
             yield Progress()
             return
         from rich.console import Console
         from rich.progress import BarColumn, TextColumn
         from rich.progress import Progress as Bars
-
-        from dnanalyze_cli.clocks import Elapsed, Remaining
 
         columns = (
             TextColumn("{task.description}"),

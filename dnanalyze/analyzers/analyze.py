@@ -90,7 +90,7 @@ def analyze(
         captures, (window,), workers=workers, progress=progress, scheduler=scheduler,
         families=families,
     )  # fmt: skip
-    return replace(found, capture_set=captures, system_gain=system_gain)
+    return replace(found, captures=captures, system_gain=system_gain)
 
 
 def analyze_windows(

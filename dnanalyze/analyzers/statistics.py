@@ -192,7 +192,7 @@ class Statistics(Result):
     trends : dict
         Quantities over temperature (activation energy, doubling temperature, ...), by name, with
         standard errors.
-    capture_set : CaptureSet, optional
+    captures : CaptureSet, optional
         The frames, which are not read again but for figures.
     system_gain : float, optional
         Overall system gain K, DN/e-, as the user states it.
@@ -202,7 +202,7 @@ class Statistics(Result):
     sensor: Sensor
     settings: tuple[SettingStatistics, ...]
     trends: dict[str, Value] = field(default_factory=dict)
-    capture_set: CaptureSet | None = field(default=None, compare=False)
+    captures: CaptureSet | None = field(default=None, compare=False)
     system_gain: float | None = None
 
     @property

@@ -45,8 +45,8 @@ class ChannelRefinement(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     channels : dict
         Channel to its refinement.
     shared : list of str
@@ -65,11 +65,9 @@ class ChannelRefinement(Result):
         The statistics of all channels that were fitted, and the simulations of them.
     state : State
         The last step of the fit of one model.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     channels: dict[str, Refinement]
     shared: list[str]
     own: dict[str, list[str]]
@@ -78,11 +76,10 @@ class ChannelRefinement(Result):
     model: NoiseModel
     bench: Bench
     state: State
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
         first, last = number(self.steps[0].error), number(self.error)
-        return f"{self.captures}, {', '.join(self.channels)}, model error {first} to {last}"
+        return f"{self.captures.name}, {', '.join(self.channels)}, model error {first} to {last}"
 
     @property
     def effects(self) -> list[str]:
@@ -261,9 +258,7 @@ def _over(
     held = bench(design(captures, most_settings=len(captures.settings)))
     state = _joint(held, {c: r.model for c, r in made.items()})
     steps = [*_steps(made), ChannelStep(None, error_of(held, state))]
-    return ChannelRefinement(
-        captures.name, made, shared, own, findings, steps, state.model, held, state, captures
-    )
+    return ChannelRefinement(captures, made, shared, own, findings, steps, state.model, held, state)
 
 
 def _joint(held: Bench, models: Mapping[str, NoiseModel]) -> State:

@@ -108,27 +108,24 @@ class CheckResult(Result):
 
     Parameters
     ----------
-    captures : str
-        The folder.
+    captures : CaptureSet
+        The frames that were checked, or that the model is compared with.
     simulation : str
         What was checked: the model file or the folder of simulated frames.
     checks : list of Check
         In the order of the targets.
     false_failures : float or None
         How often a correct simulation with a new seed fails, as the targets state it.
-    capture_set : CaptureSet, optional
-        The frames that the check was given.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     simulation: str
     checks: list[Check]
     false_failures: float | None = None
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
         count = f"{len(self.checks)} targets, {len(self.failures)} violated"
-        return f"{self.captures}, {'passed' if self.passed else 'failed'}, {count}"
+        return f"{self.captures.name}, {'passed' if self.passed else 'failed'}, {count}"
 
     @property
     def passed(self) -> bool:
@@ -212,7 +209,7 @@ def check(
         made += {"statistic": _statistic, "error": _error, "parameter": _parameter}[item.kind](
             item, bench, where
         )
-    return CheckResult(captures.name, bench.name, made, targets.false_failures, captures)
+    return CheckResult(captures, bench.name, made, targets.false_failures)
 
 
 def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:

@@ -84,7 +84,7 @@ def classify(
     True
     """
     require(model, captures.channels)
-    empty = Classification(captures.name, model, [], capture_set=captures)
+    empty = Classification(captures, model, [])
     where = places(planes(captures)[0][1].sensor.shape)
     if where is None:
         least = BANDS * SIDE[1]

@@ -25,7 +25,7 @@ def convolutional(measured: Samples, simulated: Samples, seed: int) -> Score:
     try:
         import torch
     except ImportError:
-        raise InputError("network=True needs torch: pip install 'dnanalyze[torch]'") from None
+        raise InputError("network=True needs torch: pip install torch") from None
     scales = [float(np.std(p)) or 1.0 for p in simulated.patches.values()]
 
     def tensor(samples: Samples) -> Any:

@@ -80,8 +80,8 @@ class Classification(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     model : NoiseModel
         The model that was simulated.
     cells : list of Cell
@@ -96,11 +96,9 @@ class Classification(Result):
         Why nothing was judged; empty where it was.
     finished : bool
         Whether all operating points were judged before the time limit.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     model: NoiseModel
     cells: list[Cell]
     together: list[Cell] = field(default_factory=list)
@@ -108,7 +106,6 @@ class Classification(Result):
     patches: Told | None = None
     reason: str = ""
     finished: bool = True
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     @property
     def best(self) -> Cell | None:
@@ -155,4 +152,4 @@ class Classification(Result):
         return sentence(self)
 
     def _brief(self) -> str:
-        return f"{self.captures}, {'tells' if self.tells else 'cannot tell'}"
+        return f"{self.captures.name}, {'tells' if self.tells else 'cannot tell'}"

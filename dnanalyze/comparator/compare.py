@@ -34,8 +34,8 @@ class Comparison(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     model : NoiseModel
         The model that was compared.
     error : float
@@ -54,11 +54,9 @@ class Comparison(Result):
         Difference between the mean dark signals of model and captures.
     coverage : Coverage, optional
         What of the captures it rests on, and where the model departs from the rest of the field.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     model: NoiseModel
     error: float
     baselines: dict[str, float]
@@ -70,10 +68,9 @@ class Comparison(Result):
     gaussian: Statistics
     level: Level | None = None
     coverage: Coverage | None = None
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
-        return f"{self.captures}, model error {number(self.error)}"
+        return f"{self.captures.name}, model error {number(self.error)}"
 
 
 def compare(
@@ -148,7 +145,7 @@ def compare_on(
     }
     rows = table(held, made)
     return Comparison(
-        captures.name,
+        captures,
         model or paper.model,
         pooled(z, held.test.families),
         baselines,
@@ -160,7 +157,6 @@ def compare_on(
         plain[1],
         held.level(held.train.z(prediction(made, 0, held.train)), z),
         coverage(held.plan, model or paper.model),
-        captures,
     )
 
 

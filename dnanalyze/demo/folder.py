@@ -38,7 +38,7 @@ def write_folder(captures: CaptureSet, path: Path, truth: Mapping[str, Any] | No
 
     path = Path(path)
     if path.exists():
-        raise InputError(f"{path}: exists; name a folder that does not, or remove it")
+        raise InputError(f"{path}: exists already; name a new folder")
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
     try:

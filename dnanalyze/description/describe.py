@@ -62,8 +62,8 @@ class Description(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     verdict : str
         "described", "possible" (the error does not fall, or the data do not support it), "nothing"
         (no structure beyond chance) or "adequate" (no residual exceeds chance).
@@ -98,11 +98,9 @@ class Description(Result):
     classification : Classification, optional
         Whether a classifier tells the frames of `model` from the measured ones: a model whose
         frames it tells is not adequate. None where the time limit came first.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     verdict: str
     text: str
     error_before: float
@@ -120,10 +118,9 @@ class Description(Result):
     look: Look | None = None
     finished: bool = True
     classification: Classification | None = None
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
-        return f"{self.captures}, {self.verdict}, model error {number(self.error_before)}"
+        return f"{self.captures.name}, {self.verdict}, model error {number(self.error_before)}"
 
     def source(self) -> str:
         """Python source of the structure as a user's own effect, with the numbers of the model.
@@ -192,7 +189,7 @@ def describe(
     >>> import dnanalyze
     >>> from dnanalyze.demo import tiny
     >>> found = dnanalyze.describe(tiny(), budget=60)
-    >>> found.captures
+    >>> found.captures.name
     'virtual sensor'
     """
     known = known_effects(effects)
@@ -325,7 +322,7 @@ def _judged(
         text = f"{text[:-1]}; the catalogue effect {rival} explains as much: add it first."
     left = Null.of(held, ended)
     return Description(
-        captures.name,
+        captures,
         verdict,
         text,
         null.error,
@@ -342,7 +339,6 @@ def _judged(
         ended.model if certain else state.model,
         look(best, seen),
         finished,
-        capture_set=captures,
     )
 
 
@@ -382,6 +378,6 @@ def _without(
     """A description without a structure in the model."""
     error, nan = error_of(held, state), float("nan")
     return Description(
-        captures.name, verdict, text, error, nan, nan, "unexplained", None, [], [], [], [], [], [],
-        state.model, capture_set=captures,
+        captures, verdict, text, error, nan, nan, "unexplained", None, [], [], [], [], [], [],
+        state.model,
     )  # fmt: skip

@@ -13,7 +13,7 @@ from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.thermal import BOLTZMANN_EV, KELVIN, arrhenius, least_energy
 
 # Sizes of one structure at several points agree to this: cut hot pixels shift them by up to 1.5 %
-# (waves and diagonals in log-normal dark current, benchmarks/describe_anew.py).
+# (waves and diagonals in log-normal dark current, benchmarks/describe_new_sensors.py).
 ALIKE = 0.02
 # By which a further number must lower chi square: 1 % of those of one number are larger by chance
 # (the logarithm of four operating points, 1.39, would be exceeded by 24 %).

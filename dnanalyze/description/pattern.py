@@ -30,9 +30,9 @@ REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 
 # Squared standard scores by which a law with one number more must be better: one pattern of a
 # constant size in a thousand is by chance (chi^2 of one number).
 CLEAR = 10.83
-# Of bands, law and weights: on four sensors of benchmarks/describe_anew.py (halves, rings, gain of
-# blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by 4 % at
-# most, a fourth and further ones by nothing.
+# Of bands, law and weights: on four sensors of benchmarks/describe_new_sensors.py (halves, rings,
+# gain of blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by
+# 4 % at most, a fourth and further ones by nothing.
 ROUNDS = 3
 # eV: slopes outside .2 to 1.5 eV are no generation of charge; .01 is less than the usual error
 ENERGIES = np.arange(0.05, 1.505, 0.01)
@@ -44,8 +44,8 @@ class LearnedPattern(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     effect : PatternMap
         The pattern, from all frames.
     model : NoiseModel
@@ -64,11 +64,9 @@ class LearnedPattern(Result):
     error_before, error_after : float
         Model error on the odd frames, without and with the map of the even frames; NaN where an
         operating point has fewer than four frames.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     effect: PatternMap
     model: NoiseModel
     rms: float
@@ -79,10 +77,9 @@ class LearnedPattern(Result):
     points_share: float
     error_before: float
     error_after: float
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
-        return f"{self.captures}, {number(self.rms)} DN rms, {self.effect.law}"
+        return f"{self.captures.name}, {number(self.rms)} DN rms, {self.effect.law}"
 
     @property
     def supported(self) -> bool:
@@ -219,7 +216,7 @@ def learn_pattern(
     tell("unseen frames")
     before, after = _unseen_error(captures, model, even)
     return LearnedPattern(
-        captures.name,
+        captures,
         whole,
         model.with_effect(whole),
         float(whole.map.array.std()),
@@ -230,7 +227,6 @@ def learn_pattern(
         float(np.mean(left_out)) if left_out else float("nan"),
         before,
         after,
-        captures,
     )
 
 

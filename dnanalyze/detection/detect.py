@@ -69,6 +69,7 @@ def detect(
     series = _series(evidence)
     also = _also(kind, answers)
     return Detection(
+        captures,
         filtered=kind != "none",
         kind=kind,
         confidence=_confidence(flags, evidence),
@@ -81,7 +82,6 @@ def detect(
         effect=effect_of(kind, filter_estimate, evidence) if filter_estimate else {},
         series=series,
         answers=tuple(answers),
-        capture_set=captures,
     )
 
 

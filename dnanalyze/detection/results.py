@@ -140,6 +140,8 @@ class Detection(Result):
 
     Parameters
     ----------
+    captures : CaptureSet
+        The frames that were tested.
     filtered : bool
         A filter was found.
     kind : str
@@ -166,10 +168,9 @@ class Detection(Result):
         Suppression of high frequencies over temperature, for the figure.
     answers : tuple of Answer
         The questions with the evidence behind them, for the figures; findings are their summary.
-    capture_set : CaptureSet, optional
-        The frames that were tested.
     """
 
+    captures: CaptureSet = field(compare=False)
     filtered: bool
     kind: str
     confidence: float
@@ -182,16 +183,10 @@ class Detection(Result):
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
     answers: tuple[Answer, ...] = field(default=(), compare=False)
-    capture_set: CaptureSet | None = field(default=None, compare=False)
-
-    @property
-    def captures(self) -> str:
-        """Name of the captures."""
-        return "" if self.capture_set is None else self.capture_set.name
 
     def _brief(self) -> str:
         what = self.kind if self.filtered else "no filter found"
-        return ", ".join(filter(None, (self.captures, what, f"confidence {self.confidence:.3g}")))
+        return f"{self.captures.name}, {what}, confidence {self.confidence:.3g}"
 
     def to_plain(self) -> dict[str, Any]:
         """Return what the JSON report holds; numbers are finite or null.

@@ -147,7 +147,6 @@ def diagnose_on(
     baseline: State | None = None
 
     def whole(found: Diagnosis) -> Diagnosis:
-        found = replace(found, capture_set=captures)
         return found if baseline is None else _with_baseline_listed(held, asked, baseline, found)
 
     def kept(found: Diagnosis) -> None:
@@ -158,10 +157,10 @@ def diagnose_on(
             tell("baseline effects")
             baseline = baseline_fitted(limited, baseline_start(limited, exclude, asked.model.seed))
         found = _in_full(
-            captures.name, limited, baseline or asked, open_to, so_far, tell, kept, afterwards
+            captures, limited, baseline or asked, open_to, so_far, tell, kept, afterwards
         )
     except TimeUp:
-        found = unfinished(captures.name, Null.of(held, baseline or asked), so_far, open_to)
+        found = unfinished(captures, Null.of(held, baseline or asked), so_far, open_to)
     return whole(found)
 
 
@@ -188,7 +187,7 @@ def first_answer(
 
 
 def _in_full(
-    name: str,
+    captures: CaptureSet,
     held: Bench,
     state: State,
     open_to: dict[str, type[Effect]],
@@ -199,14 +198,14 @@ def _in_full(
 ) -> Diagnosis:
     """The whole of a diagnosis of a fitted model that has its baseline effects."""
     null, law = Null.of(held, state), ""
-    so_far.told = lambda: keep(unfinished(name, null, so_far, open_to))
+    so_far.told = lambda: keep(unfinished(captures, null, so_far, open_to))
     tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell, so_far)
     if best is not None and best.effect == BASE:
         null = Null.of(null.held, converge(null.held, best.state))
         law = in_words(held, null.state.model)
         tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell)
     tell("what the leading candidate leaves")
-    found = replace(judge(name, null, tried, best, open_to, follow_up=True), law=law)
+    found = replace(judge(captures, null, tried, best, open_to, follow_up=True), law=law)
     keep(found)
     tell("detection limits")
     if afterwards is None:
@@ -218,7 +217,7 @@ def _in_full(
 
 
 def judge(
-    name: str,
+    captures: CaptureSet,
     null: Null,
     tried: Sequence[Trial],
     best: Trial | None,
@@ -254,7 +253,7 @@ def judge(
     right = not open_yet and all(a.kept for a in direct) and not seen.departs
     verdict = "missing" if best is not None else "adequate" if right else "unexplained"
     return Diagnosis(
-        name,
+        captures,
         error,
         verdict,
         candidates,
@@ -323,7 +322,9 @@ def _leader(
     return replace(told, confidence=sure, evidence=[*told.evidence, words], leaves=left), left
 
 
-def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effect]]) -> Diagnosis:
+def unfinished(
+    captures: CaptureSet, null: Null, so_far: SoFar, known: dict[str, type[Effect]]
+) -> Diagnosis:
     """What is known of a model when the time is up: the candidates refitted by then.
 
     Others may explain as much or more: the confidence is that of one that may stand in for them.
@@ -332,7 +333,7 @@ def unfinished(name: str, null: Null, so_far: SoFar, known: dict[str, type[Effec
     tried = by_standing(so_far.trials)
     told = [_candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error_fall > 0]
     return Diagnosis(
-        name,
+        captures,
         error,
         "missing" if tried and significant(tried[0]) else "unexplained",
         [replace(c, confidence=c.confidence * STANDS_IN) for c in told],

@@ -69,8 +69,8 @@ class Null:
     def sensors(self) -> tuple[np.ndarray, np.ndarray]:
         """Misfits of the model's own sensor and of its replicates, each fitted by a linear step.
 
-        What the parameters can absorb of one sensor's chance, they have absorbed in the fit of the
-        own one.
+        Each simulated sensor is first refitted by one linear step, because the model itself was
+        fitted to the captures.
         """
         train, test = (
             own - np.vstack([np.zeros_like(own), drawn])

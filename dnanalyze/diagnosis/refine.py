@@ -138,7 +138,7 @@ def refine_on(
     except TimeUp:
         return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
     found = judge(
-        captures.name,
+        captures,
         Null.of(unlimited, path.state),
         path.tried,
         path.best,
@@ -163,7 +163,7 @@ def refine_on(
         _so_far(captures, unlimited, path),
         steps=steps,
         verdict=found.verdict,
-        diagnosis=replace(found, capture_set=captures),
+        diagnosis=found,
         timed_out=limit.over,
         classification=told,
     )
@@ -173,8 +173,8 @@ def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
     """A refinement that is not finished."""
     state = path.state
     return Refinement(
-        captures.name, list(path.steps), state.model.names, "missing", state.model, None, held,
-        state, capture_set=captures,
+        captures, list(path.steps), state.model.names, "missing", state.model, None, held,
+        state,
     )  # fmt: skip
 
 
@@ -268,9 +268,8 @@ def add_on(
         Step(None, null.error, model=null.state.model),
         Step(name, ended.error, sure, why, supported=yes, model=after.state.model),
     ]
-    found = judge(captures.name, ended, [], None, known)
+    found = judge(captures, ended, [], None, known)
     return Refinement(
-        captures.name, steps, after.state.model.names, found.verdict, after.state.model,
-        replace(found, capture_set=captures), ended.held, ended.state, by_hand=True,
-        capture_set=captures,
+        captures, steps, after.state.model.names, found.verdict, after.state.model,
+        found, ended.held, ended.state, by_hand=True,
     )  # fmt: skip

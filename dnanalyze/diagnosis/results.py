@@ -87,8 +87,8 @@ class Diagnosis(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     error : float
         Model error, dimensionless.
     verdict : str
@@ -120,8 +120,6 @@ class Diagnosis(Result):
         adequate model agree.
     coverage : Coverage, optional
         What of the captures the verdict rests on.
-    capture_set : CaptureSet, optional
-        The measured frames.
     finished : bool
         Whether every candidate was tested; False where the time limit ended the search.
     screened : list of str
@@ -129,7 +127,7 @@ class Diagnosis(Result):
         expects; no refit has confirmed them.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     error: float
     verdict: str
     candidates: list[Candidate]
@@ -143,13 +141,12 @@ class Diagnosis(Result):
     law: str = ""
     direct: list[Agreement] = field(default_factory=list)
     coverage: Coverage | None = None
-    capture_set: CaptureSet | None = field(default=None, compare=False)
     finished: bool = True
     screened: list[str] = field(default_factory=list)
 
     def _brief(self) -> str:
         best = f", {self.candidates[0].effect}" if self.candidates else ""
-        return f"{self.captures}, model error {number(self.error)}, {self.verdict}{best}"
+        return f"{self.captures.name}, model error {number(self.error)}, {self.verdict}{best}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -158,8 +155,8 @@ class Refinement(Result):
 
     Parameters
     ----------
-    captures : str
-        Name of the captures.
+    captures : CaptureSet
+        The measured frames.
     steps : list of Step
         The first entry is the starting model.
     effects : list of str
@@ -181,11 +178,9 @@ class Refinement(Result):
     classification : Classification, optional
         Whether a classifier tells the frames of the final model from the measured ones; None where
         it was not asked.
-    capture_set : CaptureSet, optional
-        The measured frames.
     """
 
-    captures: str
+    captures: CaptureSet = field(compare=False)
     steps: list[Step]
     effects: list[str]
     verdict: str
@@ -196,11 +191,10 @@ class Refinement(Result):
     by_hand: bool = False
     timed_out: bool = False
     classification: Classification | None = None
-    capture_set: CaptureSet | None = field(default=None, compare=False)
 
     def _brief(self) -> str:
         first, last = (number(self.steps[i].error) for i in (0, -1))
-        return f"{self.captures}, model error {first} to {last}, {', '.join(self.effects)}"
+        return f"{self.captures.name}, model error {first} to {last}, {', '.join(self.effects)}"
 
     @property
     def finished(self) -> bool:

@@ -126,7 +126,7 @@ class Fit(Result):
         The statistics that were fitted, and the simulations of it.
     state : State
         The last step of the fit.
-    capture_set : CaptureSet, optional
+    captures : CaptureSet
         The measured frames.
     """
 
@@ -136,12 +136,7 @@ class Fit(Result):
     undetermined: list[str]
     bench: Bench
     state: State
-    capture_set: CaptureSet | None = field(default=None, compare=False)
-
-    @property
-    def captures(self) -> str:
-        """Name of the captures."""
-        return self.bench.plan.captures.name
+    captures: CaptureSet = field(compare=False)
 
     @cached_property
     def direct(self) -> list[Agreement]:
@@ -149,7 +144,8 @@ class Fit(Result):
         return agreements(self.bench, self.state)
 
     def _brief(self) -> str:
-        return f"{self.captures}, {', '.join(self.model.names)}, {len(self.parameters)} parameters"
+        effects, count = ", ".join(self.model.names), len(self.parameters)
+        return f"{self.captures.name}, {effects}, {count} parameters"
 
 
 def fit(
@@ -220,7 +216,7 @@ def fit_on(
     _check(frozen, model)
     model = located(held, model, frozen)
     state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
-    return replace(with_uncertainties(held, state, replicates), capture_set=captures)
+    return replace(with_uncertainties(held, state, replicates), captures=captures)
 
 
 def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseModel | None:
@@ -296,7 +292,7 @@ def at_a_glance(held: Bench) -> Moments:
 
 
 def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
-    """Free the estimate of its simulated sensor's luck; errors from its scatter over such sensors.
+    """Correct the estimate for the chance of its simulated sensor; errors from the scatter.
 
     A simulated sensor scatters as much as the measured one, and so do its derivatives. How far the
     one of the fit lies from the mean of itself and ``replicates`` others is taken off, and the
@@ -414,7 +410,8 @@ def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarr
     exact = _read_off(held, state.model)
     whole = np.eye(len(knobs) + len(exact))  # their errors are none of the fit's
     whole[: len(knobs), : len(knobs)] = correlations
-    return Fit(state.model, Parameters([*parameters, *exact]), whole, doubts, held, state)
+    every = Parameters([*parameters, *exact])
+    return Fit(state.model, every, whole, doubts, held, state, held.plan.captures)
 
 
 def _sessions_told(held: Bench, model: NoiseModel) -> list[str]:

@@ -116,9 +116,7 @@ def fetched(
     try:
         fsspec: Any = import_module("fsspec")
     except ImportError as error:
-        raise InputError(
-            f"{url}: remote captures need fsspec; pip install 'dnanalyze[remote]'"
-        ) from error
+        raise InputError(f"{url}: remote captures need fsspec; pip install fsspec") from error
     local = made(Path(tempfile.mkdtemp(prefix="dnanalyze-")))
     try:
         system, remote = fsspec.core.url_to_fs(url)

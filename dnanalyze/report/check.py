@@ -76,7 +76,7 @@ def junit(result: Any) -> str:
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<testsuites name="dnanalyze check" {counts}>',
-        f"<testsuite name={_attribute(result.captures)} {counts}>",
+        f"<testsuite name={_attribute(result.captures.name)} {counts}>",
     ]
     for check in checks:
         group = _attribute(f"dnanalyze.{check.kind}.{check.family}")
@@ -116,7 +116,7 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
         lines += [*_table("target", result.known_misses[:MOST_ROWS]), "</details>", ""]
     if rows:
         own = f" --model {model}" if model else ""
-        command = f"dnanalyze compare {result.captures}{own} --report compare.html"
+        command = f"dnanalyze compare {result.captures.name}{own} --report compare.html"
         lines += [f"To see the figures: `{command.replace('`', '')}`", ""]
     rate = result.false_failures
     if rate:

@@ -1,4 +1,8 @@
-"""Files appear whole or not at all."""
+"""Files appear whole or not at all; what happens where an output exists.
+
+A file of results is replaced. What may hold work of the user (a folder of frames, an effect file, a
+map, targets) is replaced with ``force`` only, and a folder only if it holds nothing but frames.
+"""
 
 from __future__ import annotations
 
@@ -56,19 +60,57 @@ def _undisturbed() -> Iterator[None]:
             signal.raise_signal(came[0])
 
 
+def check_kept(path: Path, force: bool, option: str = "") -> None:
+    """Refuse to replace a file that may hold work of the user, unless ``force`` is given.
+
+    Raises
+    ------
+    InputError
+        The file exists.
+    """
+    if path.exists() and not force:
+        raise InputError(
+            f"{option} {path}: exists; name another file, or give --force to replace it".strip()
+        )
+
+
+def check_folder(path: Path, force: bool = False) -> None:
+    """Refuse a folder that exists and holds something, unless ``force`` may replace it.
+
+    Raises
+    ------
+    InputError
+        ``path`` is a file, or a folder with something in it: any without ``force``; with it, one
+        without ``manifest.csv``, which every folder of simulated frames has.
+    """
+    if path.is_file():
+        raise InputError(f"{path}: is a file; name a new or empty folder")
+    if not path.is_dir() or not any(path.iterdir()):
+        return
+    if not force:
+        raise InputError(
+            f"{path}: exists already; name a new or empty folder, or give --force to replace it"
+        )
+    if not (path / "manifest.csv").is_file():
+        raise InputError(
+            f"{path}: has no manifest.csv, so it is no folder of simulated frames, which --force "
+            "replaces; name another"
+        )
+
+
 @contextmanager
-def atomic_folder(path: Path) -> Iterator[Path]:
+def atomic_folder(path: Path, force: bool = False) -> Iterator[Path]:
     """A new folder to fill, which takes its name when the block ends without an error.
 
     Raises
     ------
     InputError
-        ``path`` is a file or a folder with something in it, or its parent cannot be written.
+        See `check_folder`; or its parent cannot be written.
     """
-    if path.is_file() or (path.is_dir() and any(path.iterdir())):
-        raise InputError(f"{path}: exists already; name a new or empty folder")
+    check_folder(path, force)
     # named before it is made: a signal in between leaves nothing
     temporary = path.parent / f".{path.name}.{secrets.token_hex(4)}"
+    former = temporary.with_name(f"{temporary.name}.former")
     try:
         try:
             temporary.mkdir(mode=0o700)
@@ -76,9 +118,13 @@ def atomic_folder(path: Path) -> Iterator[Path]:
             raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
         yield temporary
         os.chmod(temporary, 0o777 & ~_umask())
-        os.replace(temporary, path)
+        with _undisturbed():
+            if path.is_dir():
+                os.replace(path, former)
+            os.replace(temporary, path)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+        shutil.rmtree(former, ignore_errors=True)
 
 
 def check_output(path: Path, captures: str | Path | None = None) -> None:

@@ -71,7 +71,7 @@ def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
 
         forms |= {suffix: lambda: dump_model(model) for suffix in (".yaml", ".yml")}
     target = Path(path)
-    if target.suffix.lower() == ".html" and getattr(result, "capture_set", result) is None:
+    if target.suffix.lower() == ".html" and getattr(result, "captures", result) is None:
         raise InputError(f"{target}: the report shows the captures, and this result has none")
     form = forms.get(target.suffix.lower())
     if form is None:

@@ -98,7 +98,7 @@ def serve(
         import panel as pn
     except ImportError:
         raise InputError(
-            "workbench: Panel is not installed; pip install 'dnanalyze[workbench]'"
+            "workbench: Panel is not installed; pip install 'panel>=1.9,<2' 'bokeh>=3.9,<4'"
         ) from None
     from dnanalyze.workbench.page.app import page, style_sheet
 

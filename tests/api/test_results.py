@@ -26,16 +26,20 @@ NAME = "folder/<sensor> & co"
 HOSTILE = "<script>alert(1)</script>"
 
 
+def captures():
+    return replace(fakes.captures(), name=NAME)
+
+
 def statistics():
-    return replace(fakes.statistics(), name=NAME, capture_set=fakes.captures())
+    return replace(fakes.statistics(), name=NAME, captures=captures())
 
 
 def fitted():
     plain = fakes.fit()
-    bench = Held(fakes.captures())
+    bench = Held(captures())
     return dnanalyze.Fit(
         plain.model, plain.parameters, plain.correlations, plain.undetermined, bench, None,
-        fakes.captures(),
+        captures(),
     )  # fmt: skip
 
 
@@ -51,7 +55,7 @@ class Held:
 
 
 def comparison():
-    return dnanalyze.Comparison(NAME, **vars(fakes.comparison()), capture_set=fakes.captures())
+    return dnanalyze.Comparison(captures(), **vars(fakes.comparison()))
 
 
 def diagnosis():
@@ -59,7 +63,7 @@ def diagnosis():
     candidates = [Candidate(**vars(c)) for c in plain.candidates]
     candidates[0] = replace(candidates[0], evidence=[HOSTILE])
     found = vars(plain) | {"candidates": candidates}
-    return dnanalyze.Diagnosis(NAME, **found, capture_set=fakes.captures())
+    return dnanalyze.Diagnosis(captures(), **found)
 
 
 def refinement(by_hand=False):
@@ -68,8 +72,8 @@ def refinement(by_hand=False):
         Step(s.added, s.error, s.confidence, s.evidence, s.confused_with) for s in plain.steps[:3]
     ]
     made = dnanalyze.Refinement(
-        NAME, steps, plain.effects, plain.verdict, plain.model, diagnosis(),
-        Held(fakes.captures()), None, by_hand, capture_set=fakes.captures(),
+        captures(), steps, plain.effects, plain.verdict, plain.model, diagnosis(),
+        Held(captures()), None, by_hand,
     )  # fmt: skip
     fitted = SimpleNamespace(parameters=plain.parameters, undetermined=[])
     vars(made)["_fitted"] = fitted  # which it would simulate for
@@ -80,20 +84,20 @@ def channel_refinement():
     part = refinement()
     steps = [ChannelStep(**vars(s), channel="hcg" if s.added else None) for s in part.steps]
     made = ChannelRefinement(
-        NAME, {"hcg": part, "lcg": part}, [], {"hcg": ["column_fpn"], "lcg": []},
+        captures(), {"hcg": part, "lcg": part}, [], {"hcg": ["column_fpn"], "lcg": []},
         ["column_fpn: in hcg only, so of that readout"], [*steps, ChannelStep(None, 0.9)],
-        part.model, part.bench, None, fakes.captures(),
+        part.model, part.bench, None,
     )  # fmt: skip
     vars(made)["parameters"] = part.parameters  # which it would simulate for
     return made
 
 
 def detection():
-    return replace(fakes.detection(), capture_set=fakes.captures())
+    return replace(fakes.detection(), captures=captures())
 
 
 def classification():
-    return replace(fakes.classification(), capture_set=fakes.captures())
+    return replace(fakes.classification(), captures=captures())
 
 
 def checked():
@@ -106,7 +110,7 @@ def checked():
     checks.append(
         Check("pooled error", "error", "pooled", at, "", -math.inf, 1.3, 1.1, None, "1", True)
     )
-    return dnanalyze.CheckResult(NAME, "model.yaml", checks, 1e-3, fakes.captures())
+    return dnanalyze.CheckResult(captures(), "model.yaml", checks, 1e-3)
 
 
 MADE = {
@@ -120,6 +124,12 @@ MADE = {
 def result(request):
     yield MADE[request.param]()
     plt.close("all")
+
+
+def test_captures_are_the_object_and_the_document_names_them(result):
+    assert isinstance(result.captures, dnanalyze.CaptureSet)
+    assert result.captures.frame_count == fakes.captures().frame_count
+    assert result.to_dict()["captures"] == result.captures.name == NAME
 
 
 def test_the_summary_is_plain_text_of_80_columns(result):
@@ -224,7 +234,7 @@ def test_the_report_is_a_page(make, tmp_path):
 
 def test_a_report_without_captures_says_what_is_wanted(tmp_path):
     with pytest.raises(dnanalyze.InputError, match="shows the captures"):
-        replace(comparison(), capture_set=None).save(tmp_path / "r.html")
+        replace(statistics(), captures=None).save(tmp_path / "r.html")
 
 
 def test_the_summary_is_what_the_terminal_prints():

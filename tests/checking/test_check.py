@@ -230,7 +230,8 @@ def test_junit_and_markdown_are_well_formed_and_name_the_failure(targets):
     from dnanalyze.report.check import junit, markdown
 
     result = check(sensor(), targets, MODEL.with_effect(ReadNoise(sigma=2.3)))
-    result = replace(result, captures='dark <"&"> frames')
+    named = replace(result.captures, name='dark <"&"> frames')
+    result = replace(result, captures=named)
     tree = ET.fromstring(junit(result))
     suite = tree.find("testsuite")
     assert int(suite.get("tests")) == len(result.checks) == len(suite.findall("testcase"))

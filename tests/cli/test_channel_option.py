@@ -52,7 +52,7 @@ def finished(found, own):
     steps.append(ChannelStep(None, 1.2))
     own = {"hcg": ["column_fpn"], "lcg": []}
     said = ["column_fpn: in hcg only, so of that readout"]
-    return ChannelRefinement("hdr", parts, [], own, said, steps, fakes.model(), None, None)
+    return ChannelRefinement(found, parts, [], own, said, steps, fakes.model(), None, None)
 
 
 @pytest.mark.parametrize("command", [*READING, "check", "benchmark"])

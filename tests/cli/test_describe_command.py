@@ -51,7 +51,10 @@ def test_an_own_effect_file_is_overwritten_only_by_force(folder, tmp_path, capsy
     own.write_text("mine")
     assert main(["describe", folder, "--write", str(own)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line == f"dnanalyze: --write {own}: exists; name another file, or give --force"
+    assert (
+        line
+        == f"dnanalyze: --write {own}: exists; name another file, or give --force to replace it"
+    )
     assert own.read_text() == "mine"
     assert main(["describe", folder, "--write", str(own), "--force"]) == 0
     assert "RingsEffect" in own.read_text()
@@ -101,7 +104,7 @@ def test_a_map_is_written_with_the_model_that_names_it(tmp_path, capsys, monkeyp
     def learned(captures, model, **_):
         one = np.ones(1)
         return LearnedPattern(
-            "sensor", effect, model.with_effect(effect), 0.5, one, one, [], 0.4, 0.3, 2.0, 1.1
+            captures, effect, model.with_effect(effect), 0.5, one, one, [], 0.4, 0.3, 2.0, 1.1
         )
 
     monkeypatch.setattr("dnanalyze.description.pattern.learn_pattern", learned)

@@ -12,6 +12,10 @@ from dnanalyze_cli.main import main
 from dnanalyze.loaders import write_captures
 from dnanalyze.model.noise_model import dump_model
 
+SIGNALLED = pytest.mark.skipif(
+    not hasattr(signal, "pthread_kill"), reason="a process that is ended is not told on this system"
+)
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
@@ -132,6 +136,7 @@ def test_help_names_every_command():
     assert command().stdout == done.stdout
 
 
+@SIGNALLED
 def test_a_terminated_run_leaves_no_temporary(model, tmp_path):
     out = tmp_path / "frames"
     code = "from dnanalyze_cli.main import run; run()"
@@ -151,6 +156,7 @@ def test_a_terminated_run_leaves_no_temporary(model, tmp_path):
     assert os.listdir(tmp_path) == ["m.yaml"]
 
 
+@SIGNALLED
 def test_a_termination_that_python_ignores_is_sent_again():
     code = """
 import os, signal, time, weakref

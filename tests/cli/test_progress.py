@@ -5,9 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import report_fakes as fakes
-from dnanalyze_cli.clocks import clock, remaining
-from dnanalyze_cli.session import Progress, Session
-from dnanalyze_cli.watched import watched
+from dnanalyze_cli.progress import Progress, clock, remaining, watched
+from dnanalyze_cli.session import Session
 
 from dnanalyze.analyzers.streaming.cache import held
 from dnanalyze.loaders import load, write_captures

@@ -44,7 +44,7 @@ def test_a_model_that_does_not_parse_is_told(capsys, folder, tmp_path):
 
 def test_without_the_extra_it_is_said_how_to_get_it(monkeypatch, capsys, folder):
     monkeypatch.setitem(sys.modules, "panel", None)
-    assert "pip install 'dnanalyze[workbench]'" in told(capsys, str(folder))
+    assert "pip install 'panel>=1.9,<2'" in told(capsys, str(folder))
 
 
 @pytest.mark.skipif(importlib.util.find_spec("panel") is None, reason="without the extra workbench")

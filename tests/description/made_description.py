@@ -1,7 +1,10 @@
 """A description as a run would return it, for what shows and writes it."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from dnanalyze.demo import tiny
 from dnanalyze.description.describe import Description, Number
 from dnanalyze.description.look import Look
 from dnanalyze.description.nearest import Nearest
@@ -15,6 +18,7 @@ POINTS = [OperatingPoint(t, 1.0, 1.0) for t in (25.0, 45.0)]
 
 
 def description(captures=None, verdict="described"):
+    captures = captures or replace(tiny(), name="folder")
     model = NoiseModel((ReadNoise(2.0), EFFECT), 64.0)
     numbers = [Number("period", 9.0, 0.02, "pixel", 9.0)]
     shown = Look(
@@ -24,7 +28,7 @@ def description(captures=None, verdict="described"):
     )  # fmt: skip
     near = [Nearest("periodic_pattern", 1.9, "not indicated by the statistics")]
     return Description(
-        "folder", verdict, "Fixed rings, period 9.000 ± 0.020 px: known.", 2.1, 0.9, 0.99,
+        captures, verdict, "Fixed rings, period 9.000 ± 0.020 px: known.", 2.1, 0.9, 0.99,
         "adequate", EFFECT, numbers, ["something is right"], near, ["flicker_fpn"],
-        ["More frames."], ["Another."], model, shown, capture_set=captures,
+        ["More frames."], ["Another."], model, shown,
     )  # fmt: skip

@@ -19,7 +19,7 @@ def test_a_model_whose_frames_are_told_is_not_adequate(monkeypatch, tells, verdi
     def classify(captures, model, **_):
         auc = 0.9 if tells else 0.5
         cell = Cell(OperatingPoint(25.0), "mean", "mean frame", auc, 0.8 * auc, 1.0, 0.5, True)
-        return Classification(captures.name, model, [cell])
+        return Classification(captures, model, [cell])
 
     def nothing(captures, held, state, *_, **__):
         return describing._without(captures, held, state, "nothing", "No structure.")

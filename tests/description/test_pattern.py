@@ -67,11 +67,11 @@ def test_single_frames_and_a_second_pattern_are_refused():
 
 def test_a_pattern_that_raises_the_error_is_not_added():
     effect = PatternMap(map=FieldMap(PATTERN))
-    one = np.ones(1)
-    found = LearnedPattern("sensor", effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.76)
+    one, measured = np.ones(1), captures()
+    found = LearnedPattern(measured, effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.76)
     assert not found.supported
     assert "rises from 1.45 to 1.76" in found.sentence()
-    assert LearnedPattern("sensor", effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.5).supported
+    assert LearnedPattern(measured, effect, MODEL, 1.7, one, one, [], 0.1, 0.1, 1.45, 1.5).supported
 
 
 def test_the_map_takes_the_place_of_a_fixed_structure():

@@ -96,11 +96,11 @@ def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another
 
 def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
     """One story: the list says what the verdict says."""
-    _, held = rows
+    captures, held = rows
     null = Null.of(held, start(held, found.model, knobs_of(found.model)))
     leader = found.trials[0]
     idle = replace(leader, effect="row_noise", state=null.state)  # corrects nothing
-    told = judge("rows", null, [leader, idle], None, KNOWN)
+    told = judge(captures, null, [leader, idle], None, KNOWN)
     assert told.verdict == "unexplained"
     assert told.unexplained == null.left != []
     sure = [c.confidence for c in told.candidates]
@@ -113,10 +113,10 @@ def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
 
 
 def test_an_adequate_model_has_no_candidates(rows, found):
-    _, held = rows
+    captures, held = rows
     model = found.trials[0].state.model
     null = Null.of(held, start(held, model, knobs_of(model)))
-    told = judge("rows", null, [found.trials[0]], None, KNOWN)
+    told = judge(captures, null, [found.trials[0]], None, KNOWN)
     assert (told.verdict, told.candidates, told.unexplained) == ("adequate", [], [])
 
 

@@ -9,7 +9,9 @@ import pytest
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.report.words import family_title
 
-GLOSSARY = (tree.DOCS / "glossary.md").read_text(encoding="utf-8")
+GLOSSARY = "".join(
+    (tree.DOCS / page).read_text(encoding="utf-8") for page in ("glossary.md", "words.md")
+)
 PRINTERS = {"table", "_table", "points", "_points", "add_column", "Table", "Section"}
 ARTICLES = re.compile(r"^(the|a|an) ")
 

@@ -1,5 +1,6 @@
 """The action, the workflows and the package's own data say what the code says."""
 
+import importlib.util
 import re
 import tomllib
 
@@ -55,3 +56,36 @@ def test_every_direct_dependency_is_imported_by_the_package():
         name = re.match(r"[A-Za-z0-9-]+", requirement)[0].lower()
         module = imported.get(name, name)
         assert re.search(rf"^\s*(import|from) {module}\b", code, re.MULTILINE), requirement
+
+
+def test_the_version_stands_in_one_place():
+    citation = yaml.safe_load((tree.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == PROJECT["version"]
+    assert f"[{PROJECT['version']}]" in (tree.ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_public_workflow_and_own_checks_run_the_same_steps():
+    run = (tree.ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    steps = re.search(r"^\.ci/step (.+)$", run, re.MULTILINE)[1].split()
+    workflow = yaml.safe_load((tree.ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))
+    assert workflow["jobs"]["steps"]["strategy"]["matrix"]["step"] == steps
+    known = re.findall(
+        r"^(\w+)\(\) \{", (tree.ROOT / ".ci" / "step").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert {*steps, "oldest"} == set(known)
+
+
+def test_the_long_description_has_no_link_into_the_repository():
+    spec = importlib.util.spec_from_file_location("setup_of_the_package", tree.ROOT / "setup.py")
+    setup = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(setup)
+    readme = (tree.ROOT / "README.md").read_text(encoding="utf-8")
+    relative = re.compile(r"\]\((?!https?:|#)")
+    assert relative.search(readme)
+    bare = setup.long_description(readme)
+    assert not relative.search(bare)
+    assert "a first hour" in bare.lower()
+    linked = setup.long_description(readme, "https://example.org/dnanalyze")
+    assert not relative.search(linked)
+    assert "(https://example.org/dnanalyze/blob/main/docs/first-hour.md)" in linked
+    assert "(https://example.org/dnanalyze/raw/main/docs/figures/" in linked

@@ -1,7 +1,5 @@
 """Helper processes find what this one would, and may end at any time."""
 
-import os
-import signal
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -52,7 +50,7 @@ def test_a_helper_takes_its_share_until_it_is_no_more(held, taken):
             assert values(made.statistics(model)) == known
             assert len(taken) == len(small.POINTS)  # half of the parts
         (worker,) = made.helpers.workers
-        os.kill(worker.pid, signal.SIGKILL)
+        worker.kill()
         worker.join(20)
         for _ in range(2):
             taken.clear()

@@ -21,7 +21,10 @@ from dnanalyze.loaders.checks import MAX_CODE
 
 @pytest.fixture(autouse=True)
 def at_once():
-    """What hangs fails, and is not waited for."""
+    """What hangs fails, and is not waited for, where the system has an alarm."""
+    if not hasattr(signal, "SIGALRM"):
+        yield
+        return
 
     def ring(*_):
         raise TimeoutError("took more than 20 s")
@@ -125,6 +128,7 @@ def test_link_to_itself(tmp_path):
     refused(tmp_path / "a.fits", "link that leads nowhere")
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes on this system")
 def test_pipes_are_never_waited_for(tmp_path):
     os.mkfifo(tmp_path / "a.fits")
     refused(tmp_path, r"^a\.fits: is a pipe, socket or device")

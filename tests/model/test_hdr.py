@@ -212,9 +212,15 @@ def test_the_command_compares_and_writes_combined_frames(tmp_path):
         "H.json",
     ]
     placed = [o if o.startswith("--") else str(tmp_path / o) for o in options]
-    assert main(["hdr", str(tmp_path / "combined"), *placed, "-q"]) == 0
-    written = json.loads((tmp_path / "H.json").read_text())
-    assert written["schema"] == "dnanalyze/hdr/1"
+    found = {}
+    for name in ("compare", "hdr"):  # the second is the earlier name of compare --combine
+        call = [name, str(tmp_path / "combined"), *placed, "-q"]
+        assert main([*call, "--force"] if found else call) == 0
+        found[name] = json.loads((tmp_path / "H.json").read_text())
+        assert found[name].pop("schema") == f"dnanalyze/{name}/1"
+    assert found["compare"] == found["hdr"]
+    written = found["compare"]
     assert written["error"] < 1.8
+    assert main(call) == 2  # its frames exist
     assert len(written["noise_steps"]) == 3
     assert load(tmp_path / "out").frame_count == 4

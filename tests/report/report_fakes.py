@@ -194,7 +194,7 @@ def classification() -> Classification:
     patches = np.random.default_rng(3).standard_normal((2, 6, 16, 16))
     shown = Told(POINTS[2], "mean frame", *patches)
     together = [Cell(None, "mean", "mean frame", 0.6, 0.51, 0.69, 0.5)]
-    return Classification("folder/<sensor> & co", model(), cells, together, told, shown)
+    return Classification(captures(), model(), cells, together, told, shown)
 
 
 def detection(filtered: bool = True) -> Detection:
@@ -204,7 +204,7 @@ def detection(filtered: bool = True) -> Detection:
         Finding("memory", "temporal_denoise", None, float("nan"), 0.0, False),
     )
     if not filtered:
-        return Detection(False, "none", 0.9, findings=findings)
+        return Detection(captures(), False, "none", 0.9, findings=findings)
     celsius = np.array([25.0, 65.0, 105.0])
     series = SuppressionSeries(
         celsius,
@@ -217,7 +217,8 @@ def detection(filtered: bool = True) -> Detection:
         9.0,
     )
     return Detection(
-        True, "dpc", 0.99999, FilterEstimate("dynamic", threshold_dn=8.0), ("denoise",), findings,
+        captures(), True, "dpc", 0.99999, FilterEstimate("dynamic", threshold_dn=8.0),
+        ("denoise",), findings,
         ("The vertical arm is gone.",), ("denoise or crosstalk",),
         (TailBound(105.0, 8.0, 10.0, 2000.0, 3000.0),), {}, series,
     )  # fmt: skip

@@ -1,6 +1,4 @@
 import json
-import os
-import signal
 import subprocess
 import sys
 import time
@@ -166,7 +164,7 @@ def test_a_worker_that_dies_is_a_message_and_nothing_is_lost(session):
     nodes = session.history.nodes
     job = session.refine()
     time.sleep(0.5)
-    os.kill(session.worker._process.pid, signal.SIGKILL)
+    session.worker._process.kill()
     assert job.over.wait(5)
     assert "ended unexpectedly" in session.message
     assert session.history.nodes[: len(nodes)] == nodes

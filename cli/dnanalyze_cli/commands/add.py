@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -32,7 +33,7 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         options, effect = replace(options, captures=effect), options.captures
     session = options.session("add", output=output)
     if swapped:
-        session.say(f"note: taken as effect {effect}, captures {options.captures}")
+        print(f"note: taken as effect {effect}, captures {options.captures}", file=sys.stderr)
     known = session.known()
     find(effect, known)
     found, own = options.begin(session)

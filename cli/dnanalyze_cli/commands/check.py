@@ -12,6 +12,7 @@ from dnanalyze_cli.options import (
     Channel,
     Config,
     EffectFiles,
+    Force,
     Json,
     KeepOutliers,
     Mask,
@@ -82,6 +83,7 @@ def check(
         ),
     ] = None,
     json: Json = None,
+    force: Force = False,
     config: Config = None,
     tolerance_c: Tolerance = None,
     keep_outliers: KeepOutliers = False,
@@ -99,7 +101,7 @@ def check(
     from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.model.channel_models import require
     from dnanalyze.report import check as report
-    from dnanalyze.report.files import check_output
+    from dnanalyze.report.files import check_kept, check_output
     from dnanalyze.report.terminal.check import proposed
     from dnanalyze.report.terminal.check import result as show
 
@@ -109,6 +111,8 @@ def check(
         raise InputError(
             "check --init: only writes the targets; leave out --junit, --markdown, --json"
         )
+    if init is not None and init != Path("-"):
+        check_kept(init, force, "--init")
     session = Session(
         "check",
         captures,

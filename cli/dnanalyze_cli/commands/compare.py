@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.options import ModelOptions, takes
+from dnanalyze.errors import InputError
+from dnanalyze_cli import combined_frames
+from dnanalyze_cli.options import Combine, CombinedOut, Force, Light, ModelOptions, takes
 
 
 @takes(ModelOptions)
@@ -20,8 +22,20 @@ def compare(
             "ones? Area under the ROC curve, with its control.",
         ),
     ] = False,
+    combine: Combine = None,
+    light: Light = 0.0,
+    simulated: CombinedOut = None,
+    force: Force = False,
 ) -> None:
     """Compare a model with the captures; without --model the Wang 2025 model is fitted first."""
+    if combine is not None:
+        if classifier:
+            raise InputError("--classifier: not with --combine")
+        session = options.session("compare")
+        combined_frames.compare(session, options, combine, light, simulated, force)
+        return
+    if light or simulated is not None:
+        raise InputError("--light, --simulate: are of combined HDR frames; give --combine HDR.yaml")
     from dnanalyze.comparator.compare import compare_on as run
     from dnanalyze.fitting.fit import fit_on
     from dnanalyze.report import documents, tables

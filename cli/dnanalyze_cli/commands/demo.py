@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.options import Json, Quiet, Report
+from dnanalyze_cli.options import Force, Json, Quiet, Report
 from dnanalyze_cli.session import Session
 
 SHAPE, FRAMES = (256, 256), 6
@@ -32,10 +33,14 @@ def demo(
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the virtual sensor.")] = 1,
     json: Json = None,
     report: Report = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Make frames of a virtual sensor with a hidden effect, compare, and identify the effect."""
+    from dnanalyze.report.files import check_folder
+
     if folder is not None:
+        check_folder(folder, force)
         _tell(folder, hide, level, seed, json, report, quiet, True)
         return
     with tempfile.TemporaryDirectory(prefix="dnanalyze-") as temporary:
@@ -70,6 +75,8 @@ def _tell(
     hidden = {hide: level}
     with session.progress("Simulating frames"):
         made = generate(sensor, hidden, SHAPE, frames=FRAMES, seed=seed)
+        if folder.exists():  # empty, or to be replaced
+            shutil.rmtree(folder)
         write_folder(made, folder, truth(sensor, hidden, seed))
     print(
         f"1. A virtual sensor, simulated in electrons: {made.frame_count} dark frames at "

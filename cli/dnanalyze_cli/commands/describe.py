@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import FILES, Budget, ModelOptions, ModelOut, takes
+from dnanalyze_cli.options import FILES, Budget, Force, ModelOptions, ModelOut, takes
 
 
 @takes(ModelOptions)
@@ -24,12 +24,6 @@ def describe(
             help="Write the structure as an effect of your own, which simulates the same frames.",
         ),
     ] = None,
-    force: Annotated[
-        bool,
-        typer.Option(
-            "--force", rich_help_panel=FILES, help="Overwrite the files of --write and --map."
-        ),
-    ] = False,
     map_file: Annotated[
         Path | None,
         typer.Option(
@@ -40,6 +34,7 @@ def describe(
         ),
     ] = None,
     budget: Budget = None,
+    force: Force = False,
 ) -> None:
     """Describe the residual that no effect of the catalogue explains; add it to the model."""
     from dnanalyze.description.describe import describe_on as run
@@ -48,7 +43,7 @@ def describe(
     from dnanalyze.model.learned.pattern_map import named
     from dnanalyze.model.noise_model import dump_model
     from dnanalyze.report import documents, tables
-    from dnanalyze.report.files import check_output
+    from dnanalyze.report.files import check_kept, check_output
     from dnanalyze.report.pages.describe import describe_page
     from dnanalyze.report.terminal.common import points
     from dnanalyze.report.terminal.description import description as show
@@ -61,8 +56,7 @@ def describe(
         if path is None:
             continue
         check_output(path, options.captures)
-        if path.exists() and not force:
-            raise InputError(f"{option} {path}: exists; name another file, or give --force")
+        check_kept(path, force, option)
         if path in taken:
             raise InputError(f"{path}: named for two outputs; give each its own file")
         taken.append(path)

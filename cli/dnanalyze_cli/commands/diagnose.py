@@ -18,7 +18,7 @@ def diagnose(
     from dnanalyze.report import documents, tables
     from dnanalyze.report.terminal.diagnosis import diagnosis as show
     from dnanalyze_cli import over_channels
-    from dnanalyze_cli.left_over import left_over
+    from dnanalyze_cli.residual_description import describe_residual
 
     session = options.session("diagnose")
     session.remaining(budget)
@@ -44,7 +44,7 @@ def diagnose(
             first=progress.first,
         )
     show(session.console, found, diagnosis)
-    more = {} if no_describe else left_over(session, found, held, diagnosis, known, budget)
+    more = {} if no_describe else describe_residual(session, found, held, diagnosis, known, budget)
 
     def page() -> str:
         from dnanalyze.comparator.compare import compare_on

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import Annotated
 
 import typer
@@ -64,11 +65,11 @@ def refine(
     from dnanalyze.model.registry import find
     from dnanalyze.report import documents, tables, words
     from dnanalyze.report.pages.refine import refine_page, refine_report
-    from dnanalyze.report.terminal.refinement import not_kept
+    from dnanalyze.report.terminal.refinement import continued, not_kept
     from dnanalyze.report.terminal.refinement import refinement as show
     from dnanalyze_cli import over_channels
-    from dnanalyze_cli.going_on import command_line, kept_when_stopped
-    from dnanalyze_cli.left_over import left_over
+    from dnanalyze_cli.residual_description import describe_residual
+    from dnanalyze_cli.resume import command_line, kept_when_stopped
 
     if baseline_only:
         if max_effects:
@@ -137,9 +138,11 @@ def refine(
                 progress.now("Standard errors of the parameters")
                 _ = result.parameters
         show(session.console, found, result)
-        more = {} if no_describe else left_over(session, found, held, result, known, budget)
+        more = {} if no_describe else describe_residual(session, found, held, result, known, budget)
         if output is None:
             not_kept(session.console)
+        elif result.timed_out and (line := go_on()):
+            continued(session.console, shlex.join([*line, "--time-limit", f"{budget:g}"]))
 
         def page() -> str:
             with session.progress("Comparing the model with the captures"):

@@ -12,6 +12,7 @@ from dnanalyze_cli.numbers import celsius, numbers, rows_and_columns
 from dnanalyze_cli.options import (
     Config,
     EffectFiles,
+    Force,
     Json,
     KeepOutliers,
     Mask,
@@ -111,6 +112,7 @@ def simulate(
         ),
     ] = "cpu",
     json: Json = None,
+    force: Force = False,
     config: Config = None,
     tolerance_c: Tolerance = None,
     keep_outliers: KeepOutliers = False,
@@ -126,7 +128,7 @@ def simulate(
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.processors import cpu_count
     from dnanalyze.report import documents
-    from dnanalyze.report.files import atomic_folder
+    from dnanalyze.report.files import atomic_folder, check_folder
     from dnanalyze.report.terminal.simulation import written
 
     session = Session("simulate", like, json=json, effects=tuple(effects or ()), quiet=quiet)
@@ -134,6 +136,9 @@ def simulate(
     assert own is not None
     if seed is not None:
         own = replace(own, seed=seed)
+    if like is not None and out.resolve() == Path(like).resolve():
+        raise InputError(f"{out}: is the folder of --like, which is never changed; name another")
+    check_folder(out, force)
     if mask is not None and like is None:
         raise InputError("--mask: leaves out pixels of --like CAPTURES; give both")
     pattern = (
@@ -152,7 +157,7 @@ def simulate(
     sensor = replace(pattern.sensor, shape=size, filled=0.0) if pattern else None
     threads = cpu_count()
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
-    with atomic_folder(out) as folder, session.progress("Simulating") as tick:
+    with atomic_folder(out, force) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
     written(session.console, made, out, format)
     session.write(documents.simulation(made, out, format, model, own.seed, like))

@@ -76,7 +76,7 @@ def cluster(scheduler: str) -> Iterator[Any]:
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise InputError(
-            f"--scheduler {scheduler}: needs Dask; pip install 'dnanalyze[dask]'"
+            f"--scheduler {scheduler}: needs Dask; pip install 'dask[distributed]'"
         ) from error
     if scheduler == "local":
         with (

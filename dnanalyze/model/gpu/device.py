@@ -111,7 +111,7 @@ def cuda() -> Cuda:
         import cupy
     except ModuleNotFoundError:
         raise InputError(
-            "device cuda: CuPy is not installed; pip install 'dnanalyze[cuda]', or use device cpu"
+            "device cuda: CuPy is not installed; pip install cupy-cuda12x, or use device cpu"
         ) from None
     except ImportError:
         raise InputError(

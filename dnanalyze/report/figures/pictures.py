@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from dnanalyze.errors import InputError
-from dnanalyze.report.figures.lighter import lighter
-from dnanalyze.report.figures.looks import styled
+from dnanalyze.report.figures.png_palette import lighter
+from dnanalyze.report.figures.rc_params import styled
 from dnanalyze.report.figures.svg import svg_of
 from dnanalyze.report.figures.ticks import log_axis
 

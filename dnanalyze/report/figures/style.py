@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
-from dnanalyze.report.figures.looks import styled
 from dnanalyze.report.figures.palette import (
     ACCENT,
     GAUSSIAN,
@@ -21,6 +20,7 @@ from dnanalyze.report.figures.palette import (
     QUIET,
 )
 from dnanalyze.report.figures.pictures import Cell, Picture, panels
+from dnanalyze.report.figures.rc_params import styled
 from dnanalyze.report.figures.ticks import frequency_axis, log_axis, power_label
 from dnanalyze.report.words import point_label, varied
 

@@ -18,7 +18,7 @@ def check_page(captures: Any, result: Any) -> str:
     met = [c for c in result.checks if c.passed]
     page = Page(
         "Check",
-        result.captures if captures is None else capture.title(captures),
+        result.captures.name if captures is None else capture.title(captures),
         headline(result),
         [
             Section(

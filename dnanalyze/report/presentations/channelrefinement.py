@@ -18,13 +18,13 @@ from dnanalyze.report.words import sentence
 
 
 def _terminal(console: Console, result: Any) -> None:
-    refinement(console, result.capture_set, result)
+    refinement(console, result.captures, result)
 
 
 def _page(result: Any) -> str:
     from dnanalyze.comparator.compare import compare_on
 
-    found = result.capture_set
+    found = result.captures
     return refinement_page(found, result, compare_on(found, result.model, held=result.bench))
 
 
@@ -39,7 +39,7 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     lambda result: sentence(channel_results.headline(result)),
-    lambda result: channel_results.refinement(result.captures, "refine", result, None),
+    lambda result: channel_results.refinement(result.captures.name, "refine", result, None),
     tables.steps,
     _page,
     _plots,

@@ -15,7 +15,7 @@ from dnanalyze.report.terminal.check import result as shown
 
 
 def _terminal(console: Console, result: Any) -> None:
-    shown(console, result.capture_set, result)
+    shown(console, result.captures, result)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -25,8 +25,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     check.headline,
-    lambda result: check.document(result.captures, result, None, None, result.simulation),
+    lambda result: check.document(result.captures.name, result, None, None, result.simulation),
     tables.checks,
-    lambda result: check_page(result.capture_set, result),
+    lambda result: check_page(result.captures, result),
     _plots,
 )

@@ -19,8 +19,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     classification,
     lambda result: result.sentence(),
-    lambda result: documents.classification(result.captures, result),
+    lambda result: documents.classification(result.captures.name, result),
     tables.classifier,
-    lambda result: classifier_page(result.capture_set, result),
+    lambda result: classifier_page(result.captures, result),
     _plots,
 )

@@ -17,7 +17,7 @@ from dnanalyze.report.terminal.comparison import comparison
 
 
 def _terminal(console: Console, result: Any) -> None:
-    comparison(console, result.capture_set, result)
+    comparison(console, result.captures, result)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -33,8 +33,8 @@ PRESENTATION = Presentation(
     lambda result: words.with_remarks(
         words.compare_headline(result.error, result.baselines), result
     ),
-    lambda result: documents.comparison(result.captures, result),
+    lambda result: documents.comparison(result.captures.name, result),
     tables.comparison,
-    lambda result: compare_page(result.capture_set, result),
+    lambda result: compare_page(result.captures, result),
     _plots,
 )

@@ -15,7 +15,7 @@ from dnanalyze.report.terminal.description import description
 
 
 def _terminal(console: Console, result: Any) -> None:
-    description(console, result.capture_set, result)
+    description(console, result.captures, result)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -25,8 +25,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     words.describe_headline,
-    lambda result: documents.description(result.captures, result),
+    lambda result: documents.description(result.captures.name, result),
     tables.description,
-    lambda result: describe_page(result.capture_set, result),
+    lambda result: describe_page(result.captures, result),
     _plots,
 )

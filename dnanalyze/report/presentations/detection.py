@@ -16,7 +16,7 @@ from dnanalyze.report.terminal.detection import detection
 
 
 def _terminal(console: Console, result: Any) -> None:
-    detection(console, result.capture_set, result)
+    detection(console, result.captures, result)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -33,8 +33,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     headline,
-    lambda result: documents.detection(result.captures, result),
+    lambda result: documents.detection(result.captures.name, result),
     tables.findings,
-    lambda result: detect_page(result.capture_set, result),
+    lambda result: detect_page(result.captures, result),
     _plots,
 )

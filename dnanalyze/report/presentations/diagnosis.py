@@ -15,7 +15,7 @@ from dnanalyze.report.terminal.diagnosis import diagnosis
 
 
 def _terminal(console: Console, result: Any) -> None:
-    diagnosis(console, result.capture_set, result)
+    diagnosis(console, result.captures, result)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -25,8 +25,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     words.diagnose_headline,
-    lambda result: documents.diagnosis(result.captures, result),
+    lambda result: documents.diagnosis(result.captures.name, result),
     tables.candidates,
-    lambda result: diagnose_page(result.capture_set, result),
+    lambda result: diagnose_page(result.captures, result),
     _plots,
 )

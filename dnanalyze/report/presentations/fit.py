@@ -17,7 +17,7 @@ from dnanalyze.report.terminal.fit import fit
 
 
 def _terminal(console: Console, result: Any) -> None:
-    fit(console, result.capture_set, result)
+    fit(console, result.captures, result)
 
 
 def simulated(result: Any) -> Sequence[Layer]:
@@ -35,8 +35,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     headline,
-    lambda result: documents.fit(result.captures, result, None),
+    lambda result: documents.fit(result.captures.name, result, None),
     tables.parameters,
-    lambda result: fit_page(result.capture_set, result),
+    lambda result: fit_page(result.captures, result),
     _plots,
 )

@@ -16,7 +16,7 @@ from dnanalyze.report.terminal.common import verdict
 
 
 def _terminal(console: Console, result: Any) -> None:
-    verdict(console, result.capture_set, result.sentence())
+    verdict(console, result.captures, result.sentence())
 
 
 def _table(result: Any) -> pd.DataFrame:
@@ -35,8 +35,8 @@ def _plots(result: Any) -> Mapping[str, Draw]:
 PRESENTATION = Presentation(
     _terminal,
     lambda result: result.sentence(),
-    lambda result: documents.learned_pattern(result.captures, result),
+    lambda result: documents.learned_pattern(result.captures.name, result),
     _table,
-    lambda result: pattern_page(result.capture_set, result),
+    lambda result: pattern_page(result.captures, result),
     _plots,
 )

@@ -17,7 +17,7 @@ from dnanalyze.report.terminal.refinement import refinement
 
 
 def _terminal(console: Console, result: Any) -> None:
-    refinement(console, result.capture_set, result)
+    refinement(console, result.captures, result)
 
 
 def _headline(result: Any) -> str:
@@ -26,8 +26,8 @@ def _headline(result: Any) -> str:
 
 def _document(result: Any) -> dict[str, Any]:
     if result.by_hand:
-        return documents.addition(result.captures, result.steps[-1].added, result, None)
-    return documents.refinement(result.captures, result, None)
+        return documents.addition(result.captures.name, result.steps[-1].added, result, None)
+    return documents.refinement(result.captures.name, result, None)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -40,6 +40,6 @@ PRESENTATION = Presentation(
     _headline,
     _document,
     tables.steps,
-    lambda result: refine_report(result.capture_set, result),
+    lambda result: refine_report(result.captures, result),
     _plots,
 )

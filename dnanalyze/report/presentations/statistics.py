@@ -18,7 +18,7 @@ from dnanalyze.report.terminal.statistics import statistics
 
 
 def _terminal(console: Console, result: Any) -> None:
-    statistics(console, result.capture_set, result)
+    statistics(console, result.captures, result)
 
 
 def _plots(result: Any) -> Mapping[str, Draw]:
@@ -34,6 +34,6 @@ PRESENTATION = Presentation(
     headline,
     lambda result: documents.statistics(result.name, result, result.emva),
     tables.statistics,
-    lambda result: analyze_page(result.capture_set, result),
+    lambda result: analyze_page(result.captures, result),
     _plots,
 )

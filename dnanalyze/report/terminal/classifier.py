@@ -17,7 +17,7 @@ def classifier_line(console: Console, result: Any) -> None:
 
 def classification(console: Console, result: Any) -> None:
     """The sentence, what tells, and the area at every operating point."""
-    verdict(console, result.capture_set, result.sentence())
+    verdict(console, result.captures, result.sentence())
     points(console, "Descriptors that tell most", result.telling)
     columns = ("operating point", "picture", "AUC", "95 % limits", "control")
     table(console, columns, classifier_rows(result), left=2)

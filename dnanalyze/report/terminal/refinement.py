@@ -59,6 +59,11 @@ def not_kept(console: Console) -> None:
     console.print("The model was not written; -o FILE writes it.", style="dim")
 
 
+def continued(console: Console, line: str) -> None:
+    """The time limit ended the search: the command that goes on."""
+    console.print(f"To continue the search: {line}", style="dim", soft_wrap=True)
+
+
 def _reason(step: Any) -> str:
     """The most telling evidence of a step, with what the effect is confounded with."""
     name = words.with_rivals(step.added, step.confidence, step.confused_with)

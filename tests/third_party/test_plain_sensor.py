@@ -10,13 +10,13 @@ from scipy.constants import physical_constants
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
-from strangers.answers import ANSWERS
-from strangers.case import FRAMES, SHAPE, Case
-from strangers.cases import of_generator
-from strangers.folders import read, truth, write
-from strangers.generators import plain
-from strangers.measures import STATISTICS
-from strangers.verify import measure
+from third_party.answers import ANSWERS
+from third_party.case import FRAMES, SHAPE, Case
+from third_party.cases import of_generator
+from third_party.folders import read, truth, write
+from third_party.generators import plain
+from third_party.measures import STATISTICS
+from third_party.verify import measure
 
 BOLTZMANN = physical_constants["Boltzmann constant in eV/K"][0]
 

@@ -12,9 +12,9 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
-from strangers.case import Case
-from strangers.folders import folder_of
-from strangers.score import hidden_only
+from third_party.case import Case
+from third_party.folders import folder_of
+from third_party.score import hidden_only
 
 
 def answer(folder: Path) -> dict[str, Any]:

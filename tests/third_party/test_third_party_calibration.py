@@ -8,7 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
-from strangers.calibration import additions, at, curve, left_out, reliability
+from third_party.calibration import additions, at, curve, left_out, reliability
 
 
 def drawn(bias, generator, count=4000, seed=0):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.demo import EFFECTS, OUTSIDE, draw_sensor, generate, resolve
-from strangers.case import FRAMES, SHAPE, Drawn, Point, Recipe
+from third_party.case import FRAMES, SHAPE, Drawn, Point, Recipe
 
 LEVELS = ("middling", "strong")
 PAIRS = (

@@ -1,6 +1,6 @@
 """Frames of a model by dnanalyze and by the programs that it is exported to: what agrees?
 
-strangers-env/bin/python benchmarks/strangers/round_trip.py [M.yaml]
+third-party-env/bin/python benchmarks/third_party/round_trip.py [M.yaml]
 
 The model's operating point, 16 frames of 256 x 256. A statistic agrees where it differs from the
 mean of six sensors of dnanalyze by less than three standard deviations of a sensor, or by 1 %.

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
+from third_party.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
 
 VOLT_PER_E = 1e-5
 TEMPERATURES = (283.0, 293.0, 303.0, 313.0, 323.0)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 MOST = 30.0  # s for its refits; the search itself is bounded by the pixels that a fit looks at
 
 
-def left_over(
+def describe_residual(
     session: Session,
     captures: CaptureSet,
     held: Bench,

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from strangers.score import accepted, wilson
+from third_party.score import accepted, wilson
 
 Row = Mapping[str, Any]
 BINS = (0.0, 0.4, 0.6, 0.9, 0.99, 1.0 + 1e-9)

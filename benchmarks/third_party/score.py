@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from strangers.answers import BASELINE, EVERY_SENSOR, names_of
+from third_party.answers import BASELINE, EVERY_SENSOR, names_of
 
 Row = Mapping[str, Any]
 SURE = 0.9  # an addition with at least this confidence is said for certain

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from strangers.case import Point
-from strangers.measures import OVER_POINTS, STATISTICS
+from third_party.case import Point
+from third_party.measures import OVER_POINTS, STATISTICS
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,15 @@ import importlib
 import zlib
 from itertools import chain, zip_longest
 
-from strangers.case import Case
+from third_party.case import Case
 
 GENERATORS = {
-    "plain": "strangers.generators.plain",
-    "getframes": "strangers.generators.getframes_camera",
-    "pyxel": "strangers.generators.pyxel_detector",
-    "virtual": "strangers.generators.virtual_sensor",
-    "filters": "strangers.generators.filters",
-    "literature": "strangers.generators.literature",
+    "plain": "third_party.generators.plain",
+    "getframes": "third_party.generators.getframes_camera",
+    "pyxel": "third_party.generators.pyxel_detector",
+    "virtual": "third_party.generators.virtual_sensor",
+    "filters": "third_party.generators.filters",
+    "literature": "third_party.generators.literature",
 }
 
 

@@ -11,10 +11,10 @@ from scipy.constants import physical_constants
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
-from strangers.answers import ANSWERS
-from strangers.cases import of_generator
-from strangers.generators import literature
-from strangers.verify import measure
+from third_party.answers import ANSWERS
+from third_party.cases import of_generator
+from third_party.generators import literature
+from third_party.verify import measure
 
 CAMERA = literature.Camera(1.5, 2.0, 100.0, 1.2, 300.0, 1.0, (0.0, 30.0))
 BOLTZMANN = physical_constants["Boltzmann constant in eV/K"][0]

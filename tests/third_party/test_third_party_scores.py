@@ -7,7 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
-from strangers.score import (
+from third_party.score import (
     accepted,
     by_generator,
     detected_right,

@@ -1,7 +1,7 @@
 """Describe effects that are in no catalogue, made here with NumPy alone.
 
-    python benchmarks/describe_anew.py [NAME ...] [--seeds 0,1,2] [--json OUT] [--models FOLDER]
-    python benchmarks/describe_anew.py [NAME ...] [--seeds 20,21,22,23,24] --search
+    python benchmarks/describe_new_sensors.py [NAME ...] [--json OUT] [--models FOLDER]
+    python benchmarks/describe_new_sensors.py [NAME ...] [--seeds 20,21,22,23,24] --search
 
 The generator shares no code with the package: a plain sensor electron by electron, 256 x 256
 pixels, four temperatures, six frames, and one effect in it. The model without the effect is what

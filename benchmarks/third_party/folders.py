@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from strangers.case import Case, Drawn, Point
+from third_party.case import Case, Drawn, Point
 
 
 def folder_of(root: Path, case: Case) -> Path:

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
-from strangers.dark_current import dark_growth
+from third_party.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
+from third_party.dark_current import dark_growth
 
 Generator = np.random.Generator
 WHITE = 16383

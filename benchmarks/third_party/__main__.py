@@ -1,11 +1,11 @@
-"""A truth suite of strangers: does dnanalyze name what other people's simulators hide?
+"""A truth suite of third-party simulators: does dnanalyze name what other people's simulators hide?
 
-python benchmarks/strangers list
-python benchmarks/strangers make DIR
-python benchmarks/strangers verify DIR
-python benchmarks/strangers run DIR --json out.jsonl
-python benchmarks/strangers table out.jsonl --against other.jsonl
-python benchmarks/strangers calibrate out.jsonl
+python benchmarks/third_party list
+python benchmarks/third_party make DIR
+python benchmarks/third_party verify DIR
+python benchmarks/third_party run DIR --json out.jsonl
+python benchmarks/third_party table out.jsonl --against other.jsonl
+python benchmarks/third_party calibrate out.jsonl
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import Any
 # the folder that runs is on the path, the package that it is lies above
 sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from strangers.case import Case  # noqa: E402
-from strangers.cases import GENERATORS, all_cases  # noqa: E402
+from third_party.case import Case  # noqa: E402
+from third_party.cases import GENERATORS, all_cases  # noqa: E402
 
 
 def chosen(given: argparse.Namespace) -> list[Case]:
@@ -37,7 +37,7 @@ def chosen(given: argparse.Namespace) -> list[Case]:
 
 def make(given: argparse.Namespace) -> int:
     """Write the folders that are not there, and verify each."""
-    from strangers.folders import folder_of, write
+    from third_party.folders import folder_of, write
 
     failed = 0
     for case in chosen(given):
@@ -49,7 +49,7 @@ def make(given: argparse.Namespace) -> int:
 
 def verify(given: argparse.Namespace) -> int:
     """Measure every claim of the folders that are there; status 1 where one fails."""
-    from strangers.folders import folder_of
+    from third_party.folders import folder_of
 
     there = [c for c in chosen(given) if folder_of(given.root, c).exists()]
     failed = sum(not _verified(given.root, c) for c in there)
@@ -58,8 +58,8 @@ def verify(given: argparse.Namespace) -> int:
 
 
 def _verified(root: Path, case: Case) -> bool:
-    from strangers.folders import folder_of, read, truth
-    from strangers.verify import measure
+    from third_party.folders import folder_of, read, truth
+    from third_party.verify import measure
 
     folder = folder_of(root, case)
     measured = measure(read(folder), truth(folder)["claims"])
@@ -71,9 +71,9 @@ def _verified(root: Path, case: Case) -> bool:
 
 def run(given: argparse.Namespace) -> int:
     """Run what is made and has no line yet, then print the tables."""
-    from strangers.folders import folder_of
-    from strangers.run import run_all, store, stored
-    from strangers.score import falsely_sure, hidden_only, right
+    from third_party.folders import folder_of
+    from third_party.run import run_all, store, stored
+    from third_party.score import falsely_sure, hidden_only, right
 
     rows = stored(given.json)
     there = [c for c in chosen(given) if folder_of(given.root, c).exists()]
@@ -90,7 +90,7 @@ def run(given: argparse.Namespace) -> int:
 
 def table(given: argparse.Namespace) -> int:
     """Print the tables of a stored result."""
-    from strangers.run import stored
+    from third_party.run import stored
 
     others = stored(given.against) if given.against else None
     _print(list(stored(given.result).values()), others)
@@ -101,8 +101,8 @@ def calibrate(given: argparse.Namespace) -> int:
     """Print how often effects of a stated confidence are right, by all and with one left out."""
     from hidden_scores import table as markdown
 
-    from strangers import calibration
-    from strangers.run import stored
+    from third_party import calibration
+    from third_party.run import stored
 
     found = calibration.additions([r for path in given.results for r in stored(path).values()])
     print("\n" + markdown(calibration.RELIABILITY_HEAD, calibration.reliability(found)))
@@ -114,7 +114,7 @@ def listed(given: argparse.Namespace) -> int:
     """Print every case with what it hides and the names that are right."""
     from hidden_scores import table as markdown
 
-    from strangers.answers import names_of
+    from third_party.answers import names_of
 
     body = [
         [
@@ -136,7 +136,7 @@ def _answer(names: tuple[str, ...]) -> str:
 def _print(rows: list[dict[str, Any]], others: dict[str, dict[str, Any]] | None) -> None:
     from hidden_scores import table as markdown
 
-    from strangers import score
+    from third_party import score
 
     print("\n" + markdown(score.HEAD, score.by_generator(rows)))
     print("\n" + markdown(score.WRONG_HEAD, score.wrong(rows)))
@@ -147,7 +147,7 @@ def _print(rows: list[dict[str, Any]], others: dict[str, dict[str, Any]] | None)
 def arguments(words: list[str] | None = None) -> argparse.Namespace:
     """Commands and options."""
     parser = argparse.ArgumentParser(
-        prog="strangers", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+        prog="third_party", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     which = argparse.ArgumentParser(add_help=False)

@@ -10,7 +10,7 @@ import tifffile
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 from first_answers import EVERY, FRAMES, SIDE, part_of, right
-from strangers.score import hidden_only
+from third_party.score import hidden_only
 
 
 def row(hides, *candidates, generator="plain"):

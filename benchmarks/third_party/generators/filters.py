@@ -12,9 +12,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from strangers.case import Claim, Drawn, Recipe
-from strangers.generators.plain import Effect, draw_sensor, expose, hot_pixels
-from strangers.measures import STATISTICS
+from third_party.case import Claim, Drawn, Recipe
+from third_party.generators.plain import Effect, draw_sensor, expose, hot_pixels
+from third_party.measures import STATISTICS
 
 Filter = Callable[[np.ndarray, float, float], np.ndarray]  # frame, its noise (DN), amount
 

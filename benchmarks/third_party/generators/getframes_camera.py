@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from strangers.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
+from third_party.case import FRAMES, SHAPE, Claim, Drawn, Point, Recipe, near
 
 Claims = Callable[[dict[str, Any]], tuple[Claim, ...]]
 
