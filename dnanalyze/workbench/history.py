@@ -33,6 +33,8 @@ class Node:
         Model error (dimensionless); None: not computed yet.
     families : mapping
         Error of each family of statistics.
+    exact : bool
+        Whether the error is by the yardstick of the model itself.
     name : str
         Given by the user.
     standard_errors : mapping
@@ -47,6 +49,7 @@ class Node:
     origin: int | None = None
     error: float | None = None
     families: Mapping[str, float] = field(default_factory=dict)
+    exact: bool = False
     name: str = ""
     standard_errors: Mapping[str, float] = field(default_factory=dict)
 
@@ -127,7 +130,9 @@ class History:
 
     def revised(self, model: NoiseModel) -> History:
         """The present node with another model, whose error is not known."""
-        node = replace(self.present, model=model, error=None, families={}, standard_errors={})
+        node = replace(
+            self.present, model=model, error=None, families={}, exact=False, standard_errors={}
+        )
         return self._changed(node)
 
     @property
@@ -155,9 +160,12 @@ class History:
         """A node with the user's name."""
         return self._changed(replace(self.node(number), name=name.strip()[:MOST_NAME]))
 
-    def measured(self, number: int, error: float, families: Mapping[str, float]) -> History:
+    def measured(
+        self, number: int, error: float, families: Mapping[str, float], exact: bool = True
+    ) -> History:
         """A node with its error."""
-        return self._changed(replace(self.node(number), error=error, families=dict(families)))
+        node = replace(self.node(number), error=error, families=dict(families), exact=exact)
+        return self._changed(node)
 
     def known(self, number: int, standard_errors: Mapping[str, float]) -> History:
         """A node with the standard errors of its parameters."""

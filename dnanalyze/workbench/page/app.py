@@ -54,8 +54,17 @@ def page(
     areas |= {name: _pane(context.palette) for name in later}
 
     def tell(what: str) -> None:
-        if what == "evaluation":
-            context.shown = session.evaluation
+        known, draft = session.evaluation, context.draft
+        if what == "draft":
+            if draft is not None or session.draft is None:
+                return
+            context.shown, what = session.draft, "preview"
+        elif (  # a slider that moves on shows its own
+            what in ("evaluation", "yardstick")
+            and known is not None
+            and draft in (None, known.model)
+        ):
+            context.shown = known
         context.tell(what)
 
     def listener(what: str) -> None:

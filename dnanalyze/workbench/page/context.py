@@ -8,6 +8,7 @@ from threading import Thread
 from typing import Any
 
 from dnanalyze.errors import InputError
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
 from dnanalyze.workbench.history import Node
@@ -25,6 +26,10 @@ class Context:
     session : WorkbenchSession
     palette : Palette
     document : bokeh Document
+    shown : Evaluation or None
+        What the panes draw as the present model.
+    draft : NoiseModel or None
+        Where a slider has been moved to, until that is a node.
     """
 
     session: WorkbenchSession
@@ -34,6 +39,7 @@ class Context:
     address: Address | None = None
     candidate: tuple[str, Evaluation] | None = None
     shown: Evaluation | None = None
+    draft: NoiseModel | None = None
     compared: Node | None = None
     listeners: list[Callable[[str], None]] = field(default_factory=list)
 

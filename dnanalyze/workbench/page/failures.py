@@ -104,9 +104,9 @@ class Failures:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        if what in ("evaluation", "preview", "compared"):
+        if what in ("evaluation", "yardstick", "preview", "compared"):
             self._draw_families()
-        if what == "evaluation":
+        if what in ("evaluation", "yardstick"):
             self._draw_matrix()
         if what == "address":
             self._draw_cells()

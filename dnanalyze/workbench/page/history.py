@@ -107,7 +107,7 @@ class HistoryPane:
     def update(self, what: str) -> None:
         """Draw what has changed."""
         history = self.context.session.history
-        if what in ("history", "evaluation") and history is not None:
+        if what in ("history", "evaluation", "yardstick") and history is not None:
             self._draw(history)
 
     def _draw(self, history: History) -> None:
@@ -121,7 +121,7 @@ class HistoryPane:
             "top": errors,
             "colour": [p.present if n.number == history.at else p.quiet for n in path],
             "name": [n.title for n in path],
-            "error": ["…" if n.error is None else number(n.error) for n in path],
+            "error": [_error(n) or "…" for n in path],
         }
         self.figure.x_range.end = max(4, len(path)) - 0.5
         self.figure.y_range.end = 1.25 * max([*errors, 1.2])
@@ -159,7 +159,7 @@ class HistoryPane:
         if history is not None and self.other.value != NONE:
             node, here = history.node(self.other.value), history.present
             text = (
-                f"<b>{number(node.error)} → {number(here.error)}</b> "
+                f"<b>{_error(node)} → {_error(here)}</b> "
                 f"{html.escape(effects_apart(node.model, here.model))}"
             )
         self.comparison.object = text
@@ -182,8 +182,15 @@ def _short(node: Node) -> str:
     return title if len(title) <= 16 else title[:15] + "…"
 
 
+def _error(node: Node) -> str:
+    """With the sign of an error that is not by the model's own yardstick."""
+    if node.error is None:
+        return ""
+    return number(node.error) if node.exact else f"≈ {number(node.error)}"
+
+
 def _line(node: Node) -> str:
-    error = "" if node.error is None else f"  {number(node.error)}"
+    error = "" if node.error is None else f"  {_error(node)}"
     below = (
         "" if node.parent is None or node.parent == node.number - 1 else f" (from {node.parent})"
     )

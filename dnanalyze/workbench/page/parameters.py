@@ -13,7 +13,7 @@ from bokeh.models import ColumnDataSource, CustomJSTickFormatter, FixedTicker, T
 from dnanalyze.digits import number, symbol, unit_text
 from dnanalyze.fitting.knobs import Knob
 from dnanalyze.workbench.page.style import Palette, hover, inner, plain_figure
-from dnanalyze.workbench.session import Slider
+from dnanalyze.workbench.sliders import Slider
 
 SPAN = 4.0  # factor to either side of the present value that a logarithmic slider covers
 TICKS = 200  # positions of a slider

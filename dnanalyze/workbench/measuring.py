@@ -1,0 +1,120 @@
+"""Errors of a session's models: at once by the yardstick at hand, and then by their own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from threading import Event, RLock, Thread
+
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.yardstick import REPLICATES
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.workbench.evaluation import Evaluation, exact, judged
+
+KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
+REST_S = 0.6  # without a preview, before the yardstick is computed: it takes the processors
+LOOK_S = 0.05  # between two looks whether it may be
+
+
+class Measurements:
+    """Evaluations of models, the last few kept.
+
+    Parameters
+    ----------
+    told : callable
+        Called with an evaluation that has become exact, in a thread of its own.
+    failed : callable
+        Called with what a simulation raised, in that thread.
+    busy : callable
+        Whether the present model will soon be another one: its yardstick can wait.
+    """
+
+    def __init__(
+        self,
+        told: Callable[[Evaluation], None],
+        failed: Callable[[Exception], None],
+        busy: Callable[[], bool],
+    ) -> None:
+        self._told, self._failed, self._busy = told, failed, busy
+        self._lock = RLock()
+        self._kept: list[Evaluation] = []
+        self._bench: Bench | None = None
+        self._yardstick: Bench | None = None
+        self._wanted: Evaluation | None = None
+        self._working = False
+        self._moved_s = 0.0
+        self._closed = Event()
+
+    def begin(self, bench: Bench) -> None:
+        """Set the captures' statistics, with the standard errors that they state themselves."""
+        self._bench = self._yardstick = bench
+
+    def close(self) -> None:
+        """Compute no more yardsticks."""
+        self._closed.set()
+
+    def moved(self) -> None:
+        """A preview is asked for: no yardstick is begun until the page rests."""
+        self._moved_s = time.monotonic()
+
+    def now(self, model: NoiseModel) -> Evaluation:
+        """A model's evaluation: exact where it is known, or else by the last model's yardstick."""
+        with self._lock:
+            found = next((e for e in self._kept if e.model == model), None)
+        assert self._yardstick is not None
+        found = found or judged(self._yardstick, model)
+        self._keep(found)
+        return found
+
+    def refine(self, known: Evaluation) -> None:
+        """Make an evaluation exact in the background; it replaces one that is still waiting."""
+        with self._lock:
+            self._wanted = None if known.exact else known
+            if self._working or known.exact or self._closed.is_set():
+                return
+            self._working = True
+        Thread(target=self._go_on, daemon=True).start()
+
+    def _keep(self, found: Evaluation) -> None:
+        with self._lock:
+            others = (e for e in self._kept if e.model != found.model)
+            self._kept = [found, *others][:KEPT]
+
+    def _go_on(self) -> None:
+        while True:
+            with self._lock:
+                wanted = self._wanted
+                if wanted is None or self._closed.is_set():
+                    self._working = False
+                    return
+            try:
+                found = self._refined(wanted)
+            except Exception as error:  # an effect of the user's may raise anything
+                self._drop(wanted)
+                self._failed(error)
+                continue
+            if found is not None:
+                self._keep(found)
+                self._yardstick = found.bench
+                self._drop(wanted)
+                self._told(found)
+
+    def _drop(self, done: Evaluation) -> None:
+        with self._lock:
+            if self._wanted is done:
+                self._wanted = None
+
+    def _refined(self, known: Evaluation) -> Evaluation | None:
+        """An evaluation by its own yardstick; None where another is wanted before it is done.
+
+        The bench keeps each simulated sensor: what was begun is not begun anew.
+        """
+        assert self._bench is not None
+        for number in range(REPLICATES):
+            while time.monotonic() - self._moved_s < REST_S or self._busy():
+                if self._closed.wait(LOOK_S) or self._wanted is not known:
+                    return None
+            if self._closed.is_set() or self._wanted is not known:
+                return None
+            self._bench.replicate(known.model, number)
+        return exact(self._bench, known)
