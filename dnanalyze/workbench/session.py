@@ -39,37 +39,36 @@ REPLACED = ("fit", "add")  # tasks that set another model: the present one's yar
 class WorkbenchSession:
     """Everything the workbench knows, without any widget.
 
-        Parameters
-        ----------
-        source : CaptureSource
-        model : NoiseModel, optional
-            Starting model; by default the Wang 2025 model is fitted first.
-        loaded : CaptureSet, optional
-            The captures of the source; read from it by default.
-        shared : callable, optional
-            Gives the statistics that sessions on the same captures share; each has
-            its own by default.
+    Parameters
+    ----------
+    source : CaptureSource
+    model : NoiseModel, optional
+        Starting model; by default the Wang 2025 model is fitted first.
+    loaded : CaptureSet, optional
+        The captures of the source; read from it by default.
+    shared : callable, optional
+        Gives the statistics that sessions on the same captures share; each has
+        its own by default.
 
-        Notes
-        -----
-        Methods may be called from several threads. Every listener is called with "statistics",
-        "history", "evaluation", "yardstick", "draft", "diagnosis", "answer", "detection" or "message"
-        after each change, from the thread that made it.
+    Notes
+    -----
+    Methods may be called from several threads. Every listener is called with "statistics",
+    "history", "evaluation", "yardstick", "draft", "diagnosis", "answer", "detection" or
+    "message" after each change, from the thread that made it.
 
-        The error of a new model is first stated by the yardstick of the model before; the model's own
-        follows in the background ("yardstick"). Only then is it `Node.exact`.
+    The error of a new model is first stated by the yardstick of the model before; the model's
+    own follows in the background ("yardstick"). Only then is it `Node.exact`.
 
-        Examples
-        --------
-        >>> from pathlib import Path
-        >>> from dnanalyze.workbench.session import WorkbenchSession
-        >>> from dnanalyze.workbench.sliders import Slider, sliders, with_value
-    from dnanalyze.workbench.source import CaptureSource
-        >>> session = WorkbenchSession(CaptureSource(Path("captures")))   # doctest: +SKIP
-        >>> session.prepare()                                             # doctest: +SKIP
-        >>> session.add("column_fpn").over.wait()                         # doctest: +SKIP
-        >>> session.settle()                                              # doctest: +SKIP
-        >>> session.history.present.error                                 # doctest: +SKIP
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from dnanalyze.workbench.session import WorkbenchSession
+    >>> from dnanalyze.workbench.source import CaptureSource
+    >>> session = WorkbenchSession(CaptureSource(Path("captures")))   # doctest: +SKIP
+    >>> session.prepare()                                             # doctest: +SKIP
+    >>> session.add("column_fpn").over.wait()                         # doctest: +SKIP
+    >>> session.settle()                                              # doctest: +SKIP
+    >>> session.history.present.error                                 # doctest: +SKIP
     """
 
     source: CaptureSource
