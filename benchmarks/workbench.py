@@ -32,7 +32,7 @@ FLAGS = [
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 SERIES = 3  # of moves: one alone varies with what else the machine does
-REST_S = 0.2  # the page waits so long after the last move
+REST_S = 0.3  # the page waits so long after the last move
 MOVES = """async (handle, [count, pause]) => {
   const doc = Bokeh.documents.find((d) => d.get_model_by_name("curve of present model"));
   const took = [];

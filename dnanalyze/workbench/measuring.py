@@ -1,19 +1,70 @@
-"""Errors of a session's models: at once by the yardstick at hand, and then by their own."""
+"""Errors of a session's models: at once by the yardstick at hand, and then by their own.
+
+Simulations for them end where a slider moves on: they take the processors from its previews.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from threading import Event, RLock, Thread
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.processes import Helpers
+from dnanalyze.fitting.simulated import THREADS, Job, Part
 from dnanalyze.fitting.yardstick import REPLICATES
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.evaluation import Evaluation, exact, judged
 
 KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
-REST_S = 0.6  # without a preview, before the yardstick is computed: it takes the processors
+REST_S = 0.2  # without a move, before an error that was given up is begun anew
+CALM_S = 0.6  # the same before a yardstick is begun
 LOOK_S = 0.05  # between two looks whether it may be
+
+
+class Superseded(Exception):
+    """What was simulated is no longer asked for."""
+
+
+class Interruptible(Helpers):
+    """Threads that end a simulation at the next operating point when it is no longer asked for.
+
+    Parameters
+    ----------
+    over : callable
+        Whether that is so.
+    """
+
+    def __init__(self, over: Callable[[], bool]) -> None:
+        super().__init__()
+        self._over = over
+
+    def statistics(
+        self, jobs: Sequence[Job], memo: Memo
+    ) -> list[dict[Part, list[SettingStatistics]]]:
+        """All parts of some jobs.
+
+        Raises
+        ------
+        Superseded
+            They are no longer asked for.
+        """
+        return [self._parts(job, memo) for job in jobs]
+
+    def _parts(self, job: Job, memo: Memo) -> dict[Part, list[SettingStatistics]]:
+        parts = job.parts()
+
+        def one(part: Part) -> list[SettingStatistics]:
+            if self._over():
+                raise Superseded
+            return job.statistics([part], memo)[0]
+
+        with ThreadPoolExecutor(THREADS) as pool:
+            return dict(zip(parts, pool.map(one, parts), strict=True))
 
 
 class Measurements:
@@ -47,18 +98,34 @@ class Measurements:
 
     def begin(self, bench: Bench) -> None:
         """Set the captures' statistics, with the standard errors that they state themselves."""
-        self._bench = self._yardstick = bench
+        self._bench = self._yardstick = replace(bench, helpers=Interruptible(self._given_up))
+
+    def _given_up(self) -> bool:
+        return self._closed.is_set() or time.monotonic() - self._moved_s < REST_S
 
     def close(self) -> None:
         """Compute no more yardsticks."""
         self._closed.set()
 
     def moved(self) -> None:
-        """A preview is asked for: no yardstick is begun until the page rests."""
+        """A slider moves: what is simulated for errors ends, and begins again when it rests."""
         self._moved_s = time.monotonic()
 
+    def rest(self, seconds: float = REST_S) -> bool:
+        """Wait until no slider has moved for some time; False where no error is asked for."""
+        while (left := self._moved_s + seconds - time.monotonic()) > 0.0:
+            if self._closed.wait(min(left, LOOK_S)):
+                return False
+        return not self._closed.is_set()
+
     def now(self, model: NoiseModel) -> Evaluation:
-        """A model's evaluation: exact where it is known, or else by the last model's yardstick."""
+        """A model's evaluation: exact where it is known, or else by the last model's yardstick.
+
+        Raises
+        ------
+        Superseded
+            A slider moved meanwhile.
+        """
         with self._lock:
             found = next((e for e in self._kept if e.model == model), None)
         assert self._yardstick is not None
@@ -89,6 +156,8 @@ class Measurements:
                     return
             try:
                 found = self._refined(wanted)
+            except Superseded:
+                continue
             except Exception as error:  # an effect of the user's may raise anything
                 self._drop(wanted)
                 self._failed(error)
@@ -111,10 +180,10 @@ class Measurements:
         """
         assert self._bench is not None
         for number in range(REPLICATES):
-            while time.monotonic() - self._moved_s < REST_S or self._busy():
+            while self._busy():
                 if self._closed.wait(LOOK_S) or self._wanted is not known:
                     return None
-            if self._closed.is_set() or self._wanted is not known:
+            if not self.rest(CALM_S) or self._wanted is not known:
                 return None
             self._bench.replicate(known.model, number)
         return exact(self._bench, known)

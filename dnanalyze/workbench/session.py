@@ -23,7 +23,7 @@ from dnanalyze.workbench import recipe
 from dnanalyze.workbench.evaluation import Evaluation, Preview
 from dnanalyze.workbench.history import History, Node
 from dnanalyze.workbench.jobs import Job, Worker
-from dnanalyze.workbench.measuring import Measurements
+from dnanalyze.workbench.measuring import Measurements, Superseded
 from dnanalyze.workbench.pictures import Pictures
 from dnanalyze.workbench.sliders import Slider, sliders, with_value
 from dnanalyze.workbench.source import CaptureSource
@@ -243,8 +243,11 @@ class WorkbenchSession:
         InputError
             The present model has no error yet.
         """
-        self._measurements.moved()
         return self._prepared().evaluate(model)
+
+    def moved(self) -> None:
+        """A slider moves: previews go before full errors, until it rests."""
+        self._measurements.moved()
 
     def _prepared(self) -> Preview:
         """Previews by the change from the last model with a full error; none waits for another."""
@@ -263,8 +266,14 @@ class WorkbenchSession:
     def _measure(self) -> None:
         """The full error of the present node: at once, and by its own yardstick later."""
         with self._evaluating:
-            node = self.present
-            found = self._measurements.now(node.model)
+            while True:
+                node = self.present
+                try:
+                    found = self._measurements.now(node.model)
+                    break
+                except Superseded:
+                    if not self._measurements.rest():
+                        return
             with self._lock:
                 self.history = self._stated(node.number, found)
                 if node.model.names == [BASE] and (self.baseline is None or node.command):

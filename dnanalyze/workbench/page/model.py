@@ -15,7 +15,7 @@ from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.page.terms import plain_name
 from dnanalyze.workbench.sliders import Slider
 
-REST_S = 0.2  # without a move after a preview is drawn, after which the full error is computed
+REST_S = 0.3  # without a move after a preview is drawn, after which the full error is computed
 TABLE = 4  # numbers of one parameter from which they share a plot and a slider
 
 
@@ -170,6 +170,7 @@ class Model:
         """A slider moves: a preview now, the full error when it rests."""
         session, context = self.context.session, self.context
         model = session.with_value(name, value, self.context.draft)
+        session.moved()
         self.context.draft, self._moved = model, name
         context.latest.ask(
             lambda: session.preview(model), self._show, lambda error: self._failed(model, error)
