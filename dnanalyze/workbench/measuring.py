@@ -93,6 +93,8 @@ class Measurements:
         self._yardstick: Bench | None = None
         self._wanted: Evaluation | None = None
         self._working = False
+        self._asked: NoiseModel | None = None
+        self._failing: list[NoiseModel] = []  # whose yardstick raises
         self._moved_s = 0.0
         self._closed = Event()
 
@@ -134,13 +136,19 @@ class Measurements:
         return found
 
     def refine(self, known: Evaluation) -> None:
-        """Make an evaluation exact in the background; it replaces one that is still waiting."""
+        """Make an evaluation exact in the background, before earlier ones that are not."""
         with self._lock:
-            self._wanted = None if known.exact else known
-            if self._working or known.exact or self._closed.is_set():
+            self._asked = known.model
+            self._wanted = self._earlier() if known.exact else known
+            if self._working or self._wanted is None or self._closed.is_set():
                 return
             self._working = True
         Thread(target=self._go_on, daemon=True).start()
+
+    def _earlier(self) -> Evaluation | None:
+        """A model that is not exact yet: its error is compared with the present one's."""
+        left = (e for e in self._kept if not e.exact and e.model not in self._failing)
+        return next(left, None)
 
     def _keep(self, found: Evaluation) -> None:
         with self._lock:
@@ -159,19 +167,21 @@ class Measurements:
             except Superseded:
                 continue
             except Exception as error:  # an effect of the user's may raise anything
+                self._failing = [*self._failing, wanted.model][-KEPT:]
                 self._drop(wanted)
                 self._failed(error)
                 continue
             if found is not None:
                 self._keep(found)
-                self._yardstick = found.bench
+                if found.model == self._asked:
+                    self._yardstick = found.bench
                 self._drop(wanted)
                 self._told(found)
 
     def _drop(self, done: Evaluation) -> None:
         with self._lock:
             if self._wanted is done:
-                self._wanted = None
+                self._wanted = self._earlier()
 
     def _refined(self, known: Evaluation) -> Evaluation | None:
         """An evaluation by its own yardstick; None where another is wanted before it is done.

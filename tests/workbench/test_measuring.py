@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,8 +58,6 @@ def test_nothing_more_is_simulated_once_it_is_closed(held, fitted):
 
 
 def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(held, fitted, monkeypatch):
-    import threading
-
     told, failures, over = [], [], threading.Event()
     measurements = made(
         held, told=lambda e: (told.append(e), over.set()), failed=failures.append
@@ -74,9 +75,28 @@ def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(held, f
     measurements.refine(known)
     assert over.wait(60)
     over.clear()
-    measurements.refine(known)
+    other = measurements.now(replace(fitted, pedestal=fitted.pedestal + 1.0))
+    measurements.refine(other)
     assert over.wait(60)
     assert [str(e) for e in failures] == ["one"]
     assert told[-1].exact
     assert np.isfinite(told[-1].error)
-    assert measurements.now(fitted) is told[-1]
+    assert measurements.now(other.model) is told[-1]
+
+
+def test_an_earlier_model_becomes_exact_after_the_present_one(held, fitted):
+    told, over = [], threading.Event()
+
+    def tell(found):
+        told.append(found.model)
+        if len(told) == 2:
+            over.set()
+
+    measurements = made(held, told=tell)
+    measurements.now(fitted)
+    present = measurements.now(replace(fitted, pedestal=fitted.pedestal + 1.0))
+    measurements.refine(present)
+    assert over.wait(60)
+    assert told == [present.model, fitted]
+    after = measurements.now(replace(fitted, pedestal=fitted.pedestal + 2.0))
+    assert np.array_equal(after.bench.test.floor, measurements.now(present.model).bench.test.floor)

@@ -188,16 +188,25 @@ class Images:
             source.data = _dots(found, grid) if found else {"x": [], "y": [], "value": []}
         self._head(picture)
 
+    def wait(self, names: tuple[str, ...] = NAMES) -> None:
+        """Say that images are being computed."""
+        for name in names:
+            self.figures[name].title.text = f"{_title(name)}: computing …"
+
     def _head(self, picture: Picture) -> None:
         """Say what an image is of: single pixels or means of blocks."""
         of = f", means of {picture.side} × {picture.side} pixels" if picture.side > 1 else ""
         for name, figure in self.figures.items():
-            title = "measured − simulated" if name == "difference" else name
+            title = _title(name)
             far = picture.outliers.get(name)
             hot = f", {far.count:,} pixels > 5 σ" if far else ""
             text = f"{title} [DN]{of}{hot}"
             if figure.title.text != text:
                 figure.title.text = text
+
+
+def _title(name: str) -> str:
+    return "measured − simulated" if name == "difference" else name
 
 
 def whole_ranges(

@@ -174,7 +174,8 @@ class TableRow:
         )  # fmt: skip
         made.add_tools(hover(p, [dots], ("", "@where"), (knob.parameter, "@text")))
         made.select_one(TapTool).renderers = [dots]
-        made.yaxis.ticker.desired_num_ticks = 3
+        self._ends = made.yaxis.ticker = FixedTicker(ticks=[])
+        made.ygrid.ticker = self._ends
         made.y_range.range_padding = 0.3
         every = max(1, -(-len(sliders) // 5))
         made.xaxis.ticker = FixedTicker(ticks=list(range(0, len(sliders), every)))
@@ -202,6 +203,10 @@ class TableRow:
             "where": [_place(s.label) for s in sliders],
             "text": [shown_value(s.knob, s.value) + unit_text(s.knob.unit) for s in sliders],
         }
+        values = [s.value for s in sliders]
+        ends = sorted({min(values), max(values)})
+        if self._ends.ticks != ends:  # ticks at ratios of 2 and 5 may be none, or lie in one place
+            self._ends.ticks = ends
         if self._source.selected.indices != [self._at]:
             self._source.selected.indices = [self._at]
         self.row.set(self._sliders[self._at])

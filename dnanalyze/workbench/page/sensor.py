@@ -14,6 +14,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import Window
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import plural
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
@@ -65,7 +66,7 @@ class Sensor:
         }
         self.side = pn.Column(
             pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
-            sizing_mode="stretch_both",
+            sizing_mode="stretch_both", stylesheets=[ACROSS],
         )  # fmt: skip
         self.pixel.view.visible = False
         self.view = pn.Column(
@@ -77,8 +78,10 @@ class Sensor:
                 self.point, self.kind, self.frame, self.plane, self.mode, self.swipe,
                 self.colours, self.low, self.high, self.auto, self.hot,
                 pn.layout.HSpacer(),
-                *downloads("frames", self._table, self._picture, style, "the images"),
-                enlarger(self.view, style),
+                pn.Row(
+                    *downloads("frames", self._table, self._picture, style, "the images"),
+                    enlarger(self.view, style), margin=0,
+                ),
                 margin=(0, 0, 4, 0), sizing_mode="stretch_width",
                 styles={"flex-wrap": "wrap", "row-gap": "3px", "min-width": "0"},
             ),
@@ -227,11 +230,24 @@ class Sensor:
         most = min(MOST, max(FEWEST, self.images.most))
         far = self.hot.value
         self._asked_s = time.monotonic()
-        self._latest.ask(
-            lambda: self.pictures.picture(view, window, model, most, far),
-            lambda x: self._show(x, grid, preview),
-            lambda error: self.context.session.tell(str(error)),
-        )
+        fresh = self._drawn is None or self._drawn[0] != view
+        if fresh:
+            self.images.wait()
+
+        def ask(model: NoiseModel | None) -> None:
+            self._latest.ask(
+                lambda: self.pictures.picture(view, window, model, most, far),
+                lambda x: show(x, model),
+                lambda error: self.context.session.tell(str(error)),
+            )
+
+        def show(picture: Picture, of: NoiseModel | None) -> None:
+            self._show(picture, grid, preview and not fresh)
+            if model is not None and of is None:
+                self.images.wait(NAMES[1:])
+                ask(model)
+
+        ask(None if fresh else model)  # the frame itself first: a simulation takes longer
 
     def _grid(self, plane: str) -> Grid:
         cfa = self.captures.sensor.cfa
@@ -368,5 +384,6 @@ GRID = """
   grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0; }
 @media (max-width:1279px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
   grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr); }
-  :host > :nth-child(4) { grid-column:1 / -1; } }
+}
 """
+ACROSS = "@media (max-width:1279px) { :host { grid-column:1 / -1; } }"

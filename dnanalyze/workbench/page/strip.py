@@ -113,9 +113,10 @@ class Strip:
             about = "" if shown.exact else "≈ "
             state = "preview" if shown.preview else "exact" if shown.exact else "full"
             parent = history.present.parent
-            before = history.present.error if shown.preview else (
-                None if parent is None else history.nodes[parent].error
+            other = history.present if shown.preview else (
+                None if parent is None else history.nodes[parent]
             )  # fmt: skip
+            before = None if other is None or shown.exact > other.exact else other.error
             came = f"from {number(before)}; " if before is not None else ""
             text = (
                 f"<div class=number><span class='error {state}' title='{STATES[state]}'>"
