@@ -116,7 +116,7 @@ def axes(address: Address, measured: Statistics) -> Axes | None:
     if address.family in ("spectrum", "lines"):
         return _shown(address, measured).axes
     if address.family == "distribution":
-        return Axes("dark value [DN]", "share of pixels per DN", False, True)
+        return Axes("dark value [DN]", "share per DN", False, True)
     if address.family == "tails":
         return Axes("deviation [robust σ]", "share of pixels above", True, True)
     if address.name == "drift":

@@ -53,11 +53,12 @@ class WorkbenchSession:
     Notes
     -----
     Methods may be called from several threads. Every listener is called with "statistics",
-    "history", "evaluation", "yardstick", "draft", "diagnosis", "answer", "detection" or
-    "message" after each change, from the thread that made it.
+    "history", "evaluation", "yardstick", "earlier", "draft", "diagnosis", "answer",
+    "detection" or "message" after each change, from the thread that made it.
 
     The error of a new model is first stated by the yardstick of the model before; the model's
-    own follows in the background ("yardstick"). Only then is it `Node.exact`.
+    own follows in the background ("yardstick"), then those of models before it that have none
+    yet ("earlier"). Only then is it `Node.exact`.
 
     Examples
     --------
@@ -293,10 +294,11 @@ class WorkbenchSession:
                     self.history = self._stated(node.number, found)
             if self.baseline is not None and self.baseline.model == found.model:
                 self.baseline = found
-            if self.present.model == found.model:
+            present = self.present.model == found.model
+            if present:
                 self.evaluation = found
             self._settled.notify_all()
-        self.changed("yardstick")
+        self.changed("yardstick" if present else "earlier")
         self._prepared()
 
     def _inexact(self, error: Exception) -> None:

@@ -219,6 +219,49 @@ def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
     assert bench.page.locator(".cell.chosen").count() == 1
 
 
+def _lengths(bench: Workbench, source: str) -> list[int]:
+    """Numbers of entries in the columns of a data source of the page."""
+    return bench.page.evaluate(
+        f"""() => {{
+        const found = Bokeh.documents.map((d) => d.get_model_by_name("{source}")).find((m) => m);
+        return Object.values(found.data).map((column) => column.length);
+        }}"""
+    )
+
+
+def test_the_residuals_of_a_curve_are_drawn_below_it(bench):
+    bench.page.locator(".family").filter(has_text=re.compile("^Spectrum")).click()
+    bench.until(
+        lambda: min(_lengths(bench, "curve residual of present model")) > 5, "the residuals"
+    )
+
+
+def test_a_click_on_a_cell_marks_where_its_statistic_comes_from(bench):
+    """And one of a statistic that has no place takes the marks away."""
+    bench.page.locator(".family").filter(has_text=re.compile("^Rows and columns")).click()
+    row = bench.page.locator("tr").filter(has_text=re.compile(r"^(?!.*(temporal|in time)).*column"))
+    row.first.locator(".cell").last.click()
+    marks = bench.page.locator(".marks .quiet").filter(has_text="marked: ")
+    marks.filter(has_text="column").wait_for()
+    bench.page.locator(".family").filter(has_text=re.compile("^Hot-pixel tail")).click()
+    row = bench.page.locator("tr").filter(has_text="pixels above 5 robust sigma")
+    row.locator(".cell").first.click()
+    bench.until(lambda: min(_lengths(bench, "marked pixels")) > 0, "marked pixels")
+    bench.page.locator(".family").filter(has_text=re.compile("^Shading")).click()
+    bench.page.locator(".cell").last.click()
+    bench.until(lambda: max(_lengths(bench, "marked pixels")) == 0, "no marks")
+    bench.until(lambda: marks.count() == 0, "no words of marks")
+
+
+def test_the_histogram_of_a_narrow_page_is_as_wide_as_its_frames(bench):
+    bench.page.set_viewport_size({"width": 1024, "height": 768})
+    try:
+        shown = bench.page.locator(".side")
+        bench.until(lambda: shown.bounding_box()["width"] > 900, "a wide histogram")
+    finally:
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
+
+
 def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(bench):
     bench.page.set_viewport_size({"width": 1024, "height": 768})
     size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"

@@ -26,6 +26,8 @@ class Context:
     session : WorkbenchSession
     palette : Palette
     document : bokeh Document
+    brushed : Address or None
+        The statistic whose pixels, rows or columns are marked in the images.
     shown : Evaluation or None
         What the panes draw as the present model.
     draft : NoiseModel or None
@@ -37,6 +39,7 @@ class Context:
     document: Any
     family: str = ""
     address: Address | None = None
+    brushed: Address | None = None
     candidate: tuple[str, Evaluation] | None = None
     shown: Evaluation | None = None
     draft: NoiseModel | None = None

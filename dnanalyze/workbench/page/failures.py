@@ -99,14 +99,15 @@ class Failures:
             self._draw_families()
             self._draw_matrix()
         elif isinstance(at := message.get("cell"), int) and 0 <= at < len(self._addresses):
-            context.address = self._addresses[at]
+            context.address = context.brushed = self._addresses[at]
             context.tell("address")
+            context.tell("brush")
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
         if what in ("evaluation", "yardstick"):
             self._follow()
-        if what in ("evaluation", "yardstick", "preview", "compared"):
+        if what in ("evaluation", "yardstick", "earlier", "preview", "compared"):
             self._draw_families()
         if what in ("evaluation", "yardstick"):
             self._draw_matrix()

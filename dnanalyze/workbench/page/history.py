@@ -107,7 +107,7 @@ class HistoryPane:
     def update(self, what: str) -> None:
         """Draw what has changed."""
         history = self.context.session.history
-        if what in ("history", "evaluation", "yardstick") and history is not None:
+        if what in ("history", "evaluation", "yardstick", "earlier") and history is not None:
             self._draw(history)
 
     def _draw(self, history: History) -> None:

@@ -8,7 +8,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
-from bokeh.models import ColumnDataSource, CustomJSTickFormatter, FixedTicker, TapTool
+from bokeh.models import (
+    BasicTickFormatter,
+    ColumnDataSource,
+    CustomJSTickFormatter,
+    FixedTicker,
+    TapTool,
+)
 
 from dnanalyze.digits import number, symbol, unit_text
 from dnanalyze.fitting.knobs import Knob
@@ -176,6 +182,7 @@ class TableRow:
         made.select_one(TapTool).renderers = [dots]
         self._ends = made.yaxis.ticker = FixedTicker(ticks=[])
         made.ygrid.ticker = self._ends
+        made.yaxis.formatter = BasicTickFormatter(use_scientific=False, precision=3)
         made.y_range.range_padding = 0.3
         every = max(1, -(-len(sliders) // 5))
         made.xaxis.ticker = FixedTicker(ticks=list(range(0, len(sliders), every)))

@@ -126,11 +126,12 @@ class CurvePlot:
     def _show_residuals(
         self, axes: Axes, labels: Sequence[str], curves: Mapping[str, Curve]
     ) -> None:
+        """Of curves; over operating points the cells of the statistic state them."""
         measured, reach = curves.get("measured"), 5.0
         for layer, source in self.apart.items():
             model = curves.get(layer)
             found = (
-                None if measured is None or model is None
+                None if measured is None or model is None or labels
                 else residual(measured, model, axes.log_y)
             )  # fmt: skip
             data: dict[str, Any] = {"x": [], "y": []}
@@ -143,7 +144,7 @@ class CurvePlot:
         r = self.residuals.y_range
         if not 0.5 * r.end < reach <= r.end:  # a preview does not make the axis jump
             r.start, r.end = -reach, reach
-        self._below.show(axes.log_x, labels)
+        self._below.show(axes.log_x)
         if self.residuals.xaxis[0].axis_label != axes.x:
             self.residuals.xaxis.axis_label = axes.x
         told = any(len(s.data["x"]) for s in self.apart.values())

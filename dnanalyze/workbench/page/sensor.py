@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 import time
 from collections.abc import Callable
@@ -28,6 +29,7 @@ from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.pictures import Picture
+from dnanalyze.workbench.places import Places
 from dnanalyze.workbench.worst import worst_view
 
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
@@ -46,7 +48,8 @@ class Sensor:
         p = context.palette
         self.pictures = context.session.pictures
         self.captures = self.pictures.captures
-        self._latest = Latest(context.back)
+        self._latest, self._brushing = Latest(context.back), Latest(context.back)
+        self._request = 0
         self._asked_s = -math.inf
         self._timer: Any = None
         self._turned = False
@@ -57,6 +60,7 @@ class Sensor:
         self._ends: tuple[float, float] = (0.0, 1.0)
         style = self._style = [inner(p)]
         self._make_controls(style)
+        self.marks = pn.pane.HTML("", stylesheets=style, margin=(4, 0, 0, 4), css_classes=["marks"])
         self.images = Images(p, self.captures.sensor.shape, self._pixel, self._changed)
         self.histogram = Histogram(context)
         self.pixel = Pixel(context)
@@ -66,7 +70,7 @@ class Sensor:
         }
         self.side = pn.Column(
             pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
-            sizing_mode="stretch_both", stylesheets=[ACROSS],
+            sizing_mode="stretch_both", stylesheets=[ACROSS], css_classes=["side"],
         )  # fmt: skip
         self.pixel.view.visible = False
         self.view = pn.Column(
@@ -77,7 +81,7 @@ class Sensor:
                 pn.pane.HTML("<h2>Frames</h2>", stylesheets=style, margin=(3, 6, 0, 0)),
                 self.point, self.kind, self.frame, self.plane, self.mode, self.swipe,
                 self.colours, self.low, self.high, self.auto, self.hot,
-                pn.layout.HSpacer(),
+                self.marks, pn.layout.HSpacer(),
                 pn.Row(
                     *downloads("frames", self._table, self._picture, style, "the images"),
                     enlarger(self.view, style), margin=0,
@@ -158,6 +162,44 @@ class Sensor:
             self._changed()
         elif what == "preview" and live and due:
             self._changed()
+        elif what == "brush":
+            self._brush()
+
+    def _brush(self) -> None:
+        """Mark where the chosen statistic comes from, in the image that shows it."""
+        address = self.context.brushed
+        points = [s.point for s in self.captures.settings]
+        if address is None or address.point not in points:
+            self.images.mark(None, self._shown_window())
+            return
+        setting = points.index(address.point)
+        cfa = self.captures.sensor.cfa
+        sites = [n for n in frames.planes(cfa) if n and n.rstrip("0123456789") == address.plane]
+        plane = sites[0] if sites else ""
+
+        def show(found: Places | None) -> None:
+            if self.context.brushed is not address:
+                return
+            self.marks.object = (
+                "" if found is None
+                else f"<span class=quiet>□ marked: {html.escape(found.text)}</span>"
+            )  # fmt: skip
+            if found is not None:
+                self._own = True
+                self._choose_view(View(setting, found.kind, 0, plane))
+            self.images.mark(found, self._shown_window())
+            self._changed()
+
+        self._brushing.ask(
+            lambda: self.pictures.places(address.name, setting, plane),
+            show,
+            lambda error: self.context.session.tell(str(error)),
+        )
+
+    def _shown_window(self) -> Window:
+        if self._shown is None:
+            return Window.whole(self.images.shape)
+        return self._shown.window
 
     def _lead(self) -> None:
         """Show where the model fails most, until the user has chosen a view.
@@ -183,7 +225,7 @@ class Sensor:
         self.view_of, self._quiet = view, True
         try:
             self.point.value, self.kind.value = view.setting, view.kind
-            self.frame.value = view.frame
+            self.frame.value, self.plane.value = view.frame, view.plane
         finally:
             self._quiet = False
         self._adjusted()
@@ -241,11 +283,14 @@ class Sensor:
                 lambda error: self.context.session.tell(str(error)),
             )
 
+        self._request = request = self._request + 1
+
         def show(picture: Picture, of: NoiseModel | None) -> None:
             self._show(picture, grid, preview and not fresh)
-            if model is not None and of is None:
+            if of is None:
                 self.images.wait(NAMES[1:])
-                ask(model)
+                if model is not None and request == self._request:
+                    ask(model)
 
         ask(None if fresh else model)  # the frame itself first: a simulation takes longer
 
