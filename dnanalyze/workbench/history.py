@@ -67,7 +67,7 @@ def effects_apart(one: NoiseModel, other: NoiseModel) -> str:
     >>> from dnanalyze import NoiseModel
     >>> from dnanalyze.workbench.history import effects_apart
     >>> from dnanalyze.model.effects.column_fpn import ColumnFpn
-    >>> effects_apart(NoiseModel(), NoiseModel().with_effect(ColumnFpn()))
+    >>> effects_apart(NoiseModel(()), NoiseModel(()).with_effect(ColumnFpn()))
     'with column_fpn'
     """
     parts = {
@@ -128,10 +128,16 @@ class History:
         new = Node(len(self.nodes), self.at, action, model, command, origin)
         return History((*self.nodes, new), new.number)
 
-    def revised(self, model: NoiseModel) -> History:
+    def revised(self, model: NoiseModel, action: str = "") -> History:
         """The present node with another model, whose error is not known."""
         node = replace(
-            self.present, model=model, error=None, families={}, exact=False, standard_errors={}
+            self.present,
+            model=model,
+            action=action or self.present.action,
+            error=None,
+            families={},
+            exact=False,
+            standard_errors={},
         )
         return self._changed(node)
 
@@ -179,6 +185,32 @@ class History:
             node = self.nodes[node.parent]
             found.append(node)
         return found[::-1]
+
+    def laid_out(self) -> dict[int, tuple[int, int]]:
+        """Place of each node in a drawing of the tree: steps from the start, and lane.
+
+        The first child stays in its parent's lane; every further branch has one of its own.
+
+        Examples
+        --------
+        >>> from dnanalyze import NoiseModel
+        >>> from dnanalyze.workbench.history import History
+        >>> tree = History.begun(NoiseModel(()), "begun").grown("a", NoiseModel(()))
+        >>> tree.moved(0).grown("b", NoiseModel(())).laid_out()
+        {0: (0, 0), 1: (1, 0), 2: (1, 1)}
+        """
+        places: dict[int, tuple[int, int]] = {}
+        lanes = 0
+        for node in self.nodes:  # parents come before their children
+            if node.parent is None:
+                places[node.number] = (0, 0)
+                continue
+            depth, lane = places[node.parent]
+            if any(n.parent == node.parent for n in self.nodes[: node.number]):
+                lanes += 1
+                lane = lanes
+            places[node.number] = (depth + 1, lane)
+        return places
 
     def made(self, number: int | None = None) -> list[Node]:
         """Nodes from which commands make a node again, in order.

@@ -201,8 +201,12 @@ class WorkbenchSession:
         """A new node whose error is not known yet; the last one, where a slider moves on."""
         with self._lock:
             history = self._history()
-            again = action.startswith(MOVED) and history.present.action == action and history.open
-            self.history = history.revised(model) if again else history.grown(action, model)
+            before = history.present.action
+            if action.startswith(MOVED) and before.startswith(MOVED) and history.open:
+                names = dict.fromkeys([*before[len(MOVED) :].split(", "), action[len(MOVED) :]])
+                self.history = history.revised(model, MOVED + ", ".join(names))
+            else:
+                self.history = history.grown(action, model)
         self.changed("history")
 
     def remove(self, effect: str) -> None:

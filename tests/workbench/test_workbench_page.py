@@ -360,6 +360,19 @@ def test_work_after_an_undo_is_a_branch(bench):
     bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
 
 
+def test_steps_are_cards_of_a_tree_with_pictures_and_a_click_goes_there(bench):
+    steps = bench.page.locator(".step")
+    bench.until(lambda: steps.count() > 2, "cards")
+    bench.until(lambda: bench.page.locator(".step img").count() == steps.count(), "pictures")
+    here = bench.page.locator(".step.present").get_attribute("data-number")
+    steps.first.click()
+    first = bench.page.locator(".step.present[data-number='0']")
+    first.wait_for()
+    bench.page.locator(f".step[data-number='{here}']").click()
+    bench.page.locator(f".step.present[data-number='{here}']").wait_for()
+    bench.settled()
+
+
 def test_what_is_missing_is_named_shown_and_added(bench):
     before = bench.settled()
     bench.click("Find what is missing")

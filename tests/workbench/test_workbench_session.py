@@ -100,6 +100,17 @@ def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(se
     assert session.present.error == pytest.approx(own, rel=1e-6)
 
 
+def test_moves_of_several_sliders_in_a_row_are_one_node(session):
+    first = session.present.number
+    session.set_value("pedestal", 80.0)
+    session.set_value("convolved_lognormal.delta[2]", 1.0)
+    session.set_value("pedestal", 81.0)
+    assert session.present.action == "set pedestal, convolved_lognormal.delta[2]"
+    assert session.present.parent == first
+    session.undo()
+    assert session.present.number == first
+
+
 def test_a_model_that_is_left_gives_its_place_to_the_next_yardstick(session):
     session.set_value("pedestal", 80.0)
     session.set_value("pedestal", 70.0)
