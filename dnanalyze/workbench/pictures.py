@@ -107,6 +107,11 @@ class Pictures:
             self._held.move_to_end(key)
             return self._held[key]
 
+    def clear(self) -> None:
+        """Keep no image."""
+        with self._lock:
+            self._held.clear()
+
     def thumbnail(self, setting: int, model: NoiseModel | None) -> np.ndarray:
         """The middle of the first frame, at its own sampling, of the captures or of a model."""
         rows, columns = self.captures.sensor.shape

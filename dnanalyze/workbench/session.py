@@ -16,6 +16,7 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 from dnanalyze.model.registry import BASE, find
 from dnanalyze.report.words import plural
@@ -30,6 +31,8 @@ from dnanalyze.workbench.source import CaptureSource
 from dnanalyze.workbench.worker import Task
 
 Event = Callable[[str], None]
+FIELD_BYTES = 256 << 20  # of fields kept between full evaluations
+CHARGE_BYTES = 64 << 20
 FADES_S = 5.0  # of a message that a task was cancelled
 MOVED = "set "  # begins the action of a node that a slider or a number field made
 REPLACED = ("fit", "add")  # tasks that set another model: the present one's yardstick can wait
@@ -46,9 +49,6 @@ class WorkbenchSession:
         Starting model; by default the Wang 2025 model is fitted first.
     loaded : CaptureSet, optional
         The captures of the source; read from it by default.
-    shared : callable, optional
-        Gives the statistics that sessions on the same captures share; each has
-        its own by default.
 
     Notes
     -----
@@ -75,7 +75,6 @@ class WorkbenchSession:
     source: CaptureSource
     model: NoiseModel | None = None
     loaded: CaptureSet | None = None
-    shared: Callable[[], Bench] | None = None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
     bench: Bench | None = field(init=False, default=None)
@@ -141,13 +140,15 @@ class WorkbenchSession:
     def left(self) -> None:
         """No page shows the session any more: its worker ends when its task has."""
         self.worker.rest()
+        self.pictures.clear()
 
     def prepare(self) -> None:
         """Take the statistics and set the starting model; takes seconds."""
         self.stage = f"statistics of {plural(self.captures.frame_count, 'frame')}"
         if self.model is None:
             self.worker.warm()  # its start takes about as long as the statistics
-        found = bench(design(self.captures)) if self.shared is None else self.shared()
+        room = Memo(FIELD_BYTES, charge=Memo(CHARGE_BYTES))
+        found = bench(design(self.captures)).with_memo(room)
         self._measurements.begin(found)
         with self._lock:
             self.bench, self.stage = found, "error of the first model"

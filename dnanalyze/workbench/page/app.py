@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import panel as pn
@@ -24,7 +25,11 @@ from dnanalyze.workbench.session import WorkbenchSession
 
 
 def page(
-    session: WorkbenchSession, query: str, theme: str, begun: Callable[[], None] = lambda: None
+    session: WorkbenchSession,
+    query: str,
+    theme: str,
+    begun: Callable[[], None] = lambda: None,
+    others: Mapping[str, str] = MappingProxyType({}),
 ) -> Any:
     """The page of a session.
 
@@ -36,6 +41,8 @@ def page(
     theme : {"light", "dark"}
     begun : callable
         Called when the browser has the page.
+    others : mapping
+        Queries of the other folders' pages, by name.
 
     Returns
     -------
@@ -43,7 +50,7 @@ def page(
     """
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
-    bar, strip, failures = TopBar(context, query), Strip(context), Failures(context)
+    bar, strip, failures = TopBar(context, query, others), Strip(context), Failures(context)
     later: dict[str, Callable[[Context], Any]] = {
         "sensor": Sensor,
         "model": Model,
@@ -124,7 +131,7 @@ def _forget(session: WorkbenchSession, listener: Any) -> None:
 class TopBar:
     """What is open, and the theme."""
 
-    def __init__(self, context: Context, query: str) -> None:
+    def __init__(self, context: Context, query: str, others: Mapping[str, str]) -> None:
         style = [inner(context.palette)]
         captures = context.session.captures
         rows, columns = captures.sensor.shape
@@ -138,6 +145,14 @@ class TopBar:
             facts += (
                 f", <details class=notes><summary>{plural(len(captures.notes), 'note')}</summary>"
                 f"<ul>{items}</ul></details>"
+            )
+        if others:
+            items = "".join(
+                f"<li><a href='{html.escape(q)}' target=_self>{html.escape(n)}</a></li>"
+                for n, q in others.items()
+            )
+            facts += (
+                f", <details class=notes><summary>other folders</summary><ul>{items}</ul></details>"
             )
         other = "light" if context.palette.name == "dark" else "dark"
         there = query.replace(f"theme={context.palette.name}", f"theme={other}")

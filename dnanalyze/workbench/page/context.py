@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
@@ -56,12 +57,20 @@ class Context:
 
     def tell(self, what: str) -> None:
         """Tell every pane what has changed, in one message; in the document's thread."""
-        self.document.hold("combine")
-        try:
+        with self.combined():
             for listener in self.listeners:
                 listener(what)
+
+    @contextmanager
+    def combined(self) -> Iterator[None]:
+        """Send what changes within as one message: a browser never draws the half of it."""
+        within = self.document.callbacks.hold_value is not None
+        self.document.hold("combine")
+        try:
+            yield
         finally:
-            self.document.unhold()
+            if not within:
+                self.document.unhold()
 
     def later(self, what: str) -> None:
         """As `tell`, from the callback of a widget: these may run without the document's lock."""

@@ -313,11 +313,12 @@ class Sensor:
         """Draw the images; those of a preview at the contrast that there is."""
         same = self._drawn == (picture.view, picture.window, picture.side)
         self._drawn, self._shown = (picture.view, picture.window, picture.side), picture
-        if not (preview and same):
-            self._scale(picture)
-        # drawing an image takes a browser as long as the curve: the difference follows at rest
-        self.images.show(picture, grid, ("simulated",) if preview and same else NAMES)
-        self._compose()
+        with self.context.combined():
+            if not (preview and same):
+                self._scale(picture)
+            # drawing an image takes a browser as long as the curve: the difference follows at rest
+            self.images.show(picture, grid, ("simulated",) if preview and same else NAMES)
+            self._compose()
 
     def _scale(self, picture: Picture) -> None:
         mapper, apart = self.images.mapper, self.images.apart
