@@ -78,6 +78,7 @@ def page(
         context.back(lambda: tell(what))
 
     def begin() -> None:
+        context.shown = session.evaluation
         for name, kind in later.items():  # half of the time that a page takes: painted first
             areas[name].objects = [kind(context).view]
         session.listeners.append(listener)

@@ -162,9 +162,12 @@ class HistoryPane:
             return _png(session.pictures.thumbnail(setting, missing), *ends)
 
         def show(found: str) -> None:
-            self._images[missing] = found
             now = session.history
             if now is not None:
+                kept = {n.model for n in now.nodes}
+                self._images = {
+                    m: i for m, i in [*self._images.items(), (missing, found)] if m in kept
+                }
                 self._draw_tree(now)
                 self._picture(now)
 

@@ -96,6 +96,7 @@ class Sensor:
         ])  # fmt: skip
         context.listeners.append(self.update)
         self._choose_view(self.view_of)
+        self._lead()  # a second page begins where the first one does
         self._changed()
 
     def _make_controls(self, style: list[str]) -> None:
