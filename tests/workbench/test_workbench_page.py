@@ -330,6 +330,7 @@ def test_a_value_beyond_its_limits_is_not_applied_and_the_limits_are_shown(bench
     field.fill(value)
     field.press("Enter")
     bench.until(lambda: not bench.page.get_by_text("not applied").is_visible(), "no limits")
+    assert (bench.settled(), nodes.count()) == (before, count)  # as it stood
 
 
 def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):

@@ -153,7 +153,8 @@ class ParameterRow:
             self._note(f"not applied; {limits(knob)}", wrong=True)
             return
         self._note("")
-        self._move(knob.name, value)
+        if event.new != shown_value(knob, self._value):  # as it stands: all digits are kept
+            self._move(knob.name, value)
 
 
 class TableRow:
