@@ -1,10 +1,13 @@
 """Latency and memory of the workbench, measured in a headless Chromium.
 
     python benchmarks/workbench.py [FOLDER] [--moves 50] [--long 500] [--screenshot DIR]
+    python benchmarks/workbench.py --opening FOLDER ...
 
 Without a folder a virtual sensor of 5 temperatures x 8 frames x 512 x 512 is made. A move is a key
-pressed on a slider; it ends when the browser has drawn the new curve. Needs the extra `workbench`,
-Playwright and Debian's chromium.
+pressed on a slider; it ends when the browser has drawn the new curve. With --opening: the times
+from the address to paint, frames, first error and fitted error, with an empty cache of statistics
+and with a filled one; in brackets the processor time of server and worker. Needs the extra
+`workbench`, Playwright and Debian's chromium.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ FLAGS = [
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 SERIES = 3  # of moves: one alone varies with what else the machine does
-REST_S = 0.2  # the page waits so long after the last move
+REST_S = 0.3  # the page waits so long after the last move
 MOVES = """async (handle, [count, pause]) => {
   const doc = Bokeh.documents.find((d) => d.get_model_by_name("curve of present model"));
   const took = [];
@@ -54,6 +57,9 @@ MOVES = """async (handle, [count, pause]) => {
   return took;
 }"""
 
+FRAMES = """() => window.Bokeh?.documents.some(
+  (d) => d.get_model_by_name("image of measured")?.data.image.length > 0)"""
+
 
 def virtual_sensor(folder: Path) -> Path:
     """5 temperatures x 8 frames x 512 x 512 with column FPN."""
@@ -68,6 +74,19 @@ def memory_mib(pid: int) -> float:
     """Resident memory of a process."""
     text = Path(f"/proc/{pid}/status").read_text()
     return int(re.search(r"VmRSS:\s+(\d+)", text).group(1)) / 1024  # type: ignore[union-attr]
+
+
+def processor_s(pid: int) -> float:
+    """Processor time of a process and of those that it has begun: other work scarcely alters it."""
+    found = 0.0
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+        except OSError:  # it has just ended
+            continue
+        if pid in (int(path.parent.name), int(fields[1])):
+            found += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return found
 
 
 def settled(page: Any, limit_s: float = 300.0) -> None:
@@ -131,17 +150,20 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
                 f"p95 {p95:.0f} ms (limit 250)"
             )
             settled(page)
-        rests = []
+        rests: dict[str, list[float]] = {"full": [], "exact": []}
         for _ in range(10):
             handle.evaluate(MOVES, [1, 0])
             begun = time.perf_counter()
-            page.locator(".error").filter(has_text="≈").wait_for(timeout=5000)
+            page.locator(".error.preview").wait_for(timeout=5000)
+            page.locator(".error.full, .error.exact").wait_for(timeout=60000)
+            rests["full"].append(time.perf_counter() - begun)
             settled(page)
-            rests.append(time.perf_counter() - begun)
-        print(
-            f"full error after rest: p50 {np.median(rests):.2f} s, most {max(rests):.2f} s "
-            f"(limit 1.5; {REST_S:g} s of it the wait)"
-        )
+            rests["exact"].append(time.perf_counter() - begun)
+        for name, took in rests.items():
+            print(
+                f"{name} error after rest: p50 {np.median(took):.2f} s, most {max(took):.2f} s "
+                f"({REST_S:g} s of it the wait; limit of the full one 1)"
+            )
         if pictures is not None:
             page.screenshot(path=str(pictures / "workbench.png"))
         before = memory_mib(process.pid)
@@ -155,13 +177,66 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
         browser.close()
 
 
+def opened(folder: Path) -> None:
+    """Print the times from a page's address to what it shows."""
+    from playwright.sync_api import sync_playwright
+
+    with (
+        tempfile.TemporaryDirectory() as cache,
+        sync_playwright() as play,
+        patched(DNANALYZE_CACHE=cache),
+    ):
+        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        for state in ("empty", "filled"):
+            with served(folder) as (process, address):
+                page = browser.new_page(viewport={"width": 1440, "height": 900})
+                begun = time.perf_counter()
+                page.goto(address)
+                took: dict[str, tuple[float, float]] = {}
+                spent = processor_s(process.pid)
+                fitted = page.locator("option").filter(has_text="model, fitted")
+                for what, shown in (
+                    ("paint", page.get_by_text("Where it fails")),
+                    ("frames", None),
+                    ("first error", page.locator(".error")),
+                    ("fitted", fitted),
+                    ("exact", page.locator(".error.exact")),
+                ):
+                    if shown is None:
+                        page.wait_for_function(FRAMES, timeout=300_000)
+                    else:
+                        shown.first.wait_for(state="attached", timeout=300_000)
+                    took[what] = time.perf_counter() - begun, processor_s(process.pid) - spent
+                page.close()
+            times = ", ".join(f"{k} {v:.1f} s ({cpu:.1f})" for k, (v, cpu) in took.items())
+            print(f"{folder.name}, cache {state}: {times}", flush=True)
+        browser.close()
+
+
+@contextmanager
+def patched(**variables: str) -> Iterator[None]:
+    """Environment variables of the servers begun here."""
+    before = dict(os.environ)
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", nargs="?", type=Path)
     parser.add_argument("--moves", type=int, default=50)
     parser.add_argument("--long", type=int, default=500)
     parser.add_argument("--screenshot", type=Path, metavar="DIR")
+    parser.add_argument("--opening", nargs="+", type=Path, metavar="FOLDER")
     options = parser.parse_args()
+    for folder in options.opening or ():
+        opened(folder)
+    if options.opening:
+        return
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.folder or virtual_sensor(Path(temporary) / "sensor")
         measured(folder, options.moves, options.long, options.screenshot)

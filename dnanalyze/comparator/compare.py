@@ -167,9 +167,13 @@ def error_of(held: Bench, made: list[Statistics]) -> float:
 
 def table(held: Bench, made: list[Statistics]) -> list[dict[str, Any]]:
     """One row a number: measured, simulated, floor and discrepancy, in the contract's keys."""
+    return rows_of(held, prediction(made, 1, held.test))
+
+
+def rows_of(held: Bench, simulated: np.ndarray) -> list[dict[str, Any]]:
+    """The rows of `table` from the coordinates predicted for the judged half."""
     known = infos()
     target = held.test
-    simulated = prediction(made, 1, target)
     z = target.z(simulated)
     rows = []
     for i, key in enumerate(target.keys):

@@ -186,7 +186,7 @@ def _serve(pipe: Connection, shares: int) -> None:
     threadpool_limits(1)  # the other processors have helpers of their own
     memo = room(shares)
     with suppress(Exception):  # an effect of another package may fail; when asked for, it is told
-        _warm()
+        warm()
     with suppress(EOFError, OSError):
         while True:
             task = pipe.recv()
@@ -197,7 +197,7 @@ def _serve(pipe: Connection, shares: int) -> None:
             pipe.send(found)
 
 
-def _warm() -> None:
+def warm() -> None:
     """All that is imported and compiled when first used is, while the captures are being read."""
     model = NoiseModel(tuple(effect() for effect in built_in().values()))
     rows, columns = WARM

@@ -18,6 +18,7 @@ from dnanalyze.model.simulate import simulate
 FRAME, MEAN, TEMPORAL = "single frame", "mean frame", "temporal noise"
 MOST_FRAMES = 12  # that a mean or a standard deviation is taken over
 PLAIN = 30.0  # standard deviations; what is off by more is not seen better for it
+ROWS = 256  # of a frame, taken at a time
 Rows = Sequence[Mapping[str, Any]]
 PREFIXES = {
     "temporal": TEMPORAL, "noise": TEMPORAL, "blink": TEMPORAL, "local_variance": TEMPORAL,
@@ -139,12 +140,19 @@ def over_frames(frames: Sequence[Frame], deviation: bool = False) -> np.ndarray:
         DN.
     """
     mean = frames[0].read().astype(np.float32)
-    squares = np.zeros_like(mean)
+    squares = np.zeros_like(mean) if deviation else None
     for number, frame in enumerate(frames[1:], 2):
-        x = frame.read().astype(np.float32)
-        step = x - mean
-        mean += step / number
-        squares += step * (x - mean)
-    if not deviation:
+        pixels = frame.read()
+        for top in range(0, len(mean), ROWS):  # what is in between takes no room of a frame's size
+            rows = slice(top, top + ROWS)
+            x = pixels[rows].astype(np.float32)
+            step = x - mean[rows]
+            mean[rows] += step / number
+            if squares is not None:
+                squares[rows] += step * (x - mean[rows])
+    if squares is None:
         return mean
-    return np.sqrt(squares / (len(frames) - 1)) if len(frames) > 1 else np.full_like(mean, np.nan)
+    if len(frames) < 2:
+        return np.full_like(mean, np.nan)
+    squares /= len(frames) - 1
+    return np.sqrt(squares, out=squares)

@@ -116,7 +116,7 @@ def axes(address: Address, measured: Statistics) -> Axes | None:
     if address.family in ("spectrum", "lines"):
         return _shown(address, measured).axes
     if address.family == "distribution":
-        return Axes("dark value [DN]", "share of pixels per DN", False, True)
+        return Axes("dark value [DN]", "share per DN", False, True)
     if address.family == "tails":
         return Axes("deviation [robust σ]", "share of pixels above", True, True)
     if address.name == "drift":
@@ -187,6 +187,49 @@ def curve(
     if address.family not in ("spectrum", "lines"):
         return after
     return None if whole is None else _scaled(whole, before, after)
+
+
+def residual(measured: Curve, model: Curve, log: bool) -> Curve | None:
+    """Difference of two curves over its standard error, at the measured abscissas.
+
+    Parameters
+    ----------
+    measured, model : Curve
+        With bands of two standard errors; a curve without one counts as exact.
+    log : bool
+        Whether the difference is that of the logarithms.
+
+    Returns
+    -------
+    Curve or None
+        None where no standard error is known, or the curves share no abscissa.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dnanalyze.workbench.curves import Curve, residual
+    >>> x, y = np.array([0.0, 1.0]), np.array([4.0, 6.0])
+    >>> residual(Curve(x, y, y - 2, y + 2), Curve(x, x, x, x), log=False).y.tolist()
+    [4.0, 5.0]
+    """
+    keep = np.isfinite(measured.y) & ((measured.y > 0) | (not log))
+    x = measured.x[keep]
+    scale = np.log if log else np.asarray
+    seen = np.isfinite(model.y) & ((model.y > 0) | (not log))
+    if not x.size or not seen.any():
+        return None
+
+    def at(values: np.ndarray) -> np.ndarray:
+        return np.interp(x, model.x[seen], scale(values[seen]), left=np.nan, right=np.nan)
+
+    one = (scale(measured.high[keep]) - scale(measured.low[keep])) / 4.0
+    two = (at(model.high) - at(model.low)) / 4.0
+    error = np.hypot(one, two)
+    told = np.isfinite(error) & (error > 0)
+    if not told.any():
+        return None
+    y = ((scale(measured.y[keep]) - at(model.y)) / np.where(told, error, 1.0))[told]
+    return Curve(x[told], y, y, y)
 
 
 def _curve(statistics: Statistics, address: Address, measured: Statistics) -> Curve | None:

@@ -33,6 +33,8 @@ class Node:
         Model error (dimensionless); None: not computed yet.
     families : mapping
         Error of each family of statistics.
+    exact : bool
+        Whether the error is by the yardstick of the model itself.
     name : str
         Given by the user.
     standard_errors : mapping
@@ -47,6 +49,7 @@ class Node:
     origin: int | None = None
     error: float | None = None
     families: Mapping[str, float] = field(default_factory=dict)
+    exact: bool = False
     name: str = ""
     standard_errors: Mapping[str, float] = field(default_factory=dict)
 
@@ -64,7 +67,7 @@ def effects_apart(one: NoiseModel, other: NoiseModel) -> str:
     >>> from dnanalyze import NoiseModel
     >>> from dnanalyze.workbench.history import effects_apart
     >>> from dnanalyze.model.effects.column_fpn import ColumnFpn
-    >>> effects_apart(NoiseModel(), NoiseModel().with_effect(ColumnFpn()))
+    >>> effects_apart(NoiseModel(()), NoiseModel(()).with_effect(ColumnFpn()))
     'with column_fpn'
     """
     parts = {
@@ -125,9 +128,17 @@ class History:
         new = Node(len(self.nodes), self.at, action, model, command, origin)
         return History((*self.nodes, new), new.number)
 
-    def revised(self, model: NoiseModel) -> History:
+    def revised(self, model: NoiseModel, action: str = "") -> History:
         """The present node with another model, whose error is not known."""
-        node = replace(self.present, model=model, error=None, families={}, standard_errors={})
+        node = replace(
+            self.present,
+            model=model,
+            action=action or self.present.action,
+            error=None,
+            families={},
+            exact=False,
+            standard_errors={},
+        )
         return self._changed(node)
 
     @property
@@ -155,9 +166,12 @@ class History:
         """A node with the user's name."""
         return self._changed(replace(self.node(number), name=name.strip()[:MOST_NAME]))
 
-    def measured(self, number: int, error: float, families: Mapping[str, float]) -> History:
+    def measured(
+        self, number: int, error: float, families: Mapping[str, float], exact: bool = True
+    ) -> History:
         """A node with its error."""
-        return self._changed(replace(self.node(number), error=error, families=dict(families)))
+        node = replace(self.node(number), error=error, families=dict(families), exact=exact)
+        return self._changed(node)
 
     def known(self, number: int, standard_errors: Mapping[str, float]) -> History:
         """A node with the standard errors of its parameters."""
@@ -171,6 +185,32 @@ class History:
             node = self.nodes[node.parent]
             found.append(node)
         return found[::-1]
+
+    def laid_out(self) -> dict[int, tuple[int, int]]:
+        """Place of each node in a drawing of the tree: steps from the start, and lane.
+
+        The first child stays in its parent's lane; every further branch has one of its own.
+
+        Examples
+        --------
+        >>> from dnanalyze import NoiseModel
+        >>> from dnanalyze.workbench.history import History
+        >>> tree = History.begun(NoiseModel(()), "begun").grown("a", NoiseModel(()))
+        >>> tree.moved(0).grown("b", NoiseModel(())).laid_out()
+        {0: (0, 0), 1: (1, 0), 2: (1, 1)}
+        """
+        places: dict[int, tuple[int, int]] = {}
+        lanes = 0
+        for node in self.nodes:  # parents come before their children
+            if node.parent is None:
+                places[node.number] = (0, 0)
+                continue
+            depth, lane = places[node.parent]
+            if any(n.parent == node.parent for n in self.nodes[: node.number]):
+                lanes += 1
+                lane = lanes
+            places[node.number] = (depth + 1, lane)
+        return places
 
     def made(self, number: int | None = None) -> list[Node]:
         """Nodes from which commands make a node again, in order.

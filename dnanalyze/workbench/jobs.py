@@ -133,13 +133,24 @@ class Worker:
             finally:  # whoever waits for the task is not kept by an error of its callbacks
                 with self._lock:
                     self._running = None
-                    self._rest = Timer(IDLE_S, self.rest)
-                    self._rest.daemon = True
-                    self._rest.start()
+                    self._rest_later()
                 job.over.set()
 
         Thread(target=listen, daemon=True).start()
         return job
+
+    def warm(self) -> None:
+        """Begin the process before its first task."""
+        with self._lock:
+            self._begin()
+            self._rest_later()
+
+    def _rest_later(self) -> None:
+        if self._rest is not None:
+            self._rest.cancel()
+        self._rest = Timer(IDLE_S, self.rest)
+        self._rest.daemon = True
+        self._rest.start()
 
     def _dismiss(self) -> None:
         """End work in the background; its process stays, with its statistics, if it listens."""

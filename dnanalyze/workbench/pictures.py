@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import RLock
 
 import numpy as np
@@ -13,8 +13,10 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import Outliers, View
+from dnanalyze.workbench.places import Places, kind_of, places
 
 MEMORY = 256 << 20  # bytes of whole images kept
+THUMBNAIL = 96, 128  # pixels
 MOST_OUTLIERS = 2000  # that are drawn of a picture
 
 
@@ -104,6 +106,30 @@ class Pictures:
                     held -= self._held.popitem(last=False)[1].nbytes
             self._held.move_to_end(key)
             return self._held[key]
+
+    def clear(self) -> None:
+        """Keep no image."""
+        with self._lock:
+            self._held.clear()
+
+    def thumbnail(self, setting: int, model: NoiseModel | None) -> np.ndarray:
+        """The middle of the first frame, at its own sampling, of the captures or of a model."""
+        rows, columns = self.captures.sensor.shape
+        height, width = min(rows, THUMBNAIL[0]), min(columns, THUMBNAIL[1])
+        top, left = (rows - height) // 4 * 2, (columns - width) // 4 * 2
+        made = self.captures if model is None else self._simulated(model, 1)
+        window = Window(top, top + height, left, left + width)
+        return np.asarray(made.settings[setting].frames[0].read(window), np.float32)
+
+    def places(self, name: str, setting: int, plane: str) -> Places | None:
+        """Where in a measured image a statistic comes from; None where it has no place."""
+        kind = kind_of(name)
+        if kind is None:
+            return None
+        several = len(self.captures.settings[setting].frames) > 1
+        view = View(setting, kind if several else "frame", 0, plane)
+        found = places(name, self.whole(view, None))
+        return found and replace(found, kind=view.kind)
 
     def pixel(self, row: int, column: int, model: NoiseModel | None) -> dict[str, list[np.ndarray]]:
         """Values of a pixel in the frames of every operating point, DN."""

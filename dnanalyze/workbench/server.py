@@ -1,59 +1,60 @@
-"""The workbench's server: sessions by name, one page each, on the loopback address."""
+"""The workbench's server: one session a folder, pages that show it, on the loopback address."""
 
 from __future__ import annotations
 
+import html
 import secrets
 import socket
 import webbrowser
-from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from threading import Lock
 from typing import Any
 
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.session import WorkbenchSession
 from dnanalyze.workbench.source import CaptureSource
 
-MOST_SESSIONS = 8
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 ANY = ("0.0.0.0", "::")
 
 
 @dataclass
 class Sessions:
-    """Sessions by name; the one unused for longest gives way to a new one beyond the limit."""
+    """One session for each capture folder; every page of a folder is a view of it.
 
-    source: CaptureSource
+    Parameters
+    ----------
+    sources : sequence of CaptureSource
+        The folders that pages may show, that of a page's plain address first.
+    model : NoiseModel, optional
+        Starting model of each.
+    captures : CaptureSet
+        Of the first folder; the others are read when a page asks for them.
+    """
+
+    sources: Sequence[CaptureSource]
     model: NoiseModel | None
     captures: CaptureSet
-    _held: OrderedDict[str, WorkbenchSession] = field(default_factory=OrderedDict)
+    _held: dict[int, WorkbenchSession] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
-    _taking: Lock = field(default_factory=Lock)
-    _bench: Bench | None = None
 
-    def get(self, name: str) -> tuple[str, WorkbenchSession]:
-        """A session by its name, or a new one where there is none of that name."""
+    def get(self, asked: str) -> tuple[int, WorkbenchSession]:
+        """The session of a folder by its number; that of the first for any other text.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be read.
+        """
+        number = int(asked) if asked in map(str, range(len(self.sources))) else 0
         with self._lock:
-            if name in self._held:
-                self._held.move_to_end(name)
-                return name, self._held[name]
-            session = WorkbenchSession(self.source, self.model, self.captures, self.statistics)
-            name = secrets.token_urlsafe(9)
-            self._held[name] = session
-            if len(self._held) > MOST_SESSIONS:
-                self._held.popitem(last=False)[1].close()
-        return name, session
-
-    def statistics(self) -> Bench:
-        """The statistics of the captures, taken once for all sessions."""
-        with self._taking:
-            if self._bench is None:
-                self._bench = bench(design(self.captures))
-            return self._bench
+            if number not in self._held:
+                loaded = None if number else self.captures
+                self._held[number] = WorkbenchSession(self.sources[number], self.model, loaded)
+            return number, self._held[number]
 
     def close(self) -> None:
         """End every session's worker."""
@@ -62,7 +63,7 @@ class Sessions:
 
 
 def serve(
-    source: CaptureSource,
+    sources: Sequence[CaptureSource],
     model: NoiseModel | None = None,
     *,
     port: int = 0,
@@ -74,7 +75,8 @@ def serve(
 
     Parameters
     ----------
-    source : CaptureSource
+    sources : sequence of CaptureSource
+        One at least; pages offer the choice between them, and read no other folder.
     model : NoiseModel, optional
         Starting model; the Wang 2025 model by default.
     port : int
@@ -93,7 +95,7 @@ def serve(
         The extra ``workbench`` is not installed, the port is in use, or the captures cannot be
         read.
     """
-    captures = source.captures()  # what cannot be read is told before a page is opened
+    captures = sources[0].captures()  # what cannot be read is told before a page is opened
     try:
         import panel as pn
     except ImportError:
@@ -102,7 +104,7 @@ def serve(
         ) from None
     from dnanalyze.workbench.page.app import page, style_sheet
 
-    sessions = Sessions(source, model, captures)
+    sessions = Sessions(sources, model, captures)
     token = "" if host in LOOPBACK else secrets.token_urlsafe(24)
     port = _free(host, port)
     pn.extension(notifications=False)
@@ -113,10 +115,17 @@ def serve(
         if token and not secrets.compare_digest(given.encode(), token.encode()):
             return pn.pane.HTML("<p>This address needs its token: see the terminal.</p>")
         theme = "dark" if arguments.get("theme") == "dark" else "light"
-        name, session = sessions.get(arguments.get("session", ""))
         pn.config.raw_css = [style_sheet(theme)]
-        asked = f"?session={name}&theme={theme}" + (f"&token={token}" if token else "")
-        return page(session, asked, theme, session.begin)
+        try:
+            number, session = sessions.get(arguments.get("folder", ""))
+        except InputError as error:
+            return pn.pane.HTML(f"<p>{html.escape(str(error))}</p>")
+
+        def query(of: int) -> str:
+            return f"?folder={of}&theme={theme}" + (f"&token={token}" if token else "")
+
+        others = {named(s, sources): query(i) for i, s in enumerate(sources) if i != number}
+        return page(session, query(number), theme, session.begin, others)
 
     names = _names(host)
     address = f"http://{names[0]}:{port}/" + (f"?token={token}" if token else "")
@@ -137,6 +146,12 @@ def serve(
     finally:
         sessions.close()
         server.stop()
+
+
+def named(source: CaptureSource, among: Sequence[CaptureSource]) -> str:
+    """Name of a folder; its path where several have that name."""
+    same = [s for s in among if s.folder.name == source.folder.name]
+    return source.folder.name if len(same) == 1 else str(source.folder)
 
 
 def _names(host: str) -> list[str]:

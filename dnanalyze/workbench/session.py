@@ -6,58 +6,36 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from threading import RLock, Thread
+from threading import Condition, RLock, Thread
 from typing import Any
 
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
 from dnanalyze.model.registry import WANG, find
-from dnanalyze.report.words import plural, point_label, varied
+from dnanalyze.report.words import plural
 from dnanalyze.workbench import recipe
-from dnanalyze.workbench.evaluation import Evaluation, Preview, evaluate
+from dnanalyze.workbench.evaluation import Evaluation, Preview
 from dnanalyze.workbench.history import History, Node
 from dnanalyze.workbench.jobs import Job, Worker
+from dnanalyze.workbench.measuring import Measurements, Superseded
 from dnanalyze.workbench.pictures import Pictures
+from dnanalyze.workbench.sliders import Slider, sliders, with_value
 from dnanalyze.workbench.source import CaptureSource
 from dnanalyze.workbench.worker import Task
 
 Event = Callable[[str], None]
+FIELD_BYTES = 256 << 20  # of fields kept between full evaluations
+CHARGE_BYTES = 64 << 20
 FADES_S = 5.0  # of a message that a task was cancelled
 MOVED = "set "  # begins the action of a node that a slider or a number field made
-KEPT = 4  # full evaluations held, some 10 MB each at 5 operating points of 512 x 512
-
-
-@dataclass
-class Slider:
-    """A parameter of the model as the user moves it.
-
-    Parameters
-    ----------
-    knob : Knob
-        Name, bounds, unit and scale.
-    value : float
-        In plain units.
-    pinned : bool
-        Whether a fit keeps the value.
-    label : str
-        Name within the effect, with the operating point where the number is of one.
-    se : float or None
-        Standard error in plain units; None: not computed for this model.
-    """
-
-    knob: Knob
-    value: float
-    pinned: bool
-    label: str = ""
-    se: float | None = None
+REPLACED = ("fit", "add")  # tasks that set another model: the present one's yardstick can wait
 
 
 @dataclass
@@ -71,15 +49,16 @@ class WorkbenchSession:
         Starting model; by default the Wang 2025 model is fitted first.
     loaded : CaptureSet, optional
         The captures of the source; read from it by default.
-    shared : callable, optional
-        Gives the statistics that sessions on the same captures share; each has
-        its own by default.
 
     Notes
     -----
     Methods may be called from several threads. Every listener is called with "statistics",
-    "history", "evaluation", "diagnosis", "answer", "detection" or "message" after each change, from
-    the thread that made it.
+    "history", "evaluation", "yardstick", "earlier", "draft", "diagnosis", "answer",
+    "detection" or "message" after each change, from the thread that made it.
+
+    The error of a new model is first stated by the yardstick of the model before; the model's
+    own follows in the background ("yardstick"), then those of models before it that have none
+    yet ("earlier"). Only then is it `Node.exact`.
 
     Examples
     --------
@@ -89,19 +68,20 @@ class WorkbenchSession:
     >>> session = WorkbenchSession(CaptureSource(Path("captures")))   # doctest: +SKIP
     >>> session.prepare()                                             # doctest: +SKIP
     >>> session.add("column_fpn").over.wait()                         # doctest: +SKIP
+    >>> session.settle()                                              # doctest: +SKIP
     >>> session.history.present.error                                 # doctest: +SKIP
     """
 
     source: CaptureSource
     model: NoiseModel | None = None
     loaded: CaptureSet | None = None
-    shared: Callable[[], Bench] | None = None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
     bench: Bench | None = field(init=False, default=None)
     history: History | None = field(init=False, default=None)
     evaluation: Evaluation | None = field(init=False, default=None)
     baseline: Evaluation | None = field(init=False, default=None)
+    draft: Evaluation | None = field(init=False, default=None)
     diagnosis: dict[str, Any] | None = field(init=False, default=None)
     detection: dict[str, Any] | None = field(init=False, default=None)
     message: str = field(init=False, default="")
@@ -121,7 +101,8 @@ class WorkbenchSession:
         self._begun = False
         self.listeners: list[Event] = []
         self._removed: dict[str, Effect] = {}
-        self._kept: list[Evaluation] = []
+        self._measurements = Measurements(self._exact, self._inexact, self._replaced_soon)
+        self._settled = Condition(self._lock)
         self._took: dict[str, float] = {}
 
     def changed(self, what: str) -> None:
@@ -159,11 +140,16 @@ class WorkbenchSession:
     def left(self) -> None:
         """No page shows the session any more: its worker ends when its task has."""
         self.worker.rest()
+        self.pictures.clear()
 
     def prepare(self) -> None:
         """Take the statistics and set the starting model; takes seconds."""
         self.stage = f"statistics of {plural(self.captures.frame_count, 'frame')}"
-        found = bench(design(self.captures)) if self.shared is None else self.shared()
+        if self.model is None:
+            self.worker.warm()  # its start takes about as long as the statistics
+        room = Memo(FIELD_BYTES, charge=Memo(CHARGE_BYTES))
+        found = bench(design(self.captures)).with_memo(room)
+        self._measurements.begin(found)
         with self._lock:
             self.bench, self.stage = found, "error of the first model"
         self.changed("statistics")
@@ -196,37 +182,11 @@ class WorkbenchSession:
 
     def sliders(self) -> list[Slider]:
         """Every number of the present model that can be moved, in the model's order."""
-        model, se = self.present.model, self.present.standard_errors
-        knobs = knobs_of(model)
-        return [
-            Slider(k, k.plain(x), _parameter(k) in self.pinned, _label(model, k), se.get(k.name))
-            for k, x in zip(knobs, positions(model, knobs), strict=True)
-        ]
+        return sliders(self.present.model, self.present.standard_errors, self.pinned)
 
     def with_value(self, name: str, value: float, model: NoiseModel | None = None) -> NoiseModel:
-        """The present model, or another, with one number changed.
-
-        Parameters
-        ----------
-        name : str
-            As `Slider.knob.name`, such as "read_noise.sigma" or "convolved_lognormal.mu[2]".
-        value : float
-            In plain units; it is moved within its bounds.
-
-        Raises
-        ------
-        InputError
-            There is no such number; the valid names are given.
-        """
-        model = self.present.model if model is None else model
-        knobs = knobs_of(model)
-        names = [k.name for k in knobs]
-        if name not in names:
-            raise InputError(f"no parameter {name!r} in the model; valid: {', '.join(names)}")
-        where = positions(model, knobs)
-        place = names.index(name)
-        where[place] = knobs[place].position(value)
-        return turned(model, knobs, where)
+        """The present model, or another, with one number changed; see `sliders.with_value`."""
+        return with_value(self.present.model if model is None else model, name, value)
 
     def set_value(self, name: str, value: float) -> None:
         """Change one number of the model: a new node."""
@@ -242,8 +202,12 @@ class WorkbenchSession:
         """A new node whose error is not known yet; the last one, where a slider moves on."""
         with self._lock:
             history = self._history()
-            again = action.startswith(MOVED) and history.present.action == action and history.open
-            self.history = history.revised(model) if again else history.grown(action, model)
+            before = history.present.action
+            if action.startswith(MOVED) and before.startswith(MOVED) and history.open:
+                names = dict.fromkeys([*before[len(MOVED) :].split(", "), action[len(MOVED) :]])
+                self.history = history.revised(model, MOVED + ", ".join(names))
+            else:
+                self.history = history.grown(action, model)
         self.changed("history")
 
     def remove(self, effect: str) -> None:
@@ -287,6 +251,10 @@ class WorkbenchSession:
         """
         return self._prepared().evaluate(model)
 
+    def moved(self) -> None:
+        """A slider moves: previews go before full errors, until it rests."""
+        self._measurements.moved()
+
     def _prepared(self) -> Preview:
         """Previews by the change from the last model with a full error; none waits for another."""
         with self._previewing:
@@ -302,23 +270,58 @@ class WorkbenchSession:
             return made
 
     def _measure(self) -> None:
-        """The full error of the present node, where it is not known."""
+        """The full error of the present node: at once, and by its own yardstick later."""
         with self._evaluating:
+            while True:
+                node = self.present
+                try:
+                    found = self._measurements.now(node.model)
+                    break
+                except Superseded:
+                    if not self._measurements.rest():
+                        return
             with self._lock:
-                history, held = self._history(), self.bench
-            node = history.present
-            assert held is not None
-            found = next((e for e in self._kept if e.model == node.model), None)
-            found = found or evaluate(held, node.model)
-            with self._lock:
-                self._kept = [found, *(e for e in self._kept if e is not found)][:KEPT]
-                self.history = self._history().measured(node.number, found.error, found.families)
+                self.history = self._stated(node.number, found)
                 if set(node.model.names) <= WANG and (self.baseline is None or node.command):
                     self.baseline = found
                 if self.history.at == node.number:
-                    self.evaluation = found
+                    self.evaluation, self.draft = found, None
+                self._settled.notify_all()
         self.changed("evaluation")
         self._prepared()  # before it is asked for
+        self._measurements.refine(found)
+
+    def _exact(self, found: Evaluation) -> None:
+        """An evaluation has become that by the model's own yardstick."""
+        with self._lock:
+            for node in self._history().nodes:
+                if node.model == found.model:
+                    self.history = self._stated(node.number, found)
+            if self.baseline is not None and self.baseline.model == found.model:
+                self.baseline = found
+            present = self.present.model == found.model
+            if present:
+                self.evaluation = found
+            self._settled.notify_all()
+        self.changed("yardstick" if present else "earlier")
+        self._prepared()
+
+    def _inexact(self, error: Exception) -> None:
+        self.tell(f"{type(error).__name__}: {error}")
+
+    def _stated(self, number: int, found: Evaluation) -> History:
+        return self._history().measured(number, found.error, found.families, found.exact)
+
+    def _replaced_soon(self) -> bool:
+        job = self.worker.job
+        return job is not None and not job.background and job.task.kind in REPLACED
+
+    def settle(self, limit_s: float = 300.0) -> bool:
+        """Wait until the present model's error is exact; whether it is."""
+        with self._settled:
+            return self._settled.wait_for(
+                lambda: self.history is not None and self.history.present.exact, limit_s
+            )
 
     # History
 
@@ -360,11 +363,23 @@ class WorkbenchSession:
         base = self.present
         first = base.parent is None and set(base.model.names) <= WANG and self.model is None
 
+        def step(found: dict[str, Any]) -> None:
+            self._drafted(base, model_from_plain(found["model"], "model", self.known))
+
         def done(found: dict[str, Any]) -> None:
             action = "Wang 2025 model, fitted" if first else "fit"
             self._grow(base, action, found["model"], command)
 
-        return self._run(Task("fit", base.model.to_plain(), frozen=frozen), done)
+        return self._run(Task("fit", base.model.to_plain(), frozen=frozen), done, step)
+
+    def _drafted(self, base: Node, model: NoiseModel) -> None:
+        """Show where a fit stands, as a preview."""
+        found = self._prepared().evaluate(model)
+        with self._lock:
+            if self.present.number != base.number:
+                return
+            self.draft = found
+        self.changed("draft")
 
     def add(self, effect: str) -> Job:
         """Add an effect and refit.
@@ -468,6 +483,9 @@ class WorkbenchSession:
         """End the task under way; nodes that it made stay."""
         job = self.worker.job
         self.worker.cancel()
+        if self.draft is not None:
+            self.draft = None
+            self.changed("evaluation")
         if job is not None:
             self.tell(f"{job.task.kind}: cancelled after {job.elapsed_s:.0f} s", FADES_S)
 
@@ -489,7 +507,8 @@ class WorkbenchSession:
         return None if took is None else max(0.0, took - job.elapsed_s)
 
     def close(self) -> None:
-        """End the worker process."""
+        """End the work in the background and the worker process."""
+        self._measurements.close()
         self.worker.close()
 
     def _idle(self) -> None:
@@ -571,23 +590,6 @@ class WorkbenchSession:
     def python(self) -> str:
         """Python code that makes the present node from the captures."""
         return recipe.python(self.source, self._history().made())
-
-
-def _parameter(knob: Knob) -> str:
-    """Name of the parameter that a number belongs to, as a fit keeps it."""
-    return knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
-
-
-def _label(model: NoiseModel, knob: Knob) -> str:
-    """Parameter, with the operating point of a table's row or the kind of a law's number."""
-    name = knob.parameter or knob.effect
-    effect = model.get(knob.effect)
-    law = getattr(effect, knob.parameter) if effect is not None else model.pedestal
-    if not isinstance(law, TableLaw):
-        return name if knob.part == "value" else f"{name}, activation energy"
-    here = law.points[int(knob.part)]
-    differ = varied([vars(point) for point in law.points])
-    return f"{name}, {point_label(here, differ)}" if differ else name
 
 
 def _last(steps: Sequence[dict[str, Any]]) -> str:

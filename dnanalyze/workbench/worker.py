@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from typing import Any
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.processes import warm
 from dnanalyze.fitting.time_limit import BATCH, TimeLimit
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
@@ -20,6 +22,7 @@ from dnanalyze.model.noise_model import NoiseModel, model_from_plain
 from dnanalyze.workbench.source import CaptureSource
 
 Tell = Callable[[str, Any], None]
+DRAFT_S = 1.5  # between two drafts of a fit: each costs the page a preview
 REPLICATES = 8  # simulated sensors for standard errors: 27 % of an error, 1 / sqrt(2 * 7)
 
 
@@ -100,6 +103,11 @@ class Bed:
         """Statistics of both halves of the field."""
         return bench(design(self.captures))
 
+    def warm(self) -> None:
+        """Read what every task needs, and load the compiled loops, before a task asks for it."""
+        _ = self.known, self.captures
+        warm()
+
     def model(self, task: Task) -> NoiseModel | None:
         """The model of a task."""
         if task.model is None:
@@ -113,18 +121,21 @@ def carried_out(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 
 def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    from dnanalyze.comparator.error import pooled
     from dnanalyze.fitting.fit import fit_on
+    from dnanalyze.fitting.least_squares import State
+
+    told_s = time.monotonic()
+
+    def better(state: State) -> None:
+        nonlocal told_s
+        if time.monotonic() - told_s > DRAFT_S:
+            tell("step", {"model": state.model.to_plain()})
+            told_s = time.monotonic()
 
     held = bed.bench
-    families = held.train.families
+    tell("progress", "the model's parameters")
     found = fit_on(
-        bed.captures,
-        bed.model(task),
-        frozen=task.frozen,
-        replicates=0,
-        held=held,
-        tell=lambda s: tell("progress", f"fitting, error {pooled(s.train, families):.3g}"),
+        bed.captures, bed.model(task), frozen=task.frozen, replicates=0, held=held, tell=better
     )
     return {"model": found.model.to_plain(), "undetermined": found.undetermined}
 
@@ -279,6 +290,8 @@ def serve(pipe: Connection, source: CaptureSource) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
     bed = Bed(source, pipe.poll)
+    with suppress(Exception):  # met again, and told, by the first task
+        bed.warm()
 
     def tell(kind: str, content: Any) -> None:
         pipe.send((kind, content))

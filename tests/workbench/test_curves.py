@@ -6,7 +6,7 @@ import pytest
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.workbench import curves
-from dnanalyze.workbench.curves import Address
+from dnanalyze.workbench.curves import Address, Curve, residual
 
 POINT = OperatingPoint(25.0, 0.1)
 NOISE = 6.0
@@ -118,3 +118,28 @@ def test_what_a_family_cannot_draw_is_none(white):
     assert curves.axes(Address("mean", POINT), white) is None
     assert curves.curve(white, Address("mean", POINT), white) is None
     assert curves.curve(white, Address("pattern_q0.99", OperatingPoint(99.0)), white) is None
+
+
+def test_a_residual_is_the_difference_over_the_error_of_both():
+    x = np.array([1.0, 2.0, 3.0])
+    measured = Curve(x, np.array([10.0, 20.0, 30.0]), x * 10 - 6, x * 10 + 6)  # sd 3
+    model = Curve(x, np.array([5.0, 20.0, 40.0]), x * 0 - 8, x * 0 + 8)  # sd 4
+    found = residual(measured, model, log=False)
+    assert found.y == pytest.approx([1.0, 0.0, -2.0])  # 5, 0 and -10 over 5
+
+
+def test_a_residual_on_a_logarithmic_axis_is_that_of_the_logarithms():
+    x = np.array([0.1, 0.2])
+    y = np.array([1.0, np.e])
+    measured = Curve(x, y, y * np.exp(-2.0), y * np.exp(2.0))  # sd 1 of the logarithm
+    exact = Curve(x, np.ones(2), np.ones(2), np.ones(2))
+    assert residual(measured, exact, log=True).y == pytest.approx([0.0, 1.0])
+
+
+def test_no_residual_without_an_error_or_beyond_the_model_s_abscissas():
+    x = np.array([1.0, 2.0])
+    bare = Curve(x, x, x, x)
+    assert residual(bare, bare, log=False) is None
+    banded = Curve(x, x, x - 1, x + 1)
+    there = Curve(x[:1], x[:1], x[:1], x[:1])
+    assert residual(banded, there, log=False).x.tolist() == [1.0]

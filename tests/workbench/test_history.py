@@ -62,3 +62,13 @@ def test_a_revised_node_keeps_its_place_and_forgets_its_error():
     assert changed.undo().present.model == before
     assert not history.named(1, "kept").open
     assert not history.undo().open
+
+
+def test_branches_of_the_drawn_tree_never_share_a_place():
+    tree = History.begun(NoiseModel(()), "begun")
+    for parent in (0, 1, 1, 0, 3, 2):
+        tree = tree.moved(parent).grown("step", NoiseModel(()))
+    places = tree.laid_out()
+    assert len(set(places.values())) == len(tree.nodes)
+    for node in tree.nodes[1:]:
+        assert places[node.number][0] == places[node.parent][0] + 1

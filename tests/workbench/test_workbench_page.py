@@ -219,6 +219,49 @@ def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
     assert bench.page.locator(".cell.chosen").count() == 1
 
 
+def _lengths(bench: Workbench, source: str) -> list[int]:
+    """Numbers of entries in the columns of a data source of the page."""
+    return bench.page.evaluate(
+        f"""() => {{
+        const found = Bokeh.documents.map((d) => d.get_model_by_name("{source}")).find((m) => m);
+        return Object.values(found.data).map((column) => column.length);
+        }}"""
+    )
+
+
+def test_the_residuals_of_a_curve_are_drawn_below_it(bench):
+    bench.page.locator(".family").filter(has_text=re.compile("^Spectrum")).click()
+    bench.until(
+        lambda: min(_lengths(bench, "curve residual of present model")) > 5, "the residuals"
+    )
+
+
+def test_a_click_on_a_cell_marks_where_its_statistic_comes_from(bench):
+    """And one of a statistic that has no place takes the marks away."""
+    bench.page.locator(".family").filter(has_text=re.compile("^Rows and columns")).click()
+    row = bench.page.locator("tr").filter(has_text=re.compile(r"^(?!.*(temporal|in time)).*column"))
+    row.first.locator(".cell").last.click()
+    marks = bench.page.locator(".marks .quiet").filter(has_text="marked: ")
+    marks.filter(has_text="column").wait_for()
+    bench.page.locator(".family").filter(has_text=re.compile("^Hot-pixel tail")).click()
+    row = bench.page.locator("tr").filter(has_text="pixels above 5 robust sigma")
+    row.locator(".cell").first.click()
+    bench.until(lambda: min(_lengths(bench, "marked pixels")) > 0, "marked pixels")
+    bench.page.locator(".family").filter(has_text=re.compile("^Shading")).click()
+    bench.page.locator(".cell").last.click()
+    bench.until(lambda: max(_lengths(bench, "marked pixels")) == 0, "no marks")
+    bench.until(lambda: marks.count() == 0, "no words of marks")
+
+
+def test_the_histogram_of_a_narrow_page_is_as_wide_as_its_frames(bench):
+    bench.page.set_viewport_size({"width": 1024, "height": 768})
+    try:
+        shown = bench.page.locator(".side")
+        bench.until(lambda: shown.bounding_box()["width"] > 900, "a wide histogram")
+    finally:
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
+
+
 def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(bench):
     bench.page.set_viewport_size({"width": 1024, "height": 768})
     size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
@@ -287,6 +330,7 @@ def test_a_value_beyond_its_limits_is_not_applied_and_the_limits_are_shown(bench
     field.fill(value)
     field.press("Enter")
     bench.until(lambda: not bench.page.get_by_text("not applied").is_visible(), "no limits")
+    assert (bench.settled(), nodes.count()) == (before, count)  # as it stood
 
 
 def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
@@ -315,6 +359,19 @@ def test_work_after_an_undo_is_a_branch(bench):
     bench.settled()
     bench.click("Undo")
     bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
+
+
+def test_steps_are_cards_of_a_tree_with_pictures_and_a_click_goes_there(bench):
+    steps = bench.page.locator(".step")
+    bench.until(lambda: steps.count() > 2, "cards")
+    bench.until(lambda: bench.page.locator(".step img").count() == steps.count(), "pictures")
+    here = bench.page.locator(".step.present").get_attribute("data-number")
+    steps.first.click()
+    first = bench.page.locator(".step.present[data-number='0']")
+    first.wait_for()
+    bench.page.locator(f".step[data-number='{here}']").click()
+    bench.page.locator(f".step.present[data-number='{here}']").wait_for()
+    bench.settled()
 
 
 def test_what_is_missing_is_named_shown_and_added(bench):
@@ -348,15 +405,17 @@ def test_a_running_refinement_is_cancelled_and_the_page_goes_on(bench):
     bench.until(lambda: message.count() == 0, "that the message goes away")
 
 
-def test_a_reload_keeps_the_session_and_another_tab_is_another_session(bench, browser, address):
+def test_a_reload_and_another_tab_show_the_same_session(bench, browser, address):
     error = bench.settled()
     bench.page.reload()
     assert bench.settled() == error
     other = Workbench(browser, address)
-    here = "window.location.href"
-    assert other.page.evaluate(here) != bench.page.evaluate(here)
-    assert bench.settled() == error
+    assert other.settled() == error
+    other.page.locator(".step").first.click()
+    bench.page.locator(".step.present[data-number='0']").wait_for()
     other.page.close()
+    bench.page.locator(".step").last.click()
+    bench.until(lambda: bench.settled() == error, "the last step")
 
 
 def test_model_report_and_targets_are_downloaded(bench, tmp_path):

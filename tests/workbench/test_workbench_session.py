@@ -21,6 +21,7 @@ RUN = "from dnanalyze_cli.main import run; run()"
 def session(folder, fitted):
     made = WorkbenchSession(CaptureSource(folder), fitted)
     made.prepare()
+    assert made.settle()
     yield made
     made.close()
 
@@ -29,6 +30,7 @@ def test_without_a_model_the_wang_2025_model_is_fitted(folder, fitted):
     made = WorkbenchSession(CaptureSource(folder))
     made.prepare()
     assert made.worker.job.over.wait(120)
+    assert made.settle()
     assert made.present.model == fitted
     assert made.present.error == made.baseline.error
     made.close()
@@ -36,6 +38,7 @@ def test_without_a_model_the_wang_2025_model_is_fitted(folder, fitted):
 
 def test_the_error_is_that_of_compare(session, folder):
     session.add("row_noise").over.wait(300)
+    assert session.settle()
     own = compare(dnanalyze.load(str(folder)), session.present.model).error
     assert session.present.error == pytest.approx(own, rel=1e-6)
 
@@ -48,6 +51,7 @@ def test_the_error_is_that_of_compare_and_of_the_copied_commands(
     names = [c["effect"] for c in session.diagnosis["candidates"]]
     assert names[0] == "column_fpn"
     session.add("column_fpn").over.wait(300)
+    assert session.settle()
     errors = [node.error for node in session.history.path()]
     assert errors[-1] < errors[0] / 2
     own = compare(dnanalyze.load(str(folder)), session.present.model).error
@@ -77,6 +81,54 @@ def test_a_preview_is_near_the_full_error_and_says_so(session):
 
 def test_a_preview_of_the_present_model_is_its_error(session):
     assert session.preview(session.present.model).error == pytest.approx(session.present.error)
+
+
+def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(session, folder):
+    """At once by the model before's: that of the same differences until its own is known."""
+    told = []
+    before = session.evaluation
+    session.listeners.append(lambda what: told.append((what, session.present.exact)))
+    session.set_value("convolved_lognormal.delta[2]", 1.0)
+    assert not session.present.exact
+    assert session.evaluation.bench is before.bench
+    assert np.isfinite(session.present.error)
+    assert session.settle()
+    assert ("yardstick", True) in told
+    own = compare(dnanalyze.load(str(folder)), session.present.model).error
+    assert session.present.error == pytest.approx(own, rel=1e-6)
+
+
+def test_moves_of_several_sliders_in_a_row_are_one_node(session):
+    first = session.present.number
+    session.set_value("pedestal", 80.0)
+    session.set_value("convolved_lognormal.delta[2]", 1.0)
+    session.set_value("pedestal", 81.0)
+    assert session.present.action == "set pedestal, convolved_lognormal.delta[2]"
+    assert session.present.parent == first
+    session.undo()
+    assert session.present.number == first
+
+
+def test_a_model_that_is_left_gives_its_place_to_the_next_yardstick(session):
+    session.set_value("pedestal", 80.0)
+    session.set_value("pedestal", 70.0)
+    assert session.settle()
+    assert session.present.model.pedestal == 70.0
+    session.undo()
+    assert session.settle()
+
+
+def test_a_fit_under_way_shows_its_drafts_and_cancel_takes_them_back(session, monkeypatch):
+    full = session.evaluation
+    told = []
+    session.listeners.append(told.append)
+    session._drafted(session.present, session.with_value("pedestal", 64.5))
+    assert session.draft.model.pedestal == 64.5
+    assert session.draft.preview
+    assert session.evaluation is full
+    session.cancel()
+    assert session.draft is None
+    assert told[:2] == ["draft", "evaluation"]
 
 
 def test_undo_branch_and_names_keep_everything(session):

@@ -28,8 +28,12 @@ if TYPE_CHECKING:
 
 def workbench(
     captures: Annotated[
-        str | None,
-        typer.Argument(metavar="CAPTURES", help="Folder of dark frames.", show_default=False),
+        list[str] | None,
+        typer.Argument(
+            metavar="CAPTURES ...",
+            help="Folders of dark frames; the page offers the choice.",
+            show_default=False,
+        ),
     ] = None,
     model: Model = None,
     demo: Annotated[
@@ -57,7 +61,7 @@ def workbench(
     quiet: Quiet = False,
 ) -> None:
     """Live page: discrepancies of the model, missing effects, the model error at each step."""
-    if demo == (captures is not None):
+    if demo == bool(captures):
         raise InputError("workbench: give a folder of dark frames, or --demo without one")
     from dnanalyze.workbench.source import CaptureSource
 
@@ -66,17 +70,19 @@ def workbench(
         with tempfile.TemporaryDirectory(prefix="dnanalyze-") as temporary:
             folder = _virtual_sensor(Path(temporary) / "demo")
             source = CaptureSource(folder, effects=own)
-            _serve(source, model, port, host, no_browser, seed)
+            _serve([source], model, port, host, no_browser, seed)
         return
-    assert captures is not None
-    source = CaptureSource(
-        Path(captures), config, tolerance_c, channel, own, keep_outliers=keep_outliers, mask=mask
-    )
-    _serve(source, model, port, host, no_browser, seed, quiet)
+    sources = [
+        CaptureSource(
+            Path(folder), config, tolerance_c, channel, own, keep_outliers=keep_outliers, mask=mask
+        )
+        for folder in captures or ()
+    ]
+    _serve(sources, model, port, host, no_browser, seed, quiet)
 
 
 def _serve(
-    source: CaptureSource,
+    sources: list[CaptureSource],
     model: Path | None,
     port: int,
     host: str,
@@ -86,9 +92,9 @@ def _serve(
 ) -> None:
     from dnanalyze.workbench.server import serve
 
-    session = Session("workbench", str(source.folder), effects=source.effects, quiet=quiet)
+    session = Session("workbench", str(sources[0].folder), effects=sources[0].effects, quiet=quiet)
     serve(
-        source,
+        sources,
         session.model(model, seed),
         port=port,
         host=host,

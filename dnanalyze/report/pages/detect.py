@@ -65,17 +65,6 @@ def detect_page(captures: Any, result: Any) -> str:
         capture.title(captures),
         headline(result),
         [
-            Section("estimate", "Estimated filter", tables=_estimate(result)),
-            Section(
-                "temperature",
-                "High-frequency suppression over temperature",
-                pictures=[suppression(result.series)],
-            ),
-            Section(
-                "neighbours",
-                "Pixels over their neighbours",
-                pictures=[scatter(_frames(captures))],
-            ),
             Section(
                 "ambiguous",
                 "Not distinguishable from these captures",
@@ -92,6 +81,22 @@ def detect_page(captures: Any, result: Any) -> str:
         tone="poor" if result.filtered else "good",
         points=texts(list(result.evidence)),
         facts=capture.facts(captures),
+        front=[
+            Section("estimate", "Estimated filter", tables=_estimate(result)),
+            Section(
+                "temperature",
+                "High-frequency suppression over temperature",
+                pictures=[suppression(result.series)],
+                half=True,
+            ),
+            Section(
+                "neighbours",
+                "Pixels over their neighbours",
+                pictures=[scatter(_frames(captures))],
+                half=True,
+            ),
+        ],
+        about=capture.about(captures),
         notes=captures.notes,
     )
     return render(page)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import panel as pn
@@ -24,7 +25,11 @@ from dnanalyze.workbench.session import WorkbenchSession
 
 
 def page(
-    session: WorkbenchSession, query: str, theme: str, begun: Callable[[], None] = lambda: None
+    session: WorkbenchSession,
+    query: str,
+    theme: str,
+    begun: Callable[[], None] = lambda: None,
+    others: Mapping[str, str] = MappingProxyType({}),
 ) -> Any:
     """The page of a session.
 
@@ -36,6 +41,8 @@ def page(
     theme : {"light", "dark"}
     begun : callable
         Called when the browser has the page.
+    others : mapping
+        Queries of the other folders' pages, by name.
 
     Returns
     -------
@@ -43,7 +50,7 @@ def page(
     """
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
-    bar, strip, failures = TopBar(context, query), Strip(context), Failures(context)
+    bar, strip, failures = TopBar(context, query, others), Strip(context), Failures(context)
     later: dict[str, Callable[[Context], Any]] = {
         "sensor": Sensor,
         "model": Model,
@@ -54,14 +61,24 @@ def page(
     areas |= {name: _pane(context.palette) for name in later}
 
     def tell(what: str) -> None:
-        if what == "evaluation":
-            context.shown = session.evaluation
+        known, draft = session.evaluation, context.draft
+        if what == "draft":
+            if draft is not None or session.draft is None:
+                return
+            context.shown, what = session.draft, "preview"
+        elif (  # a slider that moves on shows its own
+            what in ("evaluation", "yardstick")
+            and known is not None
+            and draft in (None, known.model)
+        ):
+            context.shown = known
         context.tell(what)
 
     def listener(what: str) -> None:
         context.back(lambda: tell(what))
 
     def begin() -> None:
+        context.shown = session.evaluation
         for name, kind in later.items():  # half of the time that a page takes: painted first
             areas[name].objects = [kind(context).view]
         session.listeners.append(listener)
@@ -115,7 +132,7 @@ def _forget(session: WorkbenchSession, listener: Any) -> None:
 class TopBar:
     """What is open, and the theme."""
 
-    def __init__(self, context: Context, query: str) -> None:
+    def __init__(self, context: Context, query: str, others: Mapping[str, str]) -> None:
         style = [inner(context.palette)]
         captures = context.session.captures
         rows, columns = captures.sensor.shape
@@ -129,6 +146,14 @@ class TopBar:
             facts += (
                 f", <details class=notes><summary>{plural(len(captures.notes), 'note')}</summary>"
                 f"<ul>{items}</ul></details>"
+            )
+        if others:
+            items = "".join(
+                f"<li><a href='{html.escape(q)}' target=_self>{html.escape(n)}</a></li>"
+                for n, q in others.items()
+            )
+            facts += (
+                f", <details class=notes><summary>other folders</summary><ul>{items}</ul></details>"
             )
         other = "light" if context.palette.name == "dark" else "dark"
         there = query.replace(f"theme={context.palette.name}", f"theme={other}")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
 
 from dnanalyze.errors import InputError
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
 from dnanalyze.workbench.history import Node
@@ -25,6 +27,12 @@ class Context:
     session : WorkbenchSession
     palette : Palette
     document : bokeh Document
+    brushed : Address or None
+        The statistic whose pixels, rows or columns are marked in the images.
+    shown : Evaluation or None
+        What the panes draw as the present model.
+    draft : NoiseModel or None
+        Where a slider has been moved to, until that is a node.
     """
 
     session: WorkbenchSession
@@ -32,8 +40,10 @@ class Context:
     document: Any
     family: str = ""
     address: Address | None = None
+    brushed: Address | None = None
     candidate: tuple[str, Evaluation] | None = None
     shown: Evaluation | None = None
+    draft: NoiseModel | None = None
     compared: Node | None = None
     listeners: list[Callable[[str], None]] = field(default_factory=list)
 
@@ -47,12 +57,20 @@ class Context:
 
     def tell(self, what: str) -> None:
         """Tell every pane what has changed, in one message; in the document's thread."""
-        self.document.hold("combine")
-        try:
+        with self.combined():
             for listener in self.listeners:
                 listener(what)
+
+    @contextmanager
+    def combined(self) -> Iterator[None]:
+        """Send what changes within as one message: a browser never draws the half of it."""
+        within = self.document.callbacks.hold_value is not None
+        self.document.hold("combine")
+        try:
+            yield
         finally:
-            self.document.unhold()
+            if not within:
+                self.document.unhold()
 
     def later(self, what: str) -> None:
         """As `tell`, from the callback of a widget: these may run without the document's lock."""

@@ -46,8 +46,9 @@ export function render({ model, el }) {
     const corner = made("th");
     corner.append(html("quiet", model.corner));
     head.append(corner);
+    const steep = model.columns.length > 8 || model.columns.join("").length > 48;
     for (const c of model.columns) {
-      const th = made("th", model.columns.length > 8 ? "steep" : "");
+      const th = made("th", steep ? "steep" : "");
       th.append(made("span", "", c));
       head.append(th);
     }

@@ -67,7 +67,7 @@ class Failures:
         self._rows_of: list[dict[str, Any]] = []
         self.table = FailureTable(
             one=_place_of(1.0), stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_width",
-            margin=(2, 0, 0, 0), css_classes=["failures"], max_height=222,
+            margin=(2, 0, 0, 0), css_classes=["failures"], max_height=190,
         )  # fmt: skip
         self.table.param.watch(lambda e: context.back(lambda: self._clicked(e.new)), "clicked")
         self.figure = CurveFigure(context)
@@ -99,19 +99,32 @@ class Failures:
             self._draw_families()
             self._draw_matrix()
         elif isinstance(at := message.get("cell"), int) and 0 <= at < len(self._addresses):
-            context.address = self._addresses[at]
+            context.address = context.brushed = self._addresses[at]
             context.tell("address")
+            context.tell("brush")
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        if what in ("evaluation", "preview", "compared"):
+        if what in ("evaluation", "yardstick"):
+            self._follow()
+        if what in ("evaluation", "yardstick", "earlier", "preview", "compared"):
             self._draw_families()
-        if what == "evaluation":
+        if what in ("evaluation", "yardstick"):
             self._draw_matrix()
         if what == "address":
             self._draw_cells()
         if what == "diagnosis":
             self._lead()
+
+    def _follow(self) -> None:
+        """Show the worst cell of the first models, until the user has chosen one."""
+        session, context = self.context.session, self.context
+        history, evaluation = session.history, session.evaluation
+        if self._own or history is None or evaluation is None or history.at > 1:
+            return
+        found = session.diagnosis
+        if found is None or found["node"] != history.at:
+            context.family, context.address = family_of_worst(evaluation.rows), None
 
     def _lead(self) -> None:
         """Show the statistic that tells most of the effect that a diagnosis names."""
@@ -283,7 +296,7 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
 def _looks(p: Palette) -> str:
     return f"""
 :host {{ overflow:auto; }}
-.pair {{ display:grid; grid-template-columns:minmax(246px, 2fr) minmax(0, 5fr); gap:10px;
+.pair {{ display:grid; grid-template-columns:minmax(284px, 2fr) minmax(0, 5fr); gap:10px;
   align-content:start; }}
 button {{ font:inherit; color:inherit; border:0; background:none; cursor:pointer; padding:0; }}
 button:focus-visible {{ outline:2px solid {p.present}; outline-offset:1px; }}

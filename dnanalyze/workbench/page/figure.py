@@ -45,6 +45,7 @@ class CurveFigure:
                 margin=0, sizing_mode="stretch_width",
             ),
             pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150),
+            pn.pane.Bokeh(self.plot.residuals, sizing_mode="stretch_width", margin=0),
             sizing_mode="stretch_both",
             margin=0,
             styles={"min-height": "0"},

@@ -29,9 +29,14 @@ class Histogram:
             "", stylesheets=[inner(context.palette)], margin=(2, 0, 0, 0),
             sizing_mode="stretch_width",
         )  # fmt: skip
+        self.drawn = pn.pane.Bokeh(
+            self.plot.figure, sizing_mode="stretch_both", margin=0, visible=False
+        )
+        self.below = pn.pane.Bokeh(
+            self.plot.residuals, sizing_mode="stretch_width", margin=0, visible=False
+        )
         self.view = pn.Column(
-            self.title,
-            pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0),
+            self.title, self.drawn, self.below,
             sizing_mode="stretch_both", margin=0, styles={"min-height": "0"},
         )  # fmt: skip
         context.listeners.append(self.update)
@@ -69,3 +74,4 @@ class Histogram:
         axes = curves.axes(address, measured)
         assert axes is not None
         self.plot.show(axes, [], drawn, address)
+        self.drawn.visible = self.below.visible = True

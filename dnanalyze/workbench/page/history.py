@@ -2,21 +2,43 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import io
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import panel as pn
-from bokeh.models import ColumnDataSource, FixedTicker, Range1d, TapTool
+import param
+from panel.custom import JSComponent
+from PIL import Image
 
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import number
+from dnanalyze.workbench import frames
 from dnanalyze.workbench.history import History, Node, effects_apart
+from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
-from dnanalyze.workbench.page.style import card, hover, inner, plain_figure
+from dnanalyze.workbench.page.style import Palette, card, inner
+from dnanalyze.workbench.worst import worst_view
 
 WRAP = {"flex-wrap": "wrap", "min-width": "0"}  # of a row of widgets on a narrow page
-MOST = 12  # nodes of a path in the figure; the last ones
 NONE = -1  # node that is compared with
+
+
+class HistoryTree(JSComponent):
+    """Steps as cards that tell when one is chosen."""
+
+    nodes = param.List(default=[], doc="Mappings of texts and places; see history.js.")
+    chosen = param.Integer(default=NONE)
+
+    _esm = Path(__file__).with_name("history.js").read_text(encoding="utf-8")
+
+    def _handle_msg(self, message: Any) -> None:
+        if isinstance(message, dict) and isinstance(message.get("go"), int):
+            self.chosen = message["go"]
+            self.param.trigger("chosen")
 
 
 class HistoryPane:
@@ -27,10 +49,13 @@ class HistoryPane:
         p, session = context.palette, context.session
         style = [inner(p)]
         self._quiet = False
-        self._numbers: list[int] = []
-        self.source = ColumnDataSource({k: [] for k in ("x", "top", "colour", "name", "error")})
-        self.figure = self._make()
-        self.bars = pn.pane.Bokeh(self.figure, sizing_mode="stretch_both", margin=0, min_height=90)
+        self._images: dict[NoiseModel, str] = {}
+        self._latest = Latest(context.back)
+        self.tree = HistoryTree(
+            stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_both", margin=(4, 0),
+            min_height=74,
+        )  # fmt: skip
+        self.tree.param.watch(self._tapped, "chosen")
         self.node = pn.widgets.Select(options={}, width=210, stylesheets=style, margin=0)
         self.node.param.watch(self._chosen, "value")
         self.name = pn.widgets.TextInput(
@@ -72,7 +97,7 @@ class HistoryPane:
                 pn.pane.HTML("<h2>History</h2>", stylesheets=style, margin=(3, 8, 0, 0)),
                 self.node, self.name, margin=0, styles=WRAP,
             ),
-            self.bars,
+            self.tree,
             self.text,
             pn.Row(
                 pn.pane.HTML("compare with", stylesheets=style, margin=(4, 4, 0, 0)),
@@ -85,48 +110,15 @@ class HistoryPane:
         )  # fmt: skip
         context.listeners.append(self.update)
 
-    def _make(self) -> Any:
-        p = self.context.palette
-        made = plain_figure(
-            p, sizing_mode="stretch_both", x_range=Range1d(-0.5, 3.5), y_range=Range1d(0, 5),
-            y_axis_label="model error", tools="tap",
-        )  # fmt: skip
-        bars = made.vbar("x", top="top", width=0.72, color="colour", source=self.source,
-                         nonselection_alpha=1.0)  # fmt: skip
-        made.line([-1, 1000], [1, 1], line_dash="4 3", color=p.quiet)
-        made.text("x", "top", "error", source=self.source, text_align="center", y_offset=-3,
-                  text_font_size="11px", text_color=p.ink, background_fill_color=p.card,
-                  background_fill_alpha=0.8)  # fmt: skip
-        made.xgrid.visible = False
-        made.add_tools(hover(p, [bars], ("step", "@name"), ("model error", "@error")))
-        made.select_one(TapTool).renderers = [bars]
-        made.xaxis.ticker = FixedTicker(ticks=[])
-        self.source.selected.on_change("indices", self._tapped)
-        return made
-
     def update(self, what: str) -> None:
         """Draw what has changed."""
         history = self.context.session.history
-        if what in ("history", "evaluation") and history is not None:
+        if what in ("history", "evaluation", "yardstick", "earlier") and history is not None:
             self._draw(history)
 
     def _draw(self, history: History) -> None:
-        p = self.context.palette
-        path = history.path()[-MOST:]
-        self._numbers = [n.number for n in path]
-        errors = [0.0 if n.error is None else n.error for n in path]
-        self.source.selected.indices = []
-        self.source.data = {
-            "x": list(range(len(path))),
-            "top": errors,
-            "colour": [p.present if n.number == history.at else p.quiet for n in path],
-            "name": [n.title for n in path],
-            "error": ["…" if n.error is None else number(n.error) for n in path],
-        }
-        self.figure.x_range.end = max(4, len(path)) - 0.5
-        self.figure.y_range.end = 1.25 * max([*errors, 1.2])
-        self.figure.xaxis.ticker.ticks = list(range(len(path)))
-        self.figure.xaxis.major_label_overrides = {i: _short(n) for i, n in enumerate(path)}
+        self._draw_tree(history)
+        self._picture(history)
         self._quiet = True
         try:
             every = {_line(n): n.number for n in history.nodes}
@@ -139,9 +131,52 @@ class HistoryPane:
         self._compare()
         self._recipe()
 
-    def _tapped(self, attr: str, old: Any, new: list[int]) -> None:
-        if new and (number := self._numbers[new[0]]) != self.context.session.present.number:
-            self.context.act(lambda: self.context.session.go(number))
+    def _draw_tree(self, history: History) -> None:
+        places = history.laid_out()
+        self.tree.nodes = [
+            {
+                "number": n.number,
+                "parent": n.parent,
+                "depth": places[n.number][0],
+                "lane": places[n.number][1],
+                "title": _short(n),
+                "error": _error(n) or "…",
+                "tip": f"{n.title}: model error {_error(n) or 'being computed'}",
+                "present": n.number == history.at,
+                "image": self._images.get(n.model, ""),
+            }
+            for n in history.nodes
+        ]
+
+    def _picture(self, history: History) -> None:
+        """Simulate the small picture of a step that has none, one after the other."""
+        session = self.context.session
+        missing = next((n.model for n in history.nodes if n.model not in self._images), None)
+        if missing is None or session.evaluation is None:
+            return
+        view = worst_view(session.evaluation.rows, session.captures)
+        setting = 0 if view is None else view.setting
+
+        def work() -> str:
+            ends = frames.contrast([session.pictures.thumbnail(setting, None)])
+            return _png(session.pictures.thumbnail(setting, missing), *ends)
+
+        def show(found: str) -> None:
+            now = session.history
+            if now is not None:
+                kept = {n.model for n in now.nodes}
+                self._images = {
+                    m: i for m, i in [*self._images.items(), (missing, found)] if m in kept
+                }
+                self._draw_tree(now)
+                self._picture(now)
+
+        self._latest.ask(work, show, lambda _: show(""))  # what raises is told with the error
+
+    def _tapped(self, event: Any) -> None:
+        history = self.context.session.history
+        if history is not None and 0 <= event.new < len(history.nodes) and event.new != history.at:
+            self.context.act(lambda: self.context.session.go(event.new))
 
     def _chosen(self, event: Any) -> None:
         if not self._quiet and event.new is not None:
@@ -159,7 +194,7 @@ class HistoryPane:
         if history is not None and self.other.value != NONE:
             node, here = history.node(self.other.value), history.present
             text = (
-                f"<b>{number(node.error)} → {number(here.error)}</b> "
+                f"<b>{_error(node)} → {_error(here)}</b> "
                 f"{html.escape(effects_apart(node.model, here.model))}"
             )
         self.comparison.object = text
@@ -169,7 +204,7 @@ class HistoryPane:
     def _recipe(self) -> None:
         session = self.context.session
         shown = bool(self.recipe.value) and session.history is not None
-        self.text.visible, self.bars.visible = shown, not shown
+        self.text.visible, self.tree.visible = shown, not shown
         if shown:
             made = session.commands() if self.recipe.value == "commands" else session.python()
             self.text.value = made
@@ -179,12 +214,46 @@ def _short(node: Node) -> str:
     title = node.title.replace("Wang 2025 model, ", "Wang 2025 ").replace("add ", "+ ")
     if title.startswith("+ baseline"):
         title = "+ baseline"
-    return title if len(title) <= 16 else title[:15] + "…"
+    return title
+
+
+def _error(node: Node) -> str:
+    """With the sign of an error that is not by the model's own yardstick."""
+    if node.error is None:
+        return ""
+    return number(node.error) if node.exact else f"≈ {number(node.error)}"
 
 
 def _line(node: Node) -> str:
-    error = "" if node.error is None else f"  {number(node.error)}"
+    error = "" if node.error is None else f"  {_error(node)}"
     below = (
         "" if node.parent is None or node.parent == node.number - 1 else f" (from {node.parent})"
     )
     return f"{node.number} {node.title}{below}{error}"
+
+
+def _png(image: np.ndarray, low: float, high: float) -> str:
+    """A grey picture as an address."""
+    grey = np.clip((image - low) / (high - low), 0.0, 1.0) * 255.0
+    out = io.BytesIO()
+    Image.fromarray(np.nan_to_num(grey).astype(np.uint8)).save(out, "PNG")
+    return f"data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}"
+
+
+def _looks(p: Palette) -> str:
+    return f"""
+.tree {{ overflow:auto; height:100%; }}
+svg {{ position:absolute; inset:0; }}
+path {{ fill:none; stroke:{p.quiet}; stroke-width:1.2; }}
+.step {{ position:absolute; display:flex; gap:7px; align-items:center; text-align:left; padding:4px;
+  font:inherit; font-size:11px; line-height:1.2; color:{p.ink}; background:{p.background};
+  border:1px solid {p.line}; border-radius:5px; cursor:pointer; overflow:hidden; }}
+.step.present {{ border:2px solid {p.present}; padding:3px; }}
+.step:focus-visible {{ outline:2px solid {p.present}; outline-offset:1px; }}
+.step img {{ width:68px; height:51px; object-fit:cover; image-rendering:pixelated;
+  border-radius:2px; flex:none; }}
+.text {{ display:flex; flex-direction:column; gap:2px; min-width:0; }}
+.title {{ display:-webkit-box; -webkit-line-clamp:2; -webkit-box-orient:vertical;
+  overflow:hidden; }}
+.size {{ font-size:14px; font-weight:650; font-variant-numeric:tabular-nums; }}
+"""

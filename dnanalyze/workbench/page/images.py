@@ -18,10 +18,13 @@ from bokeh.models import (
 )
 from bokeh.palettes import cividis, gray
 
+from dnanalyze.loaders.captures import Window
 from dnanalyze.workbench.frames import Outliers
 from dnanalyze.workbench.page.style import Palette, hover, plain_figure
 from dnanalyze.workbench.pictures import Picture
+from dnanalyze.workbench.places import Places
 
+TICK = 0.05  # share of the picture that the mark of a line is long
 NAMES = "measured", "simulated", "difference"
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
 ELONGATED = 4.0  # ratio of a sensor's sides to a figure's, from which its pixels are not square
@@ -91,6 +94,11 @@ class Images:
             n: ColumnDataSource({"x": [], "y": [], "value": []}, name=f"outliers of {n}")
             for n in NAMES[:2]
         }
+        self.marked = ColumnDataSource(
+            {k: [] for k in ("x0", "y0", "x1", "y1")}, name="marked lines"
+        )
+        self.dotted = ColumnDataSource({"x": [], "y": []}, name="marked pixels")
+        self._places: Places | None = None
         self._values = CustomJSHover(args={"sources": self.sources}, code=VALUE)
         self._across = CustomJSHover(args={"scale": 1, "offset": 0}, code=PLACE)
         self._down = CustomJSHover(args={"scale": 1, "offset": 0}, code=PLACE)
@@ -130,6 +138,10 @@ class Images:
             formatters={"$x": self._across, "$y": self._down, "@dw": self._values},
         )  # fmt: skip
         made.add_tools(tool)
+        made.segment("x0", "y0", "x1", "y1", source=self.marked, line_color=p.candidate,
+                     line_width=2)  # fmt: skip
+        made.scatter("x", "y", source=self.dotted, size=9, marker="square", fill_color=None,
+                     line_color=p.candidate, line_width=1.2)  # fmt: skip
         if name in self.far:
             dots = made.scatter(
                 "x", "y", source=self.far[name], size=7, fill_color=None,
@@ -187,17 +199,51 @@ class Images:
             found = picture.outliers.get(name)
             source.data = _dots(found, grid) if found else {"x": [], "y": [], "value": []}
         self._head(picture)
+        self._mark(picture.window)
+
+    def mark(self, places: Places | None, window: Window) -> None:
+        """Mark pixels, and lines at the edges of what is shown; None: nothing."""
+        self._places = places
+        self._mark(window)
+
+    def _mark(self, window: Window) -> None:
+        found, scale = self._places, self.grid.scale
+        lines: dict[str, Any] = {k: [] for k in ("x0", "y0", "x1", "y1")}
+        dots: dict[str, Any] = {"x": [], "y": []}
+        if found is not None:
+            (rows, columns), tick = window.shape, TICK
+            ends = (window.top, window.bottom), (window.left, window.right)
+            for line in (found.columns + 0.5) * scale:
+                for edge, step in zip(ends[0], (rows * tick, -rows * tick), strict=True):
+                    _add(lines, line, edge * scale, line, (edge + step) * scale)
+            for line in (found.rows + 0.5) * scale:
+                for edge, step in zip(ends[1], (columns * tick, -columns * tick), strict=True):
+                    _add(lines, edge * scale, line, (edge + step) * scale, line)
+            dots = {k: (found.pixels[:, i] + 0.5) * scale for i, k in ((1, "x"), (0, "y"))}
+        if lines != self.marked.data:
+            self.marked.data = lines
+        if any(not np.array_equal(dots[k], self.dotted.data[k]) for k in dots):
+            self.dotted.data = dots
+
+    def wait(self, names: tuple[str, ...] = NAMES) -> None:
+        """Say that images are being computed."""
+        for name in names:
+            self.figures[name].title.text = f"{_title(name)}: computing …"
 
     def _head(self, picture: Picture) -> None:
         """Say what an image is of: single pixels or means of blocks."""
         of = f", means of {picture.side} × {picture.side} pixels" if picture.side > 1 else ""
         for name, figure in self.figures.items():
-            title = "measured − simulated" if name == "difference" else name
+            title = _title(name)
             far = picture.outliers.get(name)
             hot = f", {far.count:,} pixels > 5 σ" if far else ""
             text = f"{title} [DN]{of}{hot}"
             if figure.title.text != text:
                 figure.title.text = text
+
+
+def _title(name: str) -> str:
+    return "measured − simulated" if name == "difference" else name
 
 
 def whole_ranges(
@@ -222,6 +268,11 @@ def whole_ranges(
     more_x = max(0.0, columns * (ratio - 1.0)) / 2.0
     more_y = max(0.0, rows * (1.0 / ratio - 1.0)) / 2.0
     return (-more_x, columns + more_x), (rows + more_y, -more_y)
+
+
+def _add(lines: dict[str, Any], x0: float, y0: float, x1: float, y1: float) -> None:
+    for key, value in zip(("x0", "y0", "x1", "y1"), (x0, y0, x1, y1), strict=True):
+        lines[key].append(float(value))
 
 
 def _dots(found: Outliers, grid: Grid) -> dict[str, Any]:

@@ -13,9 +13,9 @@ from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.parameters import ParameterRow, TableRow
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.page.terms import plain_name
-from dnanalyze.workbench.session import Slider
+from dnanalyze.workbench.sliders import Slider
 
-REST_S = 0.2  # without a move after a preview is drawn, after which the full error is computed
+REST_S = 0.3  # without a move after a preview is drawn, after which the full error is computed
 TABLE = 4  # numbers of one parameter from which they share a plot and a slider
 
 
@@ -27,7 +27,6 @@ class Model:
         p = context.palette
         self.style = [inner(p)]
         self._drawn: Any = None
-        self._draft: NoiseModel | None = None
         self._moved = ""
         self._failing = False
         self._resting: Any = None
@@ -81,7 +80,7 @@ class Model:
     def _draw(self) -> None:
         session = self.context.session
         model = session.present.model
-        self._draft = None
+        self.context.draft = None
         present = set(model.names)
         self.loading.visible = False
         self.add_name.options = {
@@ -170,8 +169,9 @@ class Model:
     def _move(self, name: str, value: float) -> None:
         """A slider moves: a preview now, the full error when it rests."""
         session, context = self.context.session, self.context
-        model = session.with_value(name, value, self._draft)
-        self._draft, self._moved = model, name
+        model = session.with_value(name, value, self.context.draft)
+        session.moved()
+        self.context.draft, self._moved = model, name
         context.latest.ask(
             lambda: session.preview(model), self._show, lambda error: self._failed(model, error)
         )  # fmt: skip
@@ -188,31 +188,31 @@ class Model:
         )  # fmt: skip
 
     def _show(self, found: Any) -> None:
-        if self._draft is None:
+        if self.context.draft is None:
             return
         if self._failing:
             self._failing = False
             self.context.session.tell("")
         self.context.shown = found
         self.context.tell("preview")
-        if found.model == self._draft:
+        if found.model == self.context.draft:
             self._wait(REST_S)
 
     def _failed(self, model: NoiseModel, error: Exception) -> None:
         """Say why a model has no preview, and go back to the last one that has."""
         self._failing = True
         self.context.session.tell(f"{type(error).__name__}: {error}")
-        if model != self._draft:  # the slider has moved on
+        if model != self.context.draft:  # the slider has moved on
             return
         shown = self.context.shown
         if shown is not None and shown.preview:
-            self._draft = shown.model
+            self.context.draft = shown.model
             self._wait(REST_S)
         else:
             self._draw()
 
     def _rested(self) -> None:
         self._resting = None
-        model, name = self._draft, self._moved
+        model, name = self.context.draft, self._moved
         if model is not None:
             self.context.act(lambda: self.context.session.adopt(model, f"set {name}"))

@@ -8,12 +8,18 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import panel as pn
-from bokeh.models import ColumnDataSource, CustomJSTickFormatter, FixedTicker, TapTool
+from bokeh.models import (
+    BasicTickFormatter,
+    ColumnDataSource,
+    CustomJSTickFormatter,
+    FixedTicker,
+    TapTool,
+)
 
 from dnanalyze.digits import number, symbol, unit_text
 from dnanalyze.fitting.knobs import Knob
 from dnanalyze.workbench.page.style import Palette, hover, inner, plain_figure
-from dnanalyze.workbench.session import Slider
+from dnanalyze.workbench.sliders import Slider
 
 SPAN = 4.0  # factor to either side of the present value that a logarithmic slider covers
 TICKS = 200  # positions of a slider
@@ -147,7 +153,8 @@ class ParameterRow:
             self._note(f"not applied; {limits(knob)}", wrong=True)
             return
         self._note("")
-        self._move(knob.name, value)
+        if event.new != shown_value(knob, self._value):  # as it stands: all digits are kept
+            self._move(knob.name, value)
 
 
 class TableRow:
@@ -174,7 +181,9 @@ class TableRow:
         )  # fmt: skip
         made.add_tools(hover(p, [dots], ("", "@where"), (knob.parameter, "@text")))
         made.select_one(TapTool).renderers = [dots]
-        made.yaxis.ticker.desired_num_ticks = 3
+        self._ends = made.yaxis.ticker = FixedTicker(ticks=[])
+        made.ygrid.ticker = self._ends
+        made.yaxis.formatter = BasicTickFormatter(use_scientific=False, precision=3)
         made.y_range.range_padding = 0.3
         every = max(1, -(-len(sliders) // 5))
         made.xaxis.ticker = FixedTicker(ticks=list(range(0, len(sliders), every)))
@@ -202,6 +211,10 @@ class TableRow:
             "where": [_place(s.label) for s in sliders],
             "text": [shown_value(s.knob, s.value) + unit_text(s.knob.unit) for s in sliders],
         }
+        values = [s.value for s in sliders]
+        ends = sorted({min(values), max(values)})
+        if self._ends.ticks != ends:  # ticks at ratios of 2 and 5 may be none, or lie in one place
+            self._ends.ticks = ends
         if self._source.selected.indices != [self._at]:
             self._source.selected.indices = [self._at]
         self.row.set(self._sliders[self._at])

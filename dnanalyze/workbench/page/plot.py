@@ -21,13 +21,16 @@ from bokeh.models import (
     Whisker,
 )
 
-from dnanalyze.workbench.curves import Axes, Curve, Mark
+from dnanalyze.workbench.curves import Axes, Curve, Mark, residual
 from dnanalyze.workbench.page.points import without_shared
 from dnanalyze.workbench.page.style import Palette, hover, plain_figure
 
 LAYERS = ("measured", "Wang 2025 model", "present model", "candidate")
 EMPTY: dict[str, list[float]] = {"x": [], "y": [], "low": [], "high": []}
 MARGIN = 0.04  # of an axis beyond the curves, on its scale
+LEFT = 58  # screen pixels to the left of both figures, so that their abscissas agree
+MOST_SIGMA = 60.0  # end of the axis of residuals at most
+COLOURS = {"Wang 2025 model": "wang", "present model": "present", "candidate": "candidate"}
 MOST_MARKS = 12  # frequencies that a figure marks
 
 
@@ -45,7 +48,7 @@ class CurvePlot:
     """
 
     def __init__(self, palette: Palette, name: str = "curve") -> None:
-        p = palette
+        p = self._palette = palette
         self.sources = {
             layer: ColumnDataSource(dict(EMPTY), name=f"{name} of {layer}") for layer in LAYERS
         }
@@ -93,8 +96,62 @@ class CurvePlot:
         self._hover = hover(p, list(self._lines.values()), ("", "$name"), mode="mouse")
         made.add_tools(self._hover)
         _legend(made, p)
+        self._make_residuals(name)
         self._subject: Any = None
         self._whole: list[tuple[float, float]] = []
+
+    def _make_residuals(self, name: str) -> None:
+        """A figure below on the same abscissa: by how much each model is off, in sigma."""
+        p = self._palette
+        self.apart = {
+            layer: ColumnDataSource({"x": [], "y": []}, name=f"{name} residual of {layer}")
+            for layer in LAYERS[1:]
+        }
+        self.residuals = made = plain_figure(
+            p, sizing_mode="stretch_width", height=96, tools="", x_range=self.figure.x_range,
+            y_range=Range1d(-5, 5), x_axis_label=" ", y_axis_label="off by [σ]",
+            name=f"{name} residuals", min_border_left=LEFT,
+        )  # fmt: skip
+        self.figure.min_border_left = LEFT
+        made.add_layout(
+            BoxAnnotation(bottom=-2, top=2, fill_color=p.ink, fill_alpha=0.1, level="underlay")
+        )
+        for layer, source in self.apart.items():
+            colour = getattr(p, COLOURS[layer])
+            made.line("x", "y", source=source, color=colour, line_width=1.4)
+            made.scatter("x", "y", source=source, color=colour, size=3)
+        made.yaxis.ticker = BasicTicker(desired_num_ticks=3)
+        self._below = _Axis(made, "x")
+
+    def _show_residuals(
+        self, axes: Axes, labels: Sequence[str], curves: Mapping[str, Curve]
+    ) -> None:
+        """Of curves; over operating points the cells of the statistic state them."""
+        measured, reach = curves.get("measured"), 5.0
+        for layer, source in self.apart.items():
+            model = curves.get(layer)
+            found = (
+                None if measured is None or model is None or labels
+                else residual(measured, model, axes.log_y)
+            )  # fmt: skip
+            data: dict[str, Any] = {"x": [], "y": []}
+            if found is not None:
+                data = {"x": found.x, "y": found.y}
+            if found is not None:
+                reach = max(reach, min(float(np.max(np.abs(found.y))) * 1.1, MOST_SIGMA))
+            if not all(np.array_equal(source.data[k], data[k]) for k in data):
+                source.data = data
+        r = self.residuals.y_range
+        if not 0.5 * r.end < reach <= r.end:  # a preview does not make the axis jump
+            r.start, r.end = -reach, reach
+        self._below.show(axes.log_x)
+        if self.residuals.xaxis[0].axis_label != axes.x:
+            self.residuals.xaxis.axis_label = axes.x
+        told = any(len(s.data["x"]) for s in self.apart.values())
+        if self.residuals.visible != told:
+            self.residuals.visible = told
+        if self.figure.xaxis[0].visible == told:  # the abscissa stands below both
+            self.figure.xaxis.visible = not told
 
     def show(
         self,
@@ -123,7 +180,8 @@ class CurvePlot:
         """
         made, fresh = self.figure, subject != self._subject
         self._subject = subject
-        self._axes[0].show(axes.log_x, without_shared(list(labels)) if labels else [])
+        named = without_shared(list(labels)) if labels else []
+        self._axes[0].show(axes.log_x, named)
         self._axes[1].show(axes.log_y)
         for name, source in self.sources.items():
             c = curves.get(name)
@@ -131,6 +189,7 @@ class CurvePlot:
             if not _same(source.data, data):  # a preview changes one layer: the others stay drawn
                 source.data = data
         self._limit(axes, list(curves.values()), len(labels), fresh)
+        self._show_residuals(axes, named, curves)
         for shown, glyphs in ((not labels, [self._band]), (bool(labels), self._dots)):
             for glyph in glyphs:
                 glyph.visible = shown
@@ -198,7 +257,7 @@ class _Axis:
         self._scales = {False: LinearScale(), True: LogScale()}
         self._tickers = {
             False: BasicTicker(),
-            True: LogTicker(mantissas=[1, 2, 5], num_minor_ticks=0),
+            True: LogTicker(mantissas=[1, 2, 5], num_minor_ticks=0, desired_num_ticks=4),
         }
         self._formatters = {
             False: BasicTickFormatter(use_scientific=False),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 import time
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import Window
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import plural
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
@@ -27,6 +29,7 @@ from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.pictures import Picture
+from dnanalyze.workbench.places import Places
 from dnanalyze.workbench.worst import worst_view
 
 LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
@@ -45,7 +48,8 @@ class Sensor:
         p = context.palette
         self.pictures = context.session.pictures
         self.captures = self.pictures.captures
-        self._latest = Latest(context.back)
+        self._latest, self._brushing = Latest(context.back), Latest(context.back)
+        self._request = 0
         self._asked_s = -math.inf
         self._timer: Any = None
         self._turned = False
@@ -56,6 +60,7 @@ class Sensor:
         self._ends: tuple[float, float] = (0.0, 1.0)
         style = self._style = [inner(p)]
         self._make_controls(style)
+        self.marks = pn.pane.HTML("", stylesheets=style, margin=(4, 0, 0, 4), css_classes=["marks"])
         self.images = Images(p, self.captures.sensor.shape, self._pixel, self._changed)
         self.histogram = Histogram(context)
         self.pixel = Pixel(context)
@@ -65,7 +70,7 @@ class Sensor:
         }
         self.side = pn.Column(
             pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
-            sizing_mode="stretch_both",
+            sizing_mode="stretch_both", stylesheets=[ACROSS], css_classes=["side"],
         )  # fmt: skip
         self.pixel.view.visible = False
         self.view = pn.Column(
@@ -76,9 +81,11 @@ class Sensor:
                 pn.pane.HTML("<h2>Frames</h2>", stylesheets=style, margin=(3, 6, 0, 0)),
                 self.point, self.kind, self.frame, self.plane, self.mode, self.swipe,
                 self.colours, self.low, self.high, self.auto, self.hot,
-                pn.layout.HSpacer(),
-                *downloads("frames", self._table, self._picture, style, "the images"),
-                enlarger(self.view, style),
+                self.marks, pn.layout.HSpacer(),
+                pn.Row(
+                    *downloads("frames", self._table, self._picture, style, "the images"),
+                    enlarger(self.view, style), margin=0,
+                ),
                 margin=(0, 0, 4, 0), sizing_mode="stretch_width",
                 styles={"flex-wrap": "wrap", "row-gap": "3px", "min-width": "0"},
             ),
@@ -89,6 +96,7 @@ class Sensor:
         ])  # fmt: skip
         context.listeners.append(self.update)
         self._choose_view(self.view_of)
+        self._lead()  # a second page begins where the first one does
         self._changed()
 
     def _make_controls(self, style: list[str]) -> None:
@@ -155,6 +163,44 @@ class Sensor:
             self._changed()
         elif what == "preview" and live and due:
             self._changed()
+        elif what == "brush":
+            self._brush()
+
+    def _brush(self) -> None:
+        """Mark where the chosen statistic comes from, in the image that shows it."""
+        address = self.context.brushed
+        points = [s.point for s in self.captures.settings]
+        if address is None or address.point not in points:
+            self.images.mark(None, self._shown_window())
+            return
+        setting = points.index(address.point)
+        cfa = self.captures.sensor.cfa
+        sites = [n for n in frames.planes(cfa) if n and n.rstrip("0123456789") == address.plane]
+        plane = sites[0] if sites else ""
+
+        def show(found: Places | None) -> None:
+            if self.context.brushed is not address:
+                return
+            self.marks.object = (
+                "" if found is None
+                else f"<span class=quiet>□ marked: {html.escape(found.text)}</span>"
+            )  # fmt: skip
+            if found is not None:
+                self._own = True
+                self._choose_view(View(setting, found.kind, 0, plane))
+            self.images.mark(found, self._shown_window())
+            self._changed()
+
+        self._brushing.ask(
+            lambda: self.pictures.places(address.name, setting, plane),
+            show,
+            lambda error: self.context.session.tell(str(error)),
+        )
+
+    def _shown_window(self) -> Window:
+        if self._shown is None:
+            return Window.whole(self.images.shape)
+        return self._shown.window
 
     def _lead(self) -> None:
         """Show where the model fails most, until the user has chosen a view.
@@ -180,7 +226,7 @@ class Sensor:
         self.view_of, self._quiet = view, True
         try:
             self.point.value, self.kind.value = view.setting, view.kind
-            self.frame.value = view.frame
+            self.frame.value, self.plane.value = view.frame, view.plane
         finally:
             self._quiet = False
         self._adjusted()
@@ -227,11 +273,27 @@ class Sensor:
         most = min(MOST, max(FEWEST, self.images.most))
         far = self.hot.value
         self._asked_s = time.monotonic()
-        self._latest.ask(
-            lambda: self.pictures.picture(view, window, model, most, far),
-            lambda x: self._show(x, grid, preview),
-            lambda error: self.context.session.tell(str(error)),
-        )
+        fresh = self._drawn is None or self._drawn[0] != view
+        if fresh:
+            self.images.wait()
+
+        def ask(model: NoiseModel | None) -> None:
+            self._latest.ask(
+                lambda: self.pictures.picture(view, window, model, most, far),
+                lambda x: show(x, model),
+                lambda error: self.context.session.tell(str(error)),
+            )
+
+        self._request = request = self._request + 1
+
+        def show(picture: Picture, of: NoiseModel | None) -> None:
+            self._show(picture, grid, preview and not fresh)
+            if of is None:
+                self.images.wait(NAMES[1:])
+                if model is not None and request == self._request:
+                    ask(model)
+
+        ask(None if fresh else model)  # the frame itself first: a simulation takes longer
 
     def _grid(self, plane: str) -> Grid:
         cfa = self.captures.sensor.cfa
@@ -252,11 +314,12 @@ class Sensor:
         """Draw the images; those of a preview at the contrast that there is."""
         same = self._drawn == (picture.view, picture.window, picture.side)
         self._drawn, self._shown = (picture.view, picture.window, picture.side), picture
-        if not (preview and same):
-            self._scale(picture)
-        # drawing an image takes a browser as long as the curve: the difference follows at rest
-        self.images.show(picture, grid, ("simulated",) if preview and same else NAMES)
-        self._compose()
+        with self.context.combined():
+            if not (preview and same):
+                self._scale(picture)
+            # drawing an image takes a browser as long as the curve: the difference follows at rest
+            self.images.show(picture, grid, ("simulated",) if preview and same else NAMES)
+            self._compose()
 
     def _scale(self, picture: Picture) -> None:
         mapper, apart = self.images.mapper, self.images.apart
@@ -368,5 +431,6 @@ GRID = """
   grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0; }
 @media (max-width:1279px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
   grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr); }
-  :host > :nth-child(4) { grid-column:1 / -1; } }
+}
 """
+ACROSS = "@media (max-width:1279px) { :host { grid-column:1 / -1; } }"

@@ -24,6 +24,12 @@ TASKS = {
     "standard errors": "Standard errors",
 }
 
+STATES = {
+    "preview": "estimate from a window of 128 × 128 pixels",
+    "full": "over the field, with the σ of the model before; that of this model follows",
+    "exact": "the error that compare states",
+}
+
 
 class Strip:
     """The pane."""
@@ -104,14 +110,17 @@ class Strip:
         ):
             text = "<span class=quiet>model error …</span>"
         else:
-            about = "≈ " if shown.preview else ""
+            about = "" if shown.exact else "≈ "
+            state = "preview" if shown.preview else "exact" if shown.exact else "full"
             parent = history.present.parent
-            before = history.present.error if shown.preview else (
-                None if parent is None else history.nodes[parent].error
+            other = history.present if shown.preview else (
+                None if parent is None else history.nodes[parent]
             )  # fmt: skip
+            before = None if other is None or shown.exact > other.exact else other.error
             came = f"from {number(before)}; " if before is not None else ""
             text = (
-                f"<div class=number><span class=error>{about}{number(shown.error)}</span>"
+                f"<div class=number><span class='error {state}' title='{STATES[state]}'>"
+                f"{about}{number(shown.error)}</span>"
                 f"<span class=quiet>model error{explained('model error')}<br>{came}"
                 "1 = second sensor</span></div>"
             )

@@ -1,0 +1,199 @@
+"""Errors of a session's models: at once by the yardstick at hand, and then by their own.
+
+Simulations for them end where a slider moves on: they take the processors from its previews.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from threading import Event, RLock, Thread
+
+from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.processes import Helpers
+from dnanalyze.fitting.simulated import THREADS, Job, Part
+from dnanalyze.fitting.yardstick import REPLICATES
+from dnanalyze.model.memo import Memo
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.workbench.evaluation import Evaluation, exact, judged
+
+KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
+REST_S = 0.2  # without a move, before an error that was given up is begun anew
+CALM_S = 0.6  # the same before a yardstick is begun
+LOOK_S = 0.05  # between two looks whether it may be
+
+
+class Superseded(Exception):
+    """What was simulated is no longer asked for."""
+
+
+class Interruptible(Helpers):
+    """Threads that end a simulation at the next operating point when it is no longer asked for.
+
+    Parameters
+    ----------
+    over : callable
+        Whether that is so.
+    """
+
+    def __init__(self, over: Callable[[], bool]) -> None:
+        super().__init__()
+        self._over = over
+
+    def statistics(
+        self, jobs: Sequence[Job], memo: Memo
+    ) -> list[dict[Part, list[SettingStatistics]]]:
+        """All parts of some jobs.
+
+        Raises
+        ------
+        Superseded
+            They are no longer asked for.
+        """
+        return [self._parts(job, memo) for job in jobs]
+
+    def _parts(self, job: Job, memo: Memo) -> dict[Part, list[SettingStatistics]]:
+        parts = job.parts()
+
+        def one(part: Part) -> list[SettingStatistics]:
+            if self._over():
+                raise Superseded
+            return job.statistics([part], memo)[0]
+
+        with ThreadPoolExecutor(THREADS) as pool:
+            return dict(zip(parts, pool.map(one, parts), strict=True))
+
+
+class Measurements:
+    """Evaluations of models, the last few kept.
+
+    Parameters
+    ----------
+    told : callable
+        Called with an evaluation that has become exact, in a thread of its own.
+    failed : callable
+        Called with what a simulation raised, in that thread.
+    busy : callable
+        Whether the present model will soon be another one: its yardstick can wait.
+    """
+
+    def __init__(
+        self,
+        told: Callable[[Evaluation], None],
+        failed: Callable[[Exception], None],
+        busy: Callable[[], bool],
+    ) -> None:
+        self._told, self._failed, self._busy = told, failed, busy
+        self._lock = RLock()
+        self._kept: list[Evaluation] = []
+        self._bench: Bench | None = None
+        self._yardstick: Bench | None = None
+        self._wanted: Evaluation | None = None
+        self._working = False
+        self._asked: NoiseModel | None = None
+        self._failing: list[NoiseModel] = []  # whose yardstick raises
+        self._moved_s = 0.0
+        self._closed = Event()
+
+    def begin(self, bench: Bench) -> None:
+        """Set the captures' statistics, with the standard errors that they state themselves."""
+        self._bench = self._yardstick = replace(bench, helpers=Interruptible(self._given_up))
+
+    def _given_up(self) -> bool:
+        return self._closed.is_set() or time.monotonic() - self._moved_s < REST_S
+
+    def close(self) -> None:
+        """Compute no more yardsticks."""
+        self._closed.set()
+
+    def moved(self) -> None:
+        """A slider moves: what is simulated for errors ends, and begins again when it rests."""
+        self._moved_s = time.monotonic()
+
+    def rest(self, seconds: float = REST_S) -> bool:
+        """Wait until no slider has moved for some time; False where no error is asked for."""
+        while (left := self._moved_s + seconds - time.monotonic()) > 0.0:
+            if self._closed.wait(min(left, LOOK_S)):
+                return False
+        return not self._closed.is_set()
+
+    def now(self, model: NoiseModel) -> Evaluation:
+        """A model's evaluation: exact where it is known, or else by the last model's yardstick.
+
+        Raises
+        ------
+        Superseded
+            A slider moved meanwhile.
+        """
+        with self._lock:
+            found = next((e for e in self._kept if e.model == model), None)
+        assert self._yardstick is not None
+        found = found or judged(self._yardstick, model)
+        self._keep(found)
+        return found
+
+    def refine(self, known: Evaluation) -> None:
+        """Make an evaluation exact in the background, before earlier ones that are not."""
+        with self._lock:
+            self._asked = known.model
+            self._wanted = self._earlier() if known.exact else known
+            if self._working or self._wanted is None or self._closed.is_set():
+                return
+            self._working = True
+        Thread(target=self._go_on, daemon=True).start()
+
+    def _earlier(self) -> Evaluation | None:
+        """A model that is not exact yet: its error is compared with the present one's."""
+        left = (e for e in self._kept if not e.exact and e.model not in self._failing)
+        return next(left, None)
+
+    def _keep(self, found: Evaluation) -> None:
+        with self._lock:
+            others = (e for e in self._kept if e.model != found.model)
+            self._kept = [found, *others][:KEPT]
+
+    def _go_on(self) -> None:
+        while True:
+            with self._lock:
+                wanted = self._wanted
+                if wanted is None or self._closed.is_set():
+                    self._working = False
+                    return
+            try:
+                found = self._refined(wanted)
+            except Superseded:
+                continue
+            except Exception as error:  # an effect of the user's may raise anything
+                self._failing = [*self._failing, wanted.model][-KEPT:]
+                self._drop(wanted)
+                self._failed(error)
+                continue
+            if found is not None:
+                self._keep(found)
+                if found.model == self._asked:
+                    self._yardstick = found.bench
+                self._drop(wanted)
+                self._told(found)
+
+    def _drop(self, done: Evaluation) -> None:
+        with self._lock:
+            if self._wanted is done:
+                self._wanted = self._earlier()
+
+    def _refined(self, known: Evaluation) -> Evaluation | None:
+        """An evaluation by its own yardstick; None where another is wanted before it is done.
+
+        The bench keeps each simulated sensor: what was begun is not begun anew.
+        """
+        assert self._bench is not None
+        for number in range(REPLICATES):
+            while self._busy():
+                if self._closed.wait(LOOK_S) or self._wanted is not known:
+                    return None
+            if not self.rest(CALM_S) or self._wanted is not known:
+                return None
+            self._bench.replicate(known.model, number)
+        return exact(self._bench, known)

@@ -1,0 +1,102 @@
+"""Full errors give way to a slider that moves."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dnanalyze
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.predictor import bench
+from dnanalyze.model.memo import Memo
+from dnanalyze.workbench.evaluation import judged
+from dnanalyze.workbench.measuring import Interruptible, Measurements, Superseded
+
+
+@pytest.fixture(scope="module")
+def held(folder):
+    return bench(design(dnanalyze.load(str(folder))))
+
+
+def made(held, **calls):
+    calls = {"told": lambda _: None, "failed": lambda _: None, "busy": lambda: False} | calls
+    found = Measurements(**calls)
+    found.begin(held)
+    return found
+
+
+def test_parts_taken_one_by_one_are_the_same_simulation(held, fitted):
+    job = held._job(fitted, None)
+    (one,) = Interruptible(lambda: False).statistics([job], Memo(0))
+    (other,) = held.helpers.statistics([job], Memo(0))
+    assert one.keys() == other.keys()
+    for part in one:
+        for a, b in zip(one[part], other[part], strict=True):
+            assert {n: v.value for n, v in a.values.items()} == pytest.approx(
+                {n: v.value for n, v in b.values.items()}, nan_ok=True
+            )
+
+
+def test_a_simulation_ends_where_a_slider_has_just_moved(held, fitted):
+    measurements = made(held)
+    measurements.moved()
+    with pytest.raises(Superseded):
+        measurements.now(fitted)
+    assert measurements.rest()
+    assert measurements.now(fitted).error == judged(held, fitted).error
+
+
+def test_nothing_more_is_simulated_once_it_is_closed(held, fitted):
+    measurements = made(held)
+    measurements.close()
+    assert not measurements.rest()
+    with pytest.raises(Superseded):
+        measurements.now(fitted)
+
+
+def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(held, fitted, monkeypatch):
+    told, failures, over = [], [], threading.Event()
+    measurements = made(
+        held, told=lambda e: (told.append(e), over.set()), failed=failures.append
+    )  # fmt: skip
+    known = measurements.now(fitted)
+    assert not known.exact
+    bad = "dnanalyze.workbench.measuring.exact"
+
+    def raising(*_):
+        monkeypatch.undo()
+        over.set()
+        raise ValueError("one")
+
+    monkeypatch.setattr(bad, raising)
+    measurements.refine(known)
+    assert over.wait(60)
+    over.clear()
+    other = measurements.now(replace(fitted, pedestal=fitted.pedestal + 1.0))
+    measurements.refine(other)
+    assert over.wait(60)
+    assert [str(e) for e in failures] == ["one"]
+    assert told[-1].exact
+    assert np.isfinite(told[-1].error)
+    assert measurements.now(other.model) is told[-1]
+
+
+def test_an_earlier_model_becomes_exact_after_the_present_one(held, fitted):
+    told, over = [], threading.Event()
+
+    def tell(found):
+        told.append(found.model)
+        if len(told) == 2:
+            over.set()
+
+    measurements = made(held, told=tell)
+    measurements.now(fitted)
+    present = measurements.now(replace(fitted, pedestal=fitted.pedestal + 1.0))
+    measurements.refine(present)
+    assert over.wait(60)
+    assert told == [present.model, fitted]
+    after = measurements.now(replace(fitted, pedestal=fitted.pedestal + 2.0))
+    assert np.array_equal(after.bench.test.floor, measurements.now(present.model).bench.test.floor)
