@@ -8,7 +8,7 @@ from time import monotonic
 
 from dnanalyze.errors import InputError
 
-BATCH = 8  # simulations between two looks at the clock
+BATCH = 2  # simulations between two looks at the clock, which the processes share
 
 
 class TimeUp(Exception):
