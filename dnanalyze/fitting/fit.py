@@ -191,7 +191,7 @@ def fit(
     >>> captures = tiny()
     >>> found = dnanalyze.fit(captures, replicates=0)
     >>> found.model.names
-    ['convolved_lognormal']
+    ['convolved_lognormal', 'quantization']
     >>> found.parameters[0].name, found.parameters[0].unit
     ('pedestal', 'DN')
     """

@@ -108,7 +108,7 @@ def test_before_it_is_asked_a_helper_simulates_every_effect(monkeypatch):
     monkeypatch.setattr(
         Job, "statistics", lambda self, *more: made.append(self) or whole(self, *more)
     )
-    processes._warm()
+    processes.warm()
     assert {name for job in made for name in job.model.names} == set(built_in())
 
 

@@ -36,7 +36,7 @@ def model(*names):
 
 
 def test_without_cupy_the_remedy_is_named(without_cupy):
-    with pytest.raises(InputError, match=r"pip install 'dnanalyze\[cuda\]'"):
+    with pytest.raises(InputError, match="pip install cupy-cuda12x"):
         simulate(model("read_noise"), (4, 4), [(POINT, 1)], device="cuda")
     with pytest.raises(InputError, match="use device cpu"):
         simulate_frames(model("read_noise"), (4, 4), POINT, range(2), device="cuda")
