@@ -224,7 +224,7 @@ def add(
     >>> captures = tiny()
     >>> found = dnanalyze.add(captures, "column_fpn")
     >>> found.effects
-    ['convolved_lognormal', 'column_fpn']
+    ['convolved_lognormal', 'quantization', 'column_fpn']
     >>> [step.added for step in found.steps]
     [None, 'column_fpn']
     """
