@@ -32,6 +32,7 @@ from dnanalyze.fitting.least_squares import State, minimise, start
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.fitting.whole_field import departures
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.composite.source import own_effect
@@ -233,7 +234,7 @@ def describe_on(
     found = replace(found, classification=told)
     if found.effect is not None:
         return replace(found, after="unexplained") if told.tells else found
-    if told.tells or not Null.of(held, state).adequate:
+    if told.tells or not Null.of(held, state).adequate or departures(held.plan, state.model):
         return found
     text = "Nothing to describe: no residual of the model exceeds chance in these captures."
     return replace(found, verdict="adequate", text=text, after="adequate")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.fitting.placement import middle, placed, surveyed
-from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Setting, Window
+from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting, Window
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 
 BUDGET_PIXELS = 12_000_000
@@ -45,6 +45,11 @@ class Design:
     def windows(self) -> tuple[Window, Window]:
         """(train, test)."""
         return self.train, self.test
+
+    @property
+    def period(self) -> int:
+        """Rows and columns after which the colour filter repeats; 1 without one."""
+        return _period(self.captures.sensor)
 
     @property
     def pixels(self) -> int:
@@ -100,12 +105,17 @@ def design(
     half = max(step, int(rows * shrink) // (2 * step) * step) if rows >= 2 * step else rows
     around = middle((rows, cols), (min(rows, 2 * half), wide), step)
     if shrink < 1.0:
-        period = 1 if captures.sensor.cfa is None else len(captures.sensor.cfa)
-        around = placed(surveyed(captures, thinned), (rows, cols), around.shape, step, period)
+        seen = surveyed(captures, thinned)
+        around = placed(seen, (rows, cols), around.shape, step, _period(captures.sensor))
     top, left = around.top, around.left
     train = Window(top, top + half, left, left + wide)
     test = Window(around.bottom - half, around.bottom, left, left + wide)
     return Design(replace(captures, settings=thinned), train, test, captures, unit)
+
+
+def _period(sensor: Sensor) -> int:
+    """Rows and columns after which the colour filter repeats; 1 without one."""
+    return 1 if sensor.cfa is None else len(sensor.cfa)
 
 
 def _band(window: Window) -> Window:

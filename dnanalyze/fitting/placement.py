@@ -12,11 +12,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.stats import norm
 
-from dnanalyze.analyzers.field_profile import BLOCK, FieldProfile, field_profile
+from dnanalyze.analyzers.field_profile import FieldProfile, field_profile
 from dnanalyze.loaders.captures import CaptureSet, Setting, Window
 from dnanalyze.robust import robust_deviation
 
-FRAMES = 2  # of a setting that is surveyed
+FRAMES = 2  # of a setting that is surveyed; block means repeat to 1/45 of the noise of a pixel
 CHANCE = 0.01  # that anything of a structureless field counts as structure
 
 
@@ -29,7 +29,7 @@ def surveyed(captures: CaptureSet, chosen: Sequence[Setting]) -> list[FieldProfi
     def signal(setting: Setting) -> tuple[float, float]:
         return setting.point.exposure_s or 0.0, setting.point.temperature_c or 0.0
 
-    ends = {min(chosen, key=signal).point: None, max(chosen, key=signal).point: None}
+    ends = min(chosen, key=signal).point, max(chosen, key=signal).point
     return [field_profile(f.read() for f in s.frames[:FRAMES]) for s in chosen if s.point in ends]
 
 
@@ -100,9 +100,7 @@ def _at(
 
 
 def _structure(profile: FieldProfile, window: Window, period: int) -> float:
-    rows = slice(-(-window.top // BLOCK), window.bottom // BLOCK)
-    columns = slice(-(-window.left // BLOCK), window.right // BLOCK)
-    own = profile.blocks[rows, columns]
+    own = profile.blocks_in(window)
     found = 0.0
     if own.size:
         found += _excess(own - np.median(own), _roughness(profile.blocks), profile.blocks.size)

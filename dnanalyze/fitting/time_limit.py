@@ -8,7 +8,9 @@ from time import monotonic
 
 from dnanalyze.errors import InputError
 
-BATCH = 2  # simulations between two looks at the clock, which the processes share
+# Simulations between two looks at the clock, which the processes share. One of 12 million pixels
+# takes 0.6 s of processor time (a crop of an IMX541, 11.5 million): an end is met within 2 s.
+BATCH = 2
 
 
 class TimeUp(Exception):

@@ -7,7 +7,7 @@ statistics judge the model; of rows and columns it is that over the field where 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,13 +16,12 @@ from scipy.stats import norm
 from dnanalyze.analyzers.field_profile import BLOCK, FieldProfile, field_profile
 from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.level import NOISE
-from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
-from dnanalyze.progress import ignored
 from dnanalyze.robust import robust_deviation
 
-FRAMES = 2  # of each operating point
+FRAMES = 2  # of each operating point; block means repeat to 1/45 of the noise of a pixel
 CHANCE = 0.01  # that a right model is told to be off anywhere at any operating point
 
 
@@ -90,6 +89,11 @@ class Coverage:
         return rows * columns / (self.field[0] * self.field[1])
 
     @property
+    def whole(self) -> bool:
+        """Whether the window is the field."""
+        return self.window.shape == self.field
+
+    @property
     def departs(self) -> bool:
         """Whether the model is known to be off outside of the window."""
         return bool(self.departures)
@@ -109,9 +113,7 @@ def coverage(plan: Design, model: NoiseModel | None = None) -> Coverage:
     )
 
 
-def departures(
-    plan: Design, model: NoiseModel, tell: Callable[[str], None] = ignored
-) -> list[Departure]:
+def departures(plan: Design, model: NoiseModel) -> list[Departure]:
     """What of the whole field the model does not have; nothing where its window is all of it.
 
     Parameters
@@ -119,8 +121,6 @@ def departures(
     plan : Design
         What the model was fitted to.
     model : NoiseModel
-    tell : callable
-        Called with what is being done.
 
     Returns
     -------
@@ -132,8 +132,8 @@ def departures(
         return []
     worst: dict[str, Departure] = {}
     tests = 3 * len(plan.captures.settings)
-    for off, point in _differences(plan, model, tell):
-        for found in _beyond(off, around, point, _period(plan.captures), CHANCE / tests):
+    for off, point in _differences(plan, model):
+        for found in _beyond(off, around, point, plan.period, CHANCE / tests):
             if found.kind not in worst or found.sigma > worst[found.kind].sigma:
                 worst[found.kind] = found
     return sorted(worst.values(), key=lambda d: -d.sigma)
@@ -147,19 +147,11 @@ def _around(plan: Design) -> Window:
     )
 
 
-def _period(captures: CaptureSet) -> int:
-    cfa = captures.sensor.cfa
-    return 1 if cfa is None else len(cfa)
-
-
-def _differences(
-    plan: Design, model: NoiseModel, tell: Callable[[str], None]
-) -> Iterator[tuple[FieldProfile, OperatingPoint]]:
+def _differences(plan: Design, model: NoiseModel) -> Iterator[tuple[FieldProfile, OperatingPoint]]:
     """Measured less simulated, of each operating point."""
     settings = [(s.point, min(len(s.frames), FRAMES)) for s in plan.captures.settings]
     made = simulate(model.in_codes, plan.shape, settings, "whole field", plan.captures.sensor)
     for measured, simulated in zip(plan.captures.settings, made.settings, strict=True):
-        tell(f"the whole field at {measured.point.label()}")
         count = len(simulated.frames)
         seen, drawn = (
             field_profile(f.read() for f in s.frames[:count]) for s in (measured, simulated)
@@ -171,8 +163,7 @@ def _beyond(
     off: FieldProfile, window: Window, point: OperatingPoint, period: int, chance: float
 ) -> Iterator[Departure]:
     least = NOISE * off.noise  # as of a level
-    inside = _blocks_in(window)
-    own = off.blocks[inside]
+    own = off.blocks_in(window)
     if own.size > 1:
         away = off.blocks - np.median(own)
         sd = robust_deviation(own)
@@ -214,13 +205,6 @@ def _farthest(
     limit = max(float(norm.isf(chance / (2 * off.size))) * deviation, inside, least)
     index = int(np.argmax(size))
     return (index, float(np.mean(size > limit))) if size.flat[index] > limit else None
-
-
-def _blocks_in(window: Window) -> tuple[slice, slice]:
-    return (
-        slice(-(-window.top // BLOCK), window.bottom // BLOCK),
-        slice(-(-window.left // BLOCK), window.right // BLOCK),
-    )
 
 
 def _place(down: float, across: float) -> str:

@@ -313,29 +313,26 @@ def with_remarks(headline: str, result: Any) -> str:
 
 
 def coverage_words(seen: Any) -> list[str]:
-    """What a verdict rests on, where that is not all of the captures, and what is off elsewhere."""
+    """What a result rests on, where that is not all of the captures, and what is off elsewhere."""
     if seen is None:
         return []
-    whole = seen.window.shape == tuple(seen.field)
     parts = []
     if seen.settings < seen.all_settings:
         parts.append(f"{seen.settings} of {plural(seen.all_settings, 'operating point')}")
     if seen.frames < seen.all_frames:
         parts.append(f"{seen.frames} of {plural(seen.all_frames, 'frame')}")
-    if not whole:
+    if not seen.whole:
         (rows, columns), window = seen.window.shape, seen.window
         parts.append(
             f"{rows:,} × {columns:,} of {seen.field[0]:,} × {seen.field[1]:,} pixels "
             f"({number(100 * seen.share, 2)} %: from row {window.top:,} and column {window.left:,})"
         )
-    made = [sentence(f"it rests on {listing(parts)}")] if parts else []
-    if whole or seen.departures is None:
+    made = [sentence(f"this rests on {listing(parts)}")] if parts else []
+    if seen.whole or seen.departures is None:
         return made
     if not seen.departures:
-        return [
-            *made,
-            "The rest of the field agrees with it, by means of blocks, rows and columns.",
-        ]
+        more = "means of blocks, rows and columns depart from the model no more than within them"
+        return [*made, sentence(f"outside of these pixels, {more}")]
     return [*made, *(sentence(departure_words(d)) for d in seen.departures)]
 
 

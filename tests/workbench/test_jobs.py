@@ -12,16 +12,16 @@ from dnanalyze.workbench.worker import Task
 
 def test_a_task_that_waits_for_work_in_the_background_can_be_cancelled(monkeypatch):
     worker = Worker(CaptureSource(Path("captures")))
-    ended = Event()
-    monkeypatch.setattr(worker, "_dismiss", lambda: ended.wait(30))
+    waits, ended = Event(), Event()
+    monkeypatch.setattr(worker, "_dismiss", lambda: (waits.set(), ended.wait(30)))
     told: list[object] = []
     jobs = []
     asked = Thread(
         target=lambda: jobs.append(worker.start(Task("refine"), told.append, told.append))
     )
     asked.start()
-    while worker.job is None:
-        pass
+    assert waits.wait(30)
+    assert worker.job is not None
     assert worker.job.task.kind == "refine"
     worker.cancel()
     ended.set()
