@@ -217,7 +217,7 @@ def test_a_worker_that_dies_is_a_message_and_nothing_is_lost(session):
     job = session.refine()
     time.sleep(0.5)
     session.worker._process.kill()
-    assert job.over.wait(5)
+    assert job.over.wait(60)
     assert "ended unexpectedly" in session.message
     assert session.history.nodes[: len(nodes)] == nodes
     session.fit().over.wait(120)
