@@ -144,7 +144,9 @@ class Path:
     """A model and the steps that led to it.
 
     ``dropped``: effects that were removed and are not added again. ``converged``: whether all
-    parameters are at their optimum, which waits for the end where much is missing. ``open``:
+    parameters are at their optimum, which waits for the end where much is missing. ``refused``:
+    effects with which the error of the present model would rise; a further effect in the model
+    opens them again, since they then no longer fit its residual. ``open``:
     candidates tried before all others: those of other statistics that were significant beside the
     last one, and those with the largest score tests on a part of the field. At the end, ``tried``:
     the candidates tested last, and ``best``: the significant one that a limit of the user kept out.
@@ -153,6 +155,7 @@ class Path:
     state: State
     steps: tuple[Step, ...] = ()
     dropped: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
     converged: bool = True
     open: tuple[str, ...] = ()
     tried: tuple[Trial, ...] = ()
@@ -262,7 +265,7 @@ class Search:
                 path = self._converged(path)
                 continue
             if best is None and not null.adequate:
-                open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
+                open_to = candidates_of(path.state, self.known, [BASE, *path.dropped, *path.refused])
                 added = self._added(path.state)
                 found = swapped(self.held, path.state, added, open_to, self.trying)
                 if found is not None:
@@ -277,7 +280,7 @@ class Search:
 
     def _tested(self, path: Path, null: Null) -> Path:
         """The candidates tested: those first that were significant beside the last one."""
-        open_to = candidates_of(path.state, self.known, [BASE, *path.dropped])
+        open_to = candidates_of(path.state, self.known, [BASE, *path.dropped, *path.refused])
         first = {name: e for name, e in open_to.items() if name in path.open}
         tried, best = choose(null, first or open_to, self.trying)
         if best is None and first:
@@ -313,10 +316,10 @@ class Search:
         state = self._at_home(state, null)
         error = self._error(state)
         if error > most:
-            return replace(path, dropped=(*path.dropped, best.effect))
+            return replace(path, refused=(*path.refused, best.effect))
         path = self._noted(path, state, best.effect, sure, near, why, error)
         beside = [t.effect for t in tried if significant(t) and apart(best, t)]
-        path = replace(path, converged=not much_left(state), open=tuple(beside))
+        path = replace(path, refused=(), converged=not much_left(state), open=tuple(beside))
         self._kept(path)
         return self._reduced(path) if path.converged else path
 

@@ -143,7 +143,7 @@ def test_a_search_states_its_steps_and_keeps_complete_models(held):
 def test_an_effect_that_raises_the_error_is_not_taken(held):
     begun = Path(fitted(held), (Step(None, 1e-3),))
     path = Search(held, {"row_fpn": RowFpn})._searched(begun)
-    assert path.dropped == ("row_fpn",)
+    assert path.refused == ("row_fpn",)
     assert path.steps == begun.steps
     assert path.state.model.get("row_fpn") is None
 
