@@ -181,7 +181,7 @@ def table(results: Sequence[tuple[str, list[Found]]]) -> str:
                 off = [d / max(abs(f.true), 1e-9) for d, f in zip(off, these, strict=True)]
             unit = " eV" if quantity == "energy" else ""
             good = sum(f.within for f in these)
-            median = float(np.median(off))
+            median = float(np.nanmedian(off))
             lines.append(f"| {layout} | {quantity} | {good} of {len(these)} | {median:.3f}{unit} |")
     return "\n".join(lines)
 

@@ -265,7 +265,9 @@ class Search:
                 path = self._converged(path)
                 continue
             if best is None and not null.adequate:
-                open_to = candidates_of(path.state, self.known, [BASE, *path.dropped, *path.refused])
+                open_to = candidates_of(
+                    path.state, self.known, [BASE, *path.dropped, *path.refused]
+                )
                 added = self._added(path.state)
                 found = swapped(self.held, path.state, added, open_to, self.trying)
                 if found is not None:

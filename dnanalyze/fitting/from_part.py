@@ -18,7 +18,7 @@ from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.restart import restarted
+from dnanalyze.fitting.restart import restarted, slid
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -86,6 +86,7 @@ def converge(
     iterations: int = STEPS,
     tell: Callable[[State], None] = lambda _: None,
     hopeless: float = math.inf,
+    black: bool = True,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
@@ -93,7 +94,8 @@ def converge(
     such as that of black level, dark signal and read noise, they seem to promise nothing more while
     new ones do; so a fit has ended when a round with new ones gains nothing. ``hopeless``: loss a
     number from which true derivatives are not worth their simulations. An amplitude that was lost
-    on the way begins again at the end.
+    on the way begins again at the end, and so does a fit far from the black level by the moments
+    (``black``: whether that is still to be asked).
     """
     for n in range(2 * rounds):
         before = state.merit
@@ -103,9 +105,11 @@ def converge(
         if settled or state.loss > hopeless * len(state.train):
             break
     found = restarted(bench, state, iterations)
+    if found is state and black:
+        found, black = slid(bench, state, iterations), False
     if found is state:
         return state
-    return converge(bench, found, rounds, iterations, tell, hopeless)
+    return converge(bench, found, rounds, iterations, tell, hopeless, black)
 
 
 def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:

@@ -1,8 +1,13 @@
-"""Amplitudes that a fit has lost: restarted where they show.
+"""Where a fit stays although the captures tell better: it begins again.
 
 The derivative with respect to the logarithm of an amplitude goes as the amplitude itself. A fit
 that once makes it small therefore stays there. Such an amplitude is raised until the statistics
 show it, and begins again where the linear change from nothing to there lowers the loss most.
+
+A black level that is lower by some DN, dark signals that are higher by as much and a read noise
+without the shot noise of that are nearly the same to every statistic. The chance in the derivatives
+of simulated frames hides the slope of this valley. A fit that has come to rest in it far from the
+black level by the moments begins again there.
 """
 
 from __future__ import annotations
@@ -14,15 +19,21 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
-from dnanalyze.fitting.least_squares import SMALLEST, State, minimise, start, weights
+from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
+from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start, weights
+from dnanalyze.fitting.level import NOISE
+from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.model.laws import TableLaw, value_at
+from dnanalyze.model.noise_model import NoiseModel
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
 WORTH = (
     6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
 )
+FOURFOLD = 4.0  # by which an amplitude may fall in a step, as in a fit
 
 
 def restarted(bench: Bench, state: State, iterations: int) -> State:
@@ -50,6 +61,58 @@ def restarted(bench: Bench, state: State, iterations: int) -> State:
     begun = start(bench, turned(state.model, state.knobs, where), state.knobs)
     ended = minimise(bench, replace(begun, jacobian=jacobian), iterations)
     return ended if ended.merit < state.merit - WORTH else state
+
+
+def slid(bench: Bench, state: State, iterations: int) -> State:
+    """The state, or one as good with the black level by the moments.
+
+    Of two fits that the statistics do not tell apart, that stands which agrees with the levels.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+        At rest, its derivatives known.
+    iterations : int
+        Of the fit from there.
+    """
+    law = state.model.pedestal
+    free = [i for i, k in enumerate(state.knobs) if k.effect == PEDESTAL]
+    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
+    if not isinstance(law, float) or not noise.size or {t.at for t in state.ties} & set(free):
+        return state
+    sensor = bench.plan.captures.sensor
+    black = moments(Readings(bench.measured[0]), sensor.black_level).pedestal
+    if not free or abs(black - law) <= NOISE * float(noise.min()):
+        return state
+    begun = start(bench, _of_black_level(state.model, black), state.knobs, like=state)
+    ended = minimise(bench, derive(bench, begun, anew=True), 2 * iterations)
+    chance = WORTH * max(state.loss / len(state.train), 1.0)
+    return ended if ended.merit < state.merit + chance else state
+
+
+def _of_black_level(model: NoiseModel, black: float) -> NoiseModel:
+    """The model with another black level, and the same levels and noise but for the charge."""
+    shift = black - value_at(model.pedestal, model.reference)
+    model = replace(model, pedestal=black)
+    base, read = model.get("convolved_lognormal"), model.get("read_noise")
+    shot = model.get("dark_shot_noise")
+    if base is None:
+        return model
+
+    def less(mu: float) -> float:
+        signal = math.exp(mu)
+        return math.log(max(signal - shift, signal / FOURFOLD))
+
+    mu = base.mu
+    rows = TableLaw(mu.points, tuple(map(less, mu.values))) if isinstance(mu, TableLaw) else None
+    if rows is None and not isinstance(mu, float):
+        return model
+    model = model.with_effect(replace(base, mu=less(mu) if rows is None else rows))
+    if read is None or shot is None or not isinstance(read.sigma, float):
+        return model
+    square = read.sigma**2 + shot.value("dn_per_e", model.reference) * shift
+    return model.with_effect(replace(read, sigma=math.sqrt(max(square, read.sigma**2 / FOURFOLD))))
 
 
 def _lost(bench: Bench, state: State) -> list[int]:
