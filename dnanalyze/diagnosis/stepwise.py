@@ -282,12 +282,15 @@ class Search:
 
     def _tested(self, path: Path, null: Null) -> Path:
         """The candidates tested: those first that were significant beside the last one."""
-        open_to = candidates_of(path.state, self.known, [BASE, *path.dropped, *path.refused])
+        open_to = self._open(path)
         first = {name: e for name, e in open_to.items() if name in path.open}
         tried, best = choose(null, first or open_to, self.trying)
         if best is None and first:
             return self._tested(replace(path, open=()), null)
         return replace(path, tried=tuple(tried), best=best)
+
+    def _open(self, path: Path) -> dict[str, type[Effect]]:
+        return candidates_of(path.state, self.known, [BASE, *path.dropped, *path.refused])
 
     def _full(self, path: Path, gone: str | None = None) -> bool:
         """Whether the user wants no more effects; ``gone``: the one that another replaces."""

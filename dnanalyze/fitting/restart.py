@@ -25,14 +25,17 @@ from dnanalyze.fitting.level import NOISE
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.model.laws import TableLaw, value_at
+from dnanalyze.fitting.ties import GAIN
+from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
 WORTH = (
     6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
 )
+SIGNAL, READ = (BASE, "mu"), ("read_noise", "sigma")  # of a pixel
 FOURFOLD = 4.0  # by which an amplitude may fall in a step, as in a fit
 
 
@@ -85,34 +88,30 @@ def slid(bench: Bench, state: State, iterations: int) -> State:
     black = moments(Readings(bench.measured[0]), sensor.black_level).pedestal
     if not free or abs(black - law) <= NOISE * float(noise.min()):
         return state
-    begun = start(bench, _of_black_level(state.model, black), state.knobs, like=state)
+    begun = start(bench, _of_black_level(state, black), state.knobs, like=state)
     ended = minimise(bench, derive(bench, begun, anew=True), 2 * iterations)
     chance = WORTH * max(state.loss / len(state.train), 1.0)
     return ended if ended.merit < state.merit + chance else state
 
 
-def _of_black_level(model: NoiseModel, black: float) -> NoiseModel:
+def _of_black_level(state: State, black: float) -> NoiseModel:
     """The model with another black level, and the same levels and noise but for the charge."""
+    model, where = state.model, positions(state.model, state.knobs)
     shift = black - value_at(model.pedestal, model.reference)
-    model = replace(model, pedestal=black)
-    base, read = model.get("convolved_lognormal"), model.get("read_noise")
-    shot = model.get("dark_shot_noise")
-    if base is None:
-        return model
+    shot = model.get(GAIN[0])
+    variance = 0.0 if shot is None else shift * shot.value(GAIN[1], model.reference)
+    for i, knob in enumerate(state.knobs):
+        if knob.effect == PEDESTAL:
+            where[i] = black
+        elif (knob.effect, knob.parameter) == SIGNAL and not knob.energy:
+            where[i] = math.log(_less(math.exp(where[i]), shift))
+        elif (knob.effect, knob.parameter) == READ and not knob.energy:
+            where[i] = math.log(_less(math.exp(2.0 * where[i]), -variance)) / 2.0
+    return turned(model, state.knobs, where)
 
-    def less(mu: float) -> float:
-        signal = math.exp(mu)
-        return math.log(max(signal - shift, signal / FOURFOLD))
 
-    mu = base.mu
-    rows = TableLaw(mu.points, tuple(map(less, mu.values))) if isinstance(mu, TableLaw) else None
-    if rows is None and not isinstance(mu, float):
-        return model
-    model = model.with_effect(replace(base, mu=less(mu) if rows is None else rows))
-    if read is None or shot is None or not isinstance(read.sigma, float):
-        return model
-    square = read.sigma**2 + shot.value("dn_per_e", model.reference) * shift
-    return model.with_effect(replace(read, sigma=math.sqrt(max(square, read.sigma**2 / FOURFOLD))))
+def _less(amplitude: float, by: float) -> float:
+    return max(amplitude - by, amplitude / FOURFOLD)
 
 
 def _lost(bench: Bench, state: State) -> list[int]:
