@@ -34,12 +34,13 @@ class Changes:
     def of(cls, bench: Bench, model: NoiseModel, placing: Placing) -> Changes:
         """For effects of one placing: on the part of the field, or on a half, where that shows them
         as the whole does.
+
+        What is everywhere does the same to a part of a field that is shaded, or has rows of its
+        own, as to the rest of it.
         """
-        if placing < Placing.SOMEWHERE:
-            near = part_for(bench, model) if placing is Placing.EVERYWHERE else None
-            near = near or bench.evened(model)
-        else:
-            near = bench
+        near = bench.part if placing is Placing.EVERYWHERE else None
+        if near is None:
+            near = bench.evened(model) if placing < Placing.SOMEWHERE else bench
         return cls(near, near.fitted_coordinates(model), bench.train)
 
     def by(self, models: Sequence[NoiseModel]) -> Iterator[np.ndarray]:

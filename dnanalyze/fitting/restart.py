@@ -79,14 +79,14 @@ def slid(bench: Bench, state: State, iterations: int) -> State:
     iterations : int
         Of the fit from there.
     """
-    law = state.model.pedestal
-    free = [i for i, k in enumerate(state.knobs) if k.effect == PEDESTAL]
-    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
-    if not isinstance(law, float) or not noise.size or {t.at for t in state.ties} & set(free):
+    free = {i for i, k in enumerate(state.knobs) if k.effect == PEDESTAL}
+    if len(free) != 1 or free & {t.at for t in state.ties}:
         return state
+    law = value_at(state.model.pedestal, state.model.reference)
+    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
     sensor = bench.plan.captures.sensor
     black = moments(Readings(bench.measured[0]), sensor.black_level).pedestal
-    if not free or abs(black - law) <= NOISE * float(noise.min()):
+    if not noise.size or abs(black - law) <= NOISE * float(noise.min()):
         return state
     begun = start(bench, _of_black_level(state, black), state.knobs, like=state)
     ended = minimise(bench, derive(bench, begun, anew=True), 2 * iterations)

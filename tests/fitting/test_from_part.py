@@ -194,8 +194,9 @@ def test_a_fit_ends_where_a_round_gains_nothing_a_hopeless_one_after_the_first(
     assert len(made) == rounds
 
 
-def test_what_lies_everywhere_changes_the_part_as_the_whole(held):
-    before = model(4)
+@pytest.mark.parametrize("beside", [{}, {"row_fpn": {}}, {"column_taps": {}}, {"amp_glow": {}}])
+def test_what_lies_everywhere_changes_the_part_as_the_whole(held, beside):
+    before = model(4, **beside)
     after = before.with_effect(KNOWN["read_noise"](sigma=3.3))
     part = Changes.of(held, before, Placing.EVERYWHERE)
     whole = Changes.of(held, before, Placing.SOMEWHERE)
@@ -207,6 +208,6 @@ def test_what_lies_everywhere_changes_the_part_as_the_whole(held):
 
 def test_what_lies_at_places_of_its_own_is_simulated_on_the_whole(held):
     placed = model(4, column_taps={})
-    assert Changes.of(held, placed, Placing.EVERYWHERE).bench.part is not None
+    assert not Changes.of(held, placed, Placing.ANYWHERE).bench.even
     assert not Changes.of(held, model(4), Placing.SOMEWHERE).bench.even
     assert Changes.of(held, model(4), Placing.ANYWHERE).bench.even
