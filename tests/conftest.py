@@ -1,5 +1,6 @@
 """Shared by all tests: where the sample captures lie, when they are there."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,11 @@ from hypothesis import HealthCheck, settings
 # no test depends on how busy the machine is
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("untimed")
+
+# pytest-xdist runs one process a core: a linear algebra library of its own threads in each of them
+# would only wait for the others. NumPy, imported after this file, reads it.
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
 
 CAPTURES = Path(__file__).resolve().parents[2] / "shared" / "captures"
 
