@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,6 +11,8 @@ import numpy as np
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model import pink
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
+
+CELLS = 1024  # of the grid along the longer side: what varies slowly needs no finer one
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,8 @@ class DarkShading(Effect):
     )
     formula: ClassVar[str] = (
         "h (1 + rms f); power of f over twice the field C rho^-alpha, rho in cycles/pixel; over "
-        "the field mean of f 0, mean of f^2 1; 1 + rms f not below 0"
+        "the field mean of f 0, mean of f^2 1; 1 + rms f not below 0; fields of more than 1024 "
+        "pixels a side: on a grid of so many points, linear between them"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0 (DSNU)",
@@ -66,15 +70,17 @@ class DarkShading(Effect):
         return signal
 
     def _map(self, site: Site) -> np.ndarray:
-        field = site.share("field", lambda: self._field(site))[site.window.slices]
+        grid, cell = site.share("field", lambda: self._grid(site)), _cell(site.shape)
+        field = _between(grid, site.window, cell) if cell > 1 else grid[site.window.slices]
         factor = 1.0 + self.value("rms", site.point) * field
         return np.maximum(factor, 0.0).astype(np.float32)
 
-    def _field(self, site: Site) -> np.ndarray:
+    def _grid(self, site: Site) -> np.ndarray:
         """Cut from twice the field: opposite borders of a die have nothing to do with each other,
         those of a periodic field meet.
         """
-        rows, columns = site.shape
+        cell = _cell(site.shape)
+        rows, columns = (math.ceil(n / cell) + int(cell > 1) for n in site.shape)
         whole = Window.whole((2 * rows, 2 * columns))
         white = site.silicon.child("field").normal(whole, 2 * columns)
         clouds = pink.field(white, self.value("alpha", site.point))[:rows, :columns]
@@ -82,3 +88,18 @@ class DarkShading(Effect):
         clouds -= clouds.mean()
         clouds /= clouds.std()
         return clouds.astype(np.float32)
+
+
+def _cell(shape: tuple[int, int]) -> int:
+    """Pixels between two points of the grid."""
+    return math.ceil(max(shape) / CELLS)
+
+
+def _between(grid: np.ndarray, window: Window, cell: int) -> np.ndarray:
+    """The grid at the pixels of a window, linear between its points."""
+    found = grid
+    for first, end in ((window.top, window.bottom), (window.left, window.right)):
+        below, share = np.divmod(np.arange(first, end), cell)
+        weight = (share / cell).astype(np.float32)[:, None]
+        found = ((1.0 - weight) * found[below] + weight * found[below + 1]).T
+    return found

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from charge_bench import HERE, WARM, MadeUpClues, flat, frames, growth
 
+from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.dark_shading import DarkShading
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.simulator import Simulator
 
 
 def blocks(frame, size=16):
@@ -68,3 +71,19 @@ def test_no_guess_where_the_blocks_vary_alike_at_all_levels():
                         seen={"mean": [40.0, 200.0]},
                         curves={"block_means": [offsets] * 2})  # fmt: skip
     assert DarkShading.guess(clues) == []
+
+
+def test_a_large_field_is_drawn_on_a_grid_and_any_window_is_cut_out_of_it():
+    shape = (48, 3000)
+    model = NoiseModel((flat(1000.0), DarkShading(rms=0.1, alpha=3.0)), 0.0, HERE)
+    whole = Simulator(model, shape).frame(HERE, 0)
+    part = Window(7, 31, 1201, 2400)
+    np.testing.assert_array_equal(Simulator(model, shape).frame(HERE, 0, part), whole[part.slices])
+    # of the grid: it is linear between points 3 pixels apart, in either direction
+    factor = whole / Simulator(NoiseModel((flat(1000.0),), 0.0, HERE), shape).frame(HERE, 0)
+    for axis in (0, 1):
+        bends = np.diff(factor.astype(np.float64), 2, axis=axis)
+        between = np.arange(bends.shape[axis]) % 3 != 2
+        assert np.abs(bends.compress(between, axis)).max() < 1e-5
+    assert factor.mean() == pytest.approx(1.0, abs=0.01)
+    assert factor.std() == pytest.approx(0.1, rel=0.05)
