@@ -51,8 +51,6 @@ def benchmark(
 ) -> None:
     """Compare several sensors: EMVA 1288 dark quantities, tails, spectra, effects, filters."""
     from dnanalyze.benchmarking.run import benchmark as run
-    from dnanalyze.report import benchmark as results
-    from dnanalyze.report.terminal.benchmark import result as show
 
     temperatures = sorted(set(celsius("--at", at)))
     sessions = [
@@ -65,11 +63,5 @@ def benchmark(
     ]
     with session.progress("Measuring the sensors") as progress:
         result = run(found, at=temperatures, quick=quick, progress=progress)
-    show(session.console, result)
-
-    def page() -> str:
-        from dnanalyze.report.pages.benchmark import benchmark_page
-
-        return benchmark_page(result)
-
-    session.write(results.document(folders, result), page, lambda: results.table(result))
+    session.show(result)
+    session.finish(result, more={"captures": ", ".join(folders), "folders": folders})

@@ -100,10 +100,9 @@ def check(
     from dnanalyze.checking.targets import dump_targets, load_targets
     from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.model.channel_models import require
-    from dnanalyze.report import check as report
     from dnanalyze.report.files import check_kept, check_output
-    from dnanalyze.report.terminal.check import proposed
-    from dnanalyze.report.terminal.check import result as show
+    from dnanalyze.report.results import checkresult as report
+    from dnanalyze.report.terminal import head
 
     if (targets is None) == (init is None):
         raise InputError("check: give either --targets T.yaml to check, or --init T.yaml to write")
@@ -136,7 +135,9 @@ def check(
         with session.progress("Simulating sensors" if own else "Measuring") as progress:
             made = propose(found, own, tell=progress.now)
         session.write({}, model=lambda: dump_targets(made))
-        proposed(session.console, found, made)
+        verdict, sections = report.proposed(made)
+        head(session.console, found, verdict)
+        session.print(sections)
         return 0
     other = None
     if measured is not None:
@@ -151,7 +152,7 @@ def check(
         )
     with session.progress("Checking") as progress:
         result = run(found, limits, own, measured=other, progress=progress)
-    show(session.console, found, result)
+    session.show(result)
     simulation = str(model) if model is not None else captures
     texts = [
         (junit, report.junit(result)),
@@ -163,5 +164,5 @@ def check(
         elif path is not None:
             atomic_write(path, text)
             session.say(f"wrote {path}")
-    session.write(report.document(captures, result, targets, model, simulation))
+    session.finish(result, more={"targets": targets, "model": model, "simulation": simulation})
     return 0 if result.passed else 1

@@ -127,9 +127,10 @@ def simulate(
     from dnanalyze.model.channel_models import require
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.processors import cpu_count
-    from dnanalyze.report import documents
+    from dnanalyze.report.documents import point
     from dnanalyze.report.files import atomic_folder, check_folder
-    from dnanalyze.report.terminal.simulation import written
+    from dnanalyze.report.plain import document
+    from dnanalyze.report.words import plural
 
     session = Session("simulate", like, json=json, effects=tuple(effects or ()), quiet=quiet)
     own = session.model(model)
@@ -159,8 +160,13 @@ def simulate(
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
     with atomic_folder(out, force) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
-    written(session.console, made, out, format)
-    session.write(documents.simulation(made, out, format, model, own.seed, like))
+    session.console.print(
+        f"{plural(made.frame_count, 'frame')} of {size[0]} × {size[1]} at "
+        f"{plural(len(made.settings), 'operating point')} as {format} in {out}"
+    )
+    settings = [point(s.point) | {"frames": len(s.frames)} for s in made.settings]
+    about = {"model": model, "seed": own.seed, "like": like, "format": format, "shape": size}
+    session.write(document("simulate", str(out), **about, settings=settings))
 
 
 def _check_size(shape: tuple[int, int], frames: int) -> None:
