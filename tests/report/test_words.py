@@ -178,7 +178,6 @@ def test_an_effect_that_is_not_needed_is_said_to_be_unsupported():
 
 def test_a_refinement_says_what_stays_and_how_sure_it_is():
     from dnanalyze.report.page import render
-    from dnanalyze.report.results.diagnosis import unexplained_section
     from dnanalyze.report.results.refinement import page_so_far, sections
     from dnanalyze.report.terminal import as_text, print_sections
 
@@ -186,8 +185,7 @@ def test_a_refinement_says_what_stays_and_how_sure_it_is():
     found.steps = found.steps[:2]  # row_fpn, 60 %, or row_noise
     found.verdict, found.unexplained = "unexplained", ["temporal_psd_0.35_0.5"]
     found.diagnosis = diagnosis("unexplained")
-    every = [*sections(found), unexplained_section(found)]
-    shown = as_text(lambda console: print_sections(console, every))
+    shown = as_text(lambda console: print_sections(console, sections(found)))
     page = render(page_so_far(found))
     assert max(map(len, shown.splitlines())) <= 80
     for text in (words.refine_headline(found), shown, page):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import pandas as pd
@@ -53,6 +54,7 @@ def sections(result: Any) -> list[Section]:
         f"{words.with_rivals(s.added, s.confidence, s.confused_with)}: {s.evidence[0]}"
         for s in why.values()
     ]
+    title = "Evidence" if getattr(result, "by_hand", False) else "Evidence for each effect added"
     effects = f"Effects in the model: {words.listing(result.effects)}."
     return [
         Section(
@@ -61,11 +63,12 @@ def sections(result: Any) -> list[Section]:
             pictures=[lambda: waterfall(list(result.steps))],
             tables=step_tables(result.steps),
         ),
-        Section("reasons", "Evidence for each effect added", points=said, paged=False),
+        Section("reasons", title, points=said, paged=False),
         parameters_section("final model", result),
         model_section(result.model, result.parameters),
         *direct_section(result),
         undetermined_section(result),
+        replace(diagnosis.unexplained_section(result), paged=False),
         *classification.line(getattr(result, "classification", None)),
         Section("effects", "Effects", text=[effects], paged=False),
     ]

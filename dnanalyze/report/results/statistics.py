@@ -24,7 +24,7 @@ from dnanalyze.report.sections.front import curves_sections, numbers_section, se
 from dnanalyze.report.sections.panels import family_panels
 from dnanalyze.report.structure import Structure, hot_share, plainest, sentence_of, structures
 from dnanalyze.report.tables import info, measured_value
-from dnanalyze.report.words import number, point_label, sentence, with_error
+from dnanalyze.report.words import number, point_label, sentence, symbol, with_error
 
 HOT_SHARE = 1e-4  # of the pixels, from which hot pixels are named
 OPEN_GROUPS = 2  # of gain, channel and colour plane, whose tables are not folded
@@ -135,7 +135,7 @@ def trend_section(measured: Any) -> Section:
         (
             info(name).title,
             *(_value(own.get(name)) for own in found.values()),
-            info(name).unit,
+            symbol(info(name).unit),
         )
         for name in names
     ]
