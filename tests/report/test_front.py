@@ -81,7 +81,7 @@ def test_lines_that_move_are_said_once():
 
 def test_the_page_of_a_quiet_sensor_says_that_nothing_stands_out():
     text = render(statistics.page(fakes.statistics()))
-    assert "No structure stands out" in text
+    assert "No structure is significant" in text
     assert text.index("No structure") < text.index('id="frames"') < text.index('id="capture"')
 
 
@@ -192,7 +192,7 @@ def test_leads_say_what_the_sensor_has():
     done = SimpleNamespace(steps=steps, finished=True, verdict="adequate")
     assert "has column FPN (fixed vertical stripes" in refine_lead(done)
     done.steps = steps[:2]
-    assert refine_lead(done).startswith("Nothing is wrong that these captures show")
+    assert refine_lead(done).startswith("No fault is visible in these captures")
     done.verdict = "unexplained"
     assert "no effect of the catalogue explains" in refine_lead(done)
     doubtful = [*steps[:2], replace(steps[2], confidence=0.6)]

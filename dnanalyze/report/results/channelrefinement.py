@@ -64,7 +64,7 @@ def sections(result: Any) -> list[Section]:
     note = f"One model of all channels: model error {number(result.error)}."
     findings = [sentence(f) for f in result.findings]
     return [
-        Section("findings", "Findings", points=findings, paged=False),
+        Section("findings", "Effects by channel", points=findings, paged=False),
         Section(
             "belongs", "Effects by channel", tables=[Table(columns, rows, words=3, note=note)]
         ),

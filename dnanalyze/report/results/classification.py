@@ -20,7 +20,7 @@ CELL = "view", "auc", "low", "high", "control"
 
 
 def headline(result: Any) -> str:
-    """Whether a classifier tells simulated from measured frames."""
+    """Whether a classifier distinguishes simulated from measured frames."""
     return str(result.sentence())
 
 
@@ -37,7 +37,7 @@ def sections(result: Any) -> list[Section]:
         )
         for c in (*result.cells, *result.together)
     ]
-    columns = ("operating point", "picture", "AUC", "95 % limits", "control")
+    columns = ("operating point", "picture", "AUC", "95 % interval", "control")
     return [
         Section(
             "classifier", "Classifier two-sample test", text=[headline(result)],
@@ -55,7 +55,7 @@ def line(result: Any) -> list[Section]:
     """Its one sentence, in the terminal below another result."""
     if result is None:
         return []
-    return [Section("classifier-line", "Classifier", text=[headline(result)], paged=False)]
+    return [Section("told", "Classifier two-sample test", text=[headline(result)], paged=False)]
 
 
 def page(result: Any) -> Page:

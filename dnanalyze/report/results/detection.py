@@ -174,7 +174,7 @@ def _estimate(result: Any) -> list[Table]:
         )
         for t in result.tail
     ]
-    columns = ("temperature", "above [DN]", "measured [ppm]", "before correction [ppm]")
+    columns = ("temperature", "threshold [DN]", "measured [ppm]", "before correction [ppm]")
     return [
         Table(("property", "value", "unit"), cells, words=3),
         Table(columns, tail, title="Hot pixels before correction"),

@@ -68,14 +68,13 @@ def _range(values: list[float]) -> str:
 
 def sections(measured: Any) -> list[Section]:
     """The EMVA 1288 quantities, the laws over temperature, what is not determined."""
+    tables = list(_printed_tables(measured.emva))
     return [
-        Section(
-            "quantities", "EMVA 1288", tables=list(_printed_tables(measured.emva)), paged=False
-        ),
+        Section("quantities", "EMVA 1288 dark quantities", tables=tables, paged=False),
         trend_section(measured),
         Section("doubts", "Warnings", points=law_doubts(measured), paged=False),
         missing_section(measured, measured.emva),
-    ]  # fmt: skip
+    ]
 
 
 def _printed_tables(quantities: Any) -> list[Table]:
@@ -112,7 +111,7 @@ def emva_section(quantities: Any) -> Section:
         title, fold = group.label if several else "", n >= OPEN_GROUPS
         columns: emva.Row = ("symbol", "quantity", "fitted range", "value")
         tables.append(Table(columns, emva.sensor_rows(group), words=3, title=title, folded=fold))
-        columns = ("symbol", "at the lowest and highest signal", *heads)
+        columns = ("symbol", "quantity", *heads)
         tables.append(Table(columns, emva.point_rows(points), words=2, title=title, folded=fold))
         columns, rows = emva.current_table(group)
         if len(rows) > 1:
@@ -163,7 +162,10 @@ def lead(measured: Any, found: list[Structure]) -> str:
     hot = hot_share(measured)
     if found:
         return sentence(sentence_of(found[0], measured))
-    text = "No structure stands out: rows, columns, neighbouring pixels and codes are as by chance"
+    text = (
+        "No structure is significant: rows, columns, neighbouring pixels and codes agree with "
+        "white noise"
+    )
     if hot is not None and hot[0] > HOT_SHARE:
         where = point_label(hot[1].point)
         text += f"; {number(100 * hot[0], 2)} % of the pixels are hot at {where}"

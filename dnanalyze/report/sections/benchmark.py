@@ -176,7 +176,14 @@ def models(result: Any) -> Section:
             kind = f"yes: {KINDS.get(s.filter_kind, s.filter_kind)}"
         told = (number(s.errors.get(k)) for k in ("gaussian", "paper", "refined"))
         rows.append((s.name, kind, s.verdict or "not refined", *told))
-    columns = ("sensor", "filtered", "verdict", "Gaussian", "Wang 2025", "refined")
+    columns = (
+        "sensor",
+        "filtered",
+        "verdict",
+        "Gaussian model",
+        "Wang 2025 model",
+        "refined model",
+    )
     tables = [Table(columns, rows, words=3, sortable=True)]
     strengths = [
         (e.effect, s.name, number(e.rms_dn), _numbers(e.parameters))

@@ -164,7 +164,7 @@ def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
     if not rows:
         return []
     text = f"± is one standard error.{' ' if part else ''}{part}"
-    columns = ("EMVA 1288", "at", "value")
+    columns = ("quantity", "at", "value")
     return [
         Section(
             "numbers", "Dark quantities", text=[text], tables=[Table(columns, rows, words=2)],

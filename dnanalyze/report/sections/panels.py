@@ -215,8 +215,8 @@ def largest(rows: Rows, title: str, most: int = 8, of: Rows | None = None) -> li
         )
         for r in (worst(list(rows), most=most) if of is None else of)
     ]
-    note = "σ: difference over the reproducibility standard deviation."
-    columns = (title, "operating point", "measured", "model", "difference", "σ")
+    note = "Discrepancy: difference in reproducibility standard deviations (sigma)."
+    columns = (title, "operating point", "measured", "model", "difference", "discrepancy")
     return [Table(columns, cells, words=2, note=note if of is None else "")] if cells else []
 
 
@@ -241,7 +241,7 @@ def compared(rows: Rows, family: str) -> Table | None:
     ]
     columns = (
         "statistic", "operating point", "measured", "model", "unit", "difference",
-        "reproducibility σ", "difference / σ",
+        "sigma", "discrepancy",
     )  # fmt: skip
     return Table(columns, cells, words=2, title=f"All {len(cells)} numbers", folded=True)
 
