@@ -19,7 +19,10 @@ from dnanalyze.report.words import (
     statistics_named,
 )
 
-CAPITALS = {"fpn": "FPN", "rts": "RTS", "dpc": "DPC", "cfa": "CFA"}
+CAPITALS = {
+    name: name.upper() for name in ("adc", "cds", "cfa", "dc", "dn", "dpc", "dsnu", "fpn", "hdr",
+                                    "prnu", "rts")
+}  # fmt: skip
 NOTHING = "No fault is visible in these captures"
 
 

@@ -20,19 +20,10 @@ from dnanalyze.report.plain import document as made
 from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import classification
 from dnanalyze.report.results.statistics import missing_section
-from dnanalyze.report.sections.front import (
-    classifier_front,
-    curves_sections,
-    frames_section,
-    model_layers,
-    numbers_section,
-    place_of,
-)
+from dnanalyze.report.sections.front import front, model_layers
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.sections.panels import family_panels, largest
 from dnanalyze.report.words import number, sentence
-
-HALF = "Measured on the held-out half of the field."
 
 
 def headline(result: Any) -> str:
@@ -94,9 +85,6 @@ def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str
 
 def page(result: Any, judged: Any = None, rivals: Rivals | None = None) -> Page:
     """The report; with a classification of the same frames, its section."""
-    rivals = rivals or Rivals()
-    place = place_of(result, rivals)
-    raw = None if rivals.raw is None else rivals.raw.statistics
     lead = compare_lead(result)
     return page_of(
         result.captures,
@@ -115,12 +103,9 @@ def page(result: Any, judged: Any = None, rivals: Rivals | None = None) -> Page:
             *law_doubts(result.measured),
         ],
         figures=numbers(result.error, result.baselines),
-        front=[
-            frames_section(result.captures, place, {"model": result.model}),
-            *curves_sections(model_layers(result, rivals), place, result.simulated, raw),
-            *numbers_section(result.measured, HALF),
-            *classifier_front(judged),
-        ],
+        front=front(
+            result, {"model": result.model}, result, rivals or Rivals(), model_layers, judged
+        ),
     )
 
 

@@ -15,16 +15,7 @@ from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import comparison as compare
-from dnanalyze.report.sections.front import (
-    candidate_layers,
-    curves_sections,
-    direct_front,
-    effect_section,
-    frames_section,
-    labels_of,
-    numbers_section,
-    place_of,
-)
+from dnanalyze.report.sections.front import candidate_layers, front, labels_of
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.tables import named
 from dnanalyze.report.words import (
@@ -108,7 +99,9 @@ def _candidates(head: str, found: Sequence[Any], title: str = "") -> Table:
 
 def page(result: Any, comparison: Any = None, rivals: Rivals | None = None) -> Page:
     """The report; with a comparison its panels follow the diagnosis."""
-    best = leading(result)
+    rivals, models, best = rivals or Rivals(), {"model": result.model}, leading(result)
+    if rivals.after is not None:
+        models[labels_of(rivals.effect)[1]] = rivals.after.model
     told = result.verdict == "missing" and best is not None and best.effect not in result.ordinary
     return page_of(
         result.captures,
@@ -121,23 +114,8 @@ def page(result: Any, comparison: Any = None, rivals: Rivals | None = None) -> P
         ],
         tone=TONES.get(result.verdict, "fair"),
         points=[headline(result), *(map(sentence, best.evidence) if told else ())],
-        front=_front(result, comparison, rivals or Rivals()),
+        front=front(result, models, comparison, rivals, candidate_layers),
     )
-
-
-def _front(result: Any, comparison: Any, rivals: Rivals) -> list[Section]:
-    place = place_of(comparison, rivals)
-    models = {"model": result.model}
-    if rivals.after is not None:
-        models[labels_of(rivals.effect)[1]] = rivals.after.model
-    shown = [frames_section(result.captures, place, models)]
-    if comparison is not None:
-        raw = None if rivals.raw is None else rivals.raw.statistics
-        drawn = candidate_layers(comparison, rivals)
-        shown += curves_sections(drawn, place, comparison.simulated, raw)
-        shown += effect_section(comparison.measured, rivals)
-        shown += numbers_section(comparison.measured, compare.HALF)
-    return [*shown, *direct_front(result)]
 
 
 CANDIDATE = "effect", "error_after", "explained", "confidence", "confused_with"

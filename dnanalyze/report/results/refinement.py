@@ -19,17 +19,7 @@ from dnanalyze.report.plain import document as made
 from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import classification, diagnosis
 from dnanalyze.report.results import comparison as compare
-from dnanalyze.report.sections.front import (
-    classifier_front,
-    curves_sections,
-    direct_front,
-    effect_section,
-    frames_section,
-    labels_of,
-    model_layers,
-    numbers_section,
-    place_of,
-)
+from dnanalyze.report.sections.front import front, labels_of, model_layers
 from dnanalyze.report.sections.model import (
     direct_section,
     model_section,
@@ -125,6 +115,10 @@ def page_so_far(result: Any, comparison: Any = None, rivals: Rivals | None = Non
     steps, told = list(result.steps), getattr(result, "classification", None)
     by_hand = getattr(result, "by_hand", False)  # of `add`: the user named the effect
     rest, said = result.diagnosis, headline(result)
+    rivals, models = rivals or Rivals(), {"model": result.model}
+    if rivals.before is not None and rivals.after is not None:
+        names = labels_of(rivals.effect)
+        models = dict(zip(names, (rivals.before.model, rivals.after.model), strict=True))
     return page_of(
         result.captures,
         "Refinement",
@@ -142,24 +136,8 @@ def page_so_far(result: Any, comparison: Any = None, rivals: Rivals | None = Non
             (number(steps[-1].error), "model error at the end"),
             ("1", "a second sensor of the same design"),
         ],
-        front=_front(result, comparison, rivals or Rivals()),
+        front=front(result, models, comparison, rivals, model_layers, told),
     )
-
-
-def _front(result: Any, comparison: Any, rivals: Rivals) -> list[Section]:
-    place = place_of(comparison, rivals)
-    models = {"model": result.model}
-    if rivals.before is not None and rivals.after is not None:
-        names = labels_of(rivals.effect)
-        models = dict(zip(names, (rivals.before.model, rivals.after.model), strict=True))
-    shown = [frames_section(result.captures, place, models)]
-    if comparison is not None:
-        raw = None if rivals.raw is None else rivals.raw.statistics
-        shown += effect_section(comparison.measured, rivals)
-        shown += curves_sections(model_layers(comparison, rivals), place, comparison.simulated, raw)
-        shown += numbers_section(comparison.measured, compare.HALF)
-    shown += direct_front(result)
-    return [*shown, *classifier_front(getattr(result, "classification", None))]
 
 
 def document(result: Any, said: str = "") -> Document:

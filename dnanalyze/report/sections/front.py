@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
@@ -21,7 +21,40 @@ from dnanalyze.report.words import DIRECT, direct_rows
 
 SMALL = 5  # operating points shown side by side
 DIRECT_ROWS = 5  # of model against direct measurement, worst first
+HALF = "Measured on the held-out half of the field."
 NUMBERS = kinds.NOISE, kinds.DSNU, kinds.HOT_5
+
+
+def front(
+    result: Any,
+    models: Mapping[str, Any],
+    comparison: Any,
+    rivals: Rivals,
+    drawn: Callable[[Any, Rivals], list[Layer]],
+    told: Any = None,
+) -> list[Section]:
+    """What is read first of a result that judges a model.
+
+    Parameters
+    ----------
+    result : Comparison, Diagnosis or Refinement
+    models : mapping
+        Label to model, whose frames are shown beside the measured ones.
+    comparison : Comparison or None
+        Of the model; without it there are no curves.
+    rivals : Rivals
+    drawn : callable
+        Gives the layers of Figure 1, of a comparison and the rivals.
+    told : Classification, optional
+    """
+    place = place_of(comparison, rivals)
+    made = [frames_section(result.captures, place, models)]
+    if comparison is not None:
+        raw = None if rivals.raw is None else rivals.raw.statistics
+        made += effect_section(comparison.measured, rivals)
+        made += curves_sections(drawn(comparison, rivals), place, comparison.simulated, raw)
+        made += numbers_section(comparison.measured, HALF)
+    return [*made, *direct_front(result), *classifier_front(told)]
 
 
 def frames_section(captures: Any, place: Place | None, models: Mapping[str, Any]) -> Section:
