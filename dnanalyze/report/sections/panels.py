@@ -215,8 +215,8 @@ def largest(rows: Rows, title: str, most: int = 8, of: Rows | None = None) -> li
         )
         for r in (worst(list(rows), most=most) if of is None else of)
     ]
-    note = "Discrepancy: difference in reproducibility standard deviations (sigma)."
-    columns = (title, "operating point", "measured", "model", "difference", "discrepancy")
+    note = "sigma: difference over the reproducibility standard deviation."
+    columns = (title, "at", "measured", "model", "difference", "sigma")
     return [Table(columns, cells, words=2, note=note if of is None else "")] if cells else []
 
 
