@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class Result:
     """The methods that all results share.
 
-    A subclass is a frozen dataclass with a presentation in ``dnanalyze.report.presentations``, in
-    the file of its name.
+    A subclass is a frozen dataclass with a presentation: the file of its name in
+    ``dnanalyze.report.results``.
     """
 
     def summary(self) -> str:
@@ -40,7 +40,9 @@ class Result:
         >>> print(statistics.summary().splitlines()[0])
         virtual sensor: 3 operating points, 25 to 65 °C, 9 frames of 64 × 64
         """
-        return self._presentation().summary(self)
+        from dnanalyze.report.presentation import summary
+
+        return summary(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON document that the command line writes for this result.
@@ -166,5 +168,5 @@ class Result:
         for kind in type(self).__mro__:
             if Result in kind.__bases__:
                 name = kind.__name__.lower()
-                return import_module(f"dnanalyze.report.presentations.{name}").PRESENTATION
+                return cast("Presentation", import_module(f"dnanalyze.report.results.{name}"))
         raise TypeError(f"{type(self).__name__} has no presentation")

@@ -229,14 +229,19 @@ NoDescribe = Annotated[
 Options = TypeVar("Options")
 
 
-@dataclass(frozen=True)
-class ReadOptions:
-    """What every command takes that reads captures."""
+@dataclass(frozen=True, kw_only=True)
+class Results:
+    """Files that a result is written to."""
 
-    captures: Captures
     json: Json = None
     report: Report = None
     csv: Csv = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """How captures are read."""
+
     config: Config = None
     tolerance_c: Tolerance = None
     channel: Channel = None
@@ -244,16 +249,8 @@ class ReadOptions:
     mask: Mask = None
     quiet: Quiet = False
 
-    def session(self, command: str, **more: Any) -> Session:
-        """The session of a command; outputs are checked."""
-        from dnanalyze_cli.session import Session
-
-        return Session(
-            command, self.captures, self.json, self.report, self.csv, quiet=self.quiet, **more
-        )
-
     def load(self, session: Session) -> CaptureSet:
-        """The captures."""
+        """The captures of a session."""
         return session.load(
             self.config,
             self.tolerance_c,
@@ -263,7 +260,30 @@ class ReadOptions:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class FolderOptions(Reading, Results):
+    """What every command takes that reads captures and writes a result."""
+
+    def session_on(self, command: str, captures: str, **more: Any) -> Session:
+        """The session of a command on a folder; outputs are checked."""
+        from dnanalyze_cli.session import Session
+
+        outputs = self.json, self.report, self.csv
+        return Session(command, captures, *outputs, quiet=self.quiet, **more)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadOptions(FolderOptions):
+    """The same on one folder."""
+
+    captures: Captures
+
+    def session(self, command: str, **more: Any) -> Session:
+        """The session of a command; outputs are checked."""
+        return self.session_on(command, self.captures, **more)
+
+
+@dataclass(frozen=True, kw_only=True)
 class ModelOptions(ReadOptions):
     """What every command takes that fits a model to captures."""
 
@@ -299,7 +319,9 @@ class ModelOptions(ReadOptions):
 
 
 def takes(kind: type[Options]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """The options of ``kind`` before those of a command, which gets them as one object.
+    """The options of ``kind`` with those of a command, which gets them as one object.
+
+    An option that the command has under the same name takes the place of the shared one.
 
     Parameters
     ----------
@@ -321,13 +343,15 @@ def takes(kind: type[Options]) -> Callable[[Callable[..., Any]], Callable[..., A
         )
         for f in fields(cast(Any, kind))
     ]
-    names = {p.name for p in shared}
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         own_hints = get_type_hints(command, include_extras=True)
         _, *rest = inspect.signature(command).parameters.values()
-        own = [p.replace(annotation=own_hints[p.name]) for p in rest]
-        every = sorted([*shared, *own], key=lambda p: p.default is not inspect.Parameter.empty)
+        own = {p.name: p.replace(annotation=own_hints[p.name]) for p in rest}
+        kept = [p for p in shared if p.name not in own]
+        names = {p.name for p in kept}
+        first, last = (kept, own.values()) if "captures" in hints else (own.values(), kept)
+        every = sorted([*first, *last], key=lambda p: p.default is not inspect.Parameter.empty)
 
         @wraps(command)
         def run(**given: Any) -> Any:

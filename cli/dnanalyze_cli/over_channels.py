@@ -29,32 +29,11 @@ def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
 
 def refine(session: Session, found: CaptureSet, run: Run) -> None:
     """Run, show and write what completes the model of every channel."""
-    from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report import channel_results, tables
-    from dnanalyze.report.terminal.channels import refinement as show
-    from dnanalyze.report.terminal.refinement import not_kept
-
     with session.progress("Reading frames") as progress:
         result = run(progress)
-    show(session.console, found, result)
-    if session.output is None:
-        not_kept(session.console)
-
-    def page() -> str:
-        from dnanalyze.comparator.compare import compare_on
-        from dnanalyze.report.pages.hdr_channels import refinement_page
-
-        with session.progress("Comparing the model with the captures"):
-            comparison = compare_on(found, result.model, held=result.bench)
-        return refinement_page(found, result, comparison)
-
-    where = str(session.captures)
-    session.write(
-        channel_results.refinement(where, session.command, result, session.output),
-        page,
-        lambda: tables.steps(result),
-        lambda: dump_model(result.model),
-    )
+    session.show(result)
+    session.not_kept()
+    session.finish(result, more={"schema": f"dnanalyze/{session.command}/1"})
 
 
 def diagnose(
@@ -66,23 +45,16 @@ def diagnose(
 ) -> None:
     """Run, show and write the diagnosis of every channel."""
     from dnanalyze.channels.refinement import diagnose_channels, worst_verdict
-    from dnanalyze.report import channel_results, tables
-    from dnanalyze.report.terminal.channels import diagnosis as show
+    from dnanalyze.report.results import channelrefinement as report
+    from dnanalyze.report.terminal import head
 
     with session.progress("Reading frames") as progress:
         made = diagnose_channels(found, model, budget=budget, known=known, tell=progress.now)
     verdict = worst_verdict(d.verdict for d in made.values())
-    show(session.console, found, made, verdict)
-
-    def page() -> str:
-        from dnanalyze.report.pages.hdr_channels import diagnosis_page
-
-        return diagnosis_page(found, made, verdict)
-
-    def table() -> Any:
-        import pandas as pd
-
-        parts = [tables.candidates(d).assign(channel=name) for name, d in made.items()]
-        return pd.concat(parts, ignore_index=True)
-
-    session.write(channel_results.diagnosis(str(session.captures), made, verdict), page, table)
+    head(session.console, found, report.diagnoses_headline(made, verdict))
+    session.print(report.diagnoses_sections(made))
+    session.write(
+        report.diagnoses_document(str(session.captures), made, verdict),
+        lambda: report.diagnoses_page(found, made, verdict),
+        lambda: report.diagnoses_table(made),
+    )

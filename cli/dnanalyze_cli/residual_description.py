@@ -46,8 +46,7 @@ def describe_residual(
     from dnanalyze.fitting.knobs import knobs_of
     from dnanalyze.fitting.least_squares import start
     from dnanalyze.fitting.time_limit import TimeLimit
-    from dnanalyze.report import documents
-    from dnanalyze.report.terminal.description import in_short
+    from dnanalyze.report.results.description import in_short
 
     left = min(MOST, session.remaining(budget) or MOST)
     with session.progress("Describing the unexplained residual") as progress:
@@ -55,5 +54,5 @@ def describe_residual(
         state = state or start(held, result.model, knobs_of(result.model))
         limit = TimeLimit.after(left)
         found = described(captures, held, state, known, limit, progress.now, rivals=False)
-    in_short(session.console, found)
-    return {"description": documents.description(captures.name, found)}
+    session.print(in_short(found))
+    return {"description": found.to_dict()}

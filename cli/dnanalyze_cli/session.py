@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.effect import Effect
     from dnanalyze.model.noise_model import NoiseModel
+    from dnanalyze.report.page import Page, Section
+    from dnanalyze.result import Result
     from dnanalyze_cli.progress import Progress
 
 STDOUT = Path("-")
@@ -138,6 +140,24 @@ class Session:
             raise InputError(f"--budget {budget:g}: valid: seconds above 0")
         return max(budget - (monotonic() - self._begun), 1e-3)
 
+    def show(self, result: Result) -> None:
+        """Print a result."""
+        from dnanalyze.report.terminal import show
+
+        show(self.console, result)
+
+    def print(self, sections: Sequence[Section]) -> None:
+        """Print sections below what was shown."""
+        from dnanalyze.report.terminal import print_sections
+
+        print_sections(self.console, sections)
+
+    def not_kept(self) -> None:
+        """Where no file was named: the model was shown and is in none."""
+        if self.output is None:
+            text = "The model was not written; -o FILE writes it."
+            self.console.print(text, style="dim")
+
     def say(self, text: str) -> None:
         """A line on stderr, unless --quiet."""
         if not self.quiet:
@@ -200,10 +220,41 @@ class Session:
         with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
             yield Progress(bars, bars.add_task(text, total=None, count="", begun=self._begun))
 
+    def finish(
+        self,
+        result: Result,
+        page: Callable[[], Page] | None = None,
+        more: Mapping[str, Any] | None = None,
+        files: Mapping[Path, str | bytes] | None = None,
+        model: Callable[[], str] | None = None,
+    ) -> None:
+        """Write a result as it was asked for.
+
+        Parameters
+        ----------
+        result : Result
+        page : callable, optional
+            Gives the report; by default that of the type of result.
+        more : mapping, optional
+            Further keys of the document.
+        files : mapping, optional
+            Further files.
+        model : callable, optional
+            Gives the model file; by default that of the result's model.
+        """
+        shown = result._presentation()
+        self.write(
+            self._document(result, more),
+            page or (lambda: shown.page(result)),
+            result.to_dataframe,
+            model or (lambda: _model_file(result)),
+            files,
+        )
+
     def write(
         self,
         content: dict[str, Any],
-        page: Callable[[], str] | None = None,
+        page: Callable[[], Page] | None = None,
         table: Callable[[], Any] | None = None,
         model: Callable[[], str] | None = None,
         more: Mapping[Path, str | bytes] | None = None,
@@ -219,15 +270,14 @@ class Session:
             else:
                 self.say(f"wrote {path}")
 
-    def keep(
-        self,
-        content: dict[str, Any],
-        page: Callable[[], str],
-        table: Callable[[], Any],
-        model: Callable[[], str],
-    ) -> None:
+    def keep(self, result: Result, page: Callable[[], Page]) -> None:
         """Write the files as far as a run is, so that it need not begin anew; nothing is said."""
-        made = self._made(content, page, table, model)
+        made = self._made(
+            self._document(result),
+            page,
+            result.to_dataframe,
+            lambda: _model_file(result),
+        )
         write_together({path: text for path, text in made if path != STDOUT})
 
     @property
@@ -241,14 +291,24 @@ class Session:
         wanted = (self.output, self.json, self.report, self.csv)
         return [p for p in wanted if p is not None]
 
+    def _document(self, result: Result, more: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """The JSON document: the captures as they were named, the model file where one is made."""
+        from dnanalyze.report.plain import plain
+
+        made = {**result.to_dict(), "captures": self.captures}
+        if self.output is not None:
+            made["model"] = str(self.output)
+        return made | plain(more or {})
+
     def _made(
         self,
         content: dict[str, Any],
-        page: Callable[[], str] | None,
+        page: Callable[[], Page] | None,
         table: Callable[[], Any] | None,
         model: Callable[[], str] | None,
     ) -> list[tuple[Path, str]]:
         """What was asked for, as text."""
+        from dnanalyze.report.page import render
         from dnanalyze.report.plain import to_json
 
         if self.channel is not None:
@@ -257,9 +317,15 @@ class Session:
         if self.output and model:
             made.append((self.output, model()))
         if self.report and page:
-            made.append((self.report, page()))
+            made.append((self.report, render(page())))
         if self.csv and table:
             made.append((self.csv, table().to_csv(index=False)))
         if self.json:
             made.append((self.json, to_json(content)))
         return made
+
+
+def _model_file(result: Any) -> str:
+    from dnanalyze.model.noise_model import dump_model
+
+    return dump_model(result.model)

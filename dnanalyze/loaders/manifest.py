@@ -132,6 +132,6 @@ def _check_columns(path: Path, columns: list[Any]) -> None:
         )
     twice = [c for c in columns if columns.count(c) > 1]
     if twice:
-        raise InputError(f"{path}: column {twice[0]!r} stands twice; keep one of them")
+        raise InputError(f"{path}: column {twice[0]!r} occurs twice; keep one of them")
     if "file" not in columns:
         raise InputError(f"{path}: no column 'file'; valid columns: {', '.join(COLUMNS)}")

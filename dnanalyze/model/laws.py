@@ -100,6 +100,13 @@ def value_at(law: Law, point: OperatingPoint) -> float:
     return float(law)
 
 
+def count(law: Law) -> int:
+    """How many numbers state it."""
+    if isinstance(law, TableLaw):
+        return len(law.values)
+    return 2 if isinstance(law, ArrheniusLaw) else 1
+
+
 def law_from_plain(name: str, raw: object) -> Law:
     """Read a law as written in YAML.
 

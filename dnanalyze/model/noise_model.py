@@ -14,7 +14,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.text import read_yaml
 from dnanalyze.model.effect import Effect, Placing
-from dnanalyze.model.laws import Law, law_from_plain
+from dnanalyze.model.laws import Law, count, law_from_plain
 from dnanalyze.model.registry import catalogue, described, find
 
 SCHEMA = "dnanalyze/model/1"
@@ -187,6 +187,17 @@ class NoiseModel:
             The file cannot be read, or holds no model.
         """
         return load_model(path)
+
+    def __repr__(self) -> str:
+        """The effects, and how many numbers state them and the black level."""
+        numbers = count(self.pedestal) + sum(
+            count(getattr(effect, name))
+            for effect in self.effects
+            for name, about in effect.parameters().items()
+            if about.scale != "choice"
+        )
+        said = "1 parameter" if numbers == 1 else f"{numbers} parameters"
+        return f"<NoiseModel: {', '.join(self.names) or 'no effects'}; {said}>"
 
     def _repr_html_(self) -> str:
         """The model file, for a notebook."""

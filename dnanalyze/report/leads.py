@@ -19,8 +19,11 @@ from dnanalyze.report.words import (
     statistics_named,
 )
 
-CAPITALS = {"fpn": "FPN", "rts": "RTS", "dpc": "DPC", "cfa": "CFA"}
-NOTHING = "Nothing is wrong that these captures show"
+CAPITALS = {
+    name: name.upper() for name in ("adc", "cds", "cfa", "dc", "dn", "dpc", "dsnu", "fpn", "hdr",
+                                    "prnu", "rts")
+}  # fmt: skip
+NOTHING = "No fault is visible in these captures"
 
 
 def plain_name(effect: str) -> str:
@@ -64,11 +67,11 @@ def diagnose_lead(found: Any) -> str:
         return "Not finished: the time limit ended the search before every effect was tested."
     if found.verdict == "missing" and best is not None:
         if best.effect in found.ordinary:
-            return f"{NOTHING}: it has the noise that every sensor has, which the model lacks."
+            return f"{NOTHING}: the model only lacks noise that every sensor has."
         return f"The sensor has {_named([best.effect], [best.confidence])}, which the model lacks."
     left = statistics_named(found.unexplained)
-    return "The sensor has something that no effect of the catalogue explains" + (
-        f"; it shows in: {left}." if left else "."
+    return "The sensor has a residual that no effect of the catalogue explains" + (
+        f"; it appears in: {left}." if left else "."
     )
 
 
@@ -80,15 +83,15 @@ def refine_lead(result: Any) -> str:
     if not result.finished:
         rest = " The search is not finished."
     elif result.verdict == "unexplained":
-        rest = " Something remains that no effect of the catalogue explains."
+        rest = " A residual remains that no effect of the catalogue explains."
     elif result.verdict == "missing":
         rest = " The search stopped before everything was explained."
     if found:
         named = _named(found, [sure.get(n) for n in found])
-        return f"Beyond the noise of every sensor, this one has {named}.{rest}"
+        return f"In addition to the noise of every sensor, this sensor has {named}.{rest}"
     if rest:
-        return f"No effect was found beyond the noise that every sensor has.{rest}"
-    return f"{NOTHING}: it has the noise that every sensor has, and no other effect is detectable."
+        return f"No effect was found in addition to the noise that every sensor has.{rest}"
+    return f"{NOTHING}: it has the noise of every sensor, and no other effect is detectable."
 
 
 def named_effects(steps: Sequence[Any]) -> list[str]:

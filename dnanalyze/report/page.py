@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any
 
 from markupsafe import Markup
 
+from dnanalyze.report import capture
 from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
 from dnanalyze.report.figures.svg import named_apart
@@ -34,6 +35,14 @@ class Table:
         By a click on a column's name; the page then carries the few lines of script for it.
     narrow : bool
         Many columns: their names may take several lines.
+    note : str
+        A sentence below it.
+    bars : sequence of float
+        Of the terminal: a share of each row, drawn as a bar.
+    wide : int
+        Last columns for which only a page has room.
+    most : int
+        Of the terminal: rows that are printed at most. A folded table is not printed.
     """
 
     columns: Sequence[str]
@@ -43,6 +52,10 @@ class Table:
     folded: bool = False
     sortable: bool = False
     narrow: bool = False
+    note: str = ""
+    bars: Sequence[float] = ()
+    wide: int = 0
+    most: int = 24
 
 
 @dataclass(frozen=True)
@@ -50,24 +63,39 @@ class Section:
     """A heading with sentences, figures and tables.
 
     ``badge`` is a number beside the heading (the family's error); ``calm`` says that it is good.
-    ``half``: two such stand side by side where there is room.
+    ``half``: two such stand side by side where there is room. ``pictures``: also functions that
+    draw one, which only a page calls. ``paged``, ``printed``: whether page and terminal show it;
+    the terminal prints at most ``most`` points.
     """
 
     key: str
     title: str
     text: Sequence[str] = ()
     points: Sequence[str] = ()
-    pictures: Sequence[Picture | None] = ()
+    pictures: Sequence[Picture | Callable[[], Picture | None] | None] = ()
     tables: Sequence[Table] = ()
     badge: str = ""
     calm: bool = True
     code: str = ""
     half: bool = False
+    paged: bool = True
+    printed: bool = True
+    most: int = 99
+
+    @property
+    def drawn(self) -> Section:
+        """With its pictures, and without tables that have no row."""
+        made = (p() if callable(p) else p for p in self.pictures)
+        return replace(
+            self,
+            pictures=[p for p in made if p is not None],
+            tables=[t for t in self.tables if t.rows],
+        )
 
     @property
     def empty(self) -> bool:
         """Nothing to show but the heading."""
-        return not (self.text or self.points or any(self.pictures) or self.tables or self.code)
+        return not (self.text or self.points or self.pictures or self.tables or self.code)
 
 
 @dataclass(frozen=True)
@@ -113,6 +141,23 @@ class Page:
     about: str = ""
 
 
+def page_of(
+    captures: Any, kind: str, verdict: str, sections: Sequence[Section], **more: Any
+) -> Page:
+    """A page on these captures: their name, facts and notes are theirs."""
+    if more.get("front"):
+        more["about"] = capture.about(captures)
+    return Page(
+        kind,
+        capture.title(captures),
+        verdict,
+        sections,
+        facts=capture.facts(captures) | more.pop("facts", {}),
+        notes=captures.notes,
+        **more,
+    )
+
+
 def render(page: Page, made: datetime | None = None) -> str:
     """The HTML file: nothing fetched, everything escaped, no script but for sorting tables.
 
@@ -138,17 +183,22 @@ def render(page: Page, made: datetime | None = None) -> str:
     environment.filters["swatch"] = swatch
     environment.filters["subscripts"] = subscripts
     when = (made or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M UTC")
-    shown = [s for s in page.sections if not s.empty]
+    shown = _drawn(page.sections)
     sortable = any(t.sortable for s in shown for t in s.tables)
     return environment.get_template("page.html.j2").render(
         page=page,
         sections=shown,
-        front=[s for s in page.front if not s.empty],
+        front=_drawn(page.front),
         sortable=sortable,
         when=when,
         version=dnanalyze.__version__,
         tones=TONES,
     )
+
+
+def _drawn(sections: Iterable[Section]) -> list[Section]:
+    """Those of the page that have something to show."""
+    return [s for s in (s.drawn for s in sections if s.paged) if not s.empty]
 
 
 def _inline(panel: Panel, count: int) -> Markup:

@@ -3,66 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from html import escape
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from dnanalyze.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
-    from rich.console import Console
+
+    from dnanalyze.report.page import Page, Section
 
 Draw = Callable[[], Any]  # a figure function with its arguments; None where nothing is to be seen
 
 
-@dataclass(frozen=True)
-class Presentation:
-    """One type of result in the terminal, as a document, a table, a page and in figures.
+class Presentation(Protocol):
+    """One type of result in words, sections, figures, as a document and a table.
 
-    Parameters
-    ----------
-    terminal : callable
-        Called with a console and the result; prints.
-    headline : callable
-        The verdict in a sentence or a few.
-    document : callable
-        The JSON document.
-    table : callable
-        The numbers.
-    page : callable
-        The report.
-    plots : callable
-        The figures by kind, the most telling first; what is simulated for one is simulated when
-        it is drawn.
+    A file in ``dnanalyze.report.results`` has these functions; terminal, notebook, page and files
+    are made of them.
     """
 
-    terminal: Callable[[Console, Any], None]
-    headline: Callable[[Any], str]
-    document: Callable[[Any], dict[str, Any]]
-    table: Callable[[Any], pd.DataFrame]
-    page: Callable[[Any], str]
-    plots: Callable[[Any], Mapping[str, Draw]]
+    def headline(self, result: Any, /) -> str:
+        """The verdict in a sentence or a few."""
 
-    def summary(self, result: Any) -> str:
-        """What the terminal prints, 80 columns."""
-        from dnanalyze.report.terminal.common import as_text
+    def sections(self, result: Any, /) -> list[Section]:
+        """What follows the verdict, in the terminal and on the page."""
 
-        return as_text(lambda console: self.terminal(console, result))
+    def page(self, result: Any, /) -> Page:
+        """The report: these sections and those that only a page has."""
+
+    def document(self, result: Any, /) -> dict[str, Any]:
+        """The JSON document."""
+
+    def table(self, result: Any, /) -> pd.DataFrame:
+        """The numbers."""
+
+    def plots(self, result: Any, /) -> Mapping[str, Draw]:
+        """The figures by kind, the most telling first.
+
+        What is simulated for one is simulated when it is drawn.
+        """
+
+
+def summary(result: Any) -> str:
+    """What the terminal prints, 80 columns."""
+    from dnanalyze.report.terminal import as_text, show
+
+    return as_text(lambda console: show(console, result))
 
 
 def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
     """Write the form that the suffix of ``path`` names; see `dnanalyze.result.Result.save`."""
     from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.report.files import check_output
+    from dnanalyze.report.page import render
     from dnanalyze.report.plain import to_json
 
     forms: dict[str, Callable[[], str]] = {
         ".json": lambda: to_json(shown.document(result)),
-        ".html": lambda: shown.page(result),
+        ".html": lambda: render(shown.page(result)),
         ".csv": lambda: shown.table(result).to_csv(index=False),
     }
     model = getattr(result, "model", None)
@@ -119,7 +121,7 @@ def notebook(result: Any, shown: Presentation) -> str:
         keys = " &emsp; ".join(f"{swatch(key)} {escape(key.label)}" for key in picture.legend)
         parts.append(f"<p>{keys}</p><p>{''.join(images)}</p>")
         parts.append(f"<p><small>{escape(picture.caption)}</small></p>")
-    text = escape(shown.summary(result))
+    text = escape(summary(result))
     parts.append(
         f'<details><summary>Summary</summary><pre style="line-height:1.25">{text}</pre></details>'
     )

@@ -327,11 +327,11 @@ def coverage_words(seen: Any) -> list[str]:
             f"{rows:,} × {columns:,} of {seen.field[0]:,} × {seen.field[1]:,} pixels "
             f"({number(100 * seen.share, 2)} %: from row {window.top:,} and column {window.left:,})"
         )
-    made = [sentence(f"this rests on {listing(parts)}")] if parts else []
+    made = [sentence(f"this result is based on {listing(parts)}")] if parts else []
     if seen.whole or seen.departures is None:
         return made
     if not seen.departures:
-        more = "means of blocks, rows and columns depart from the model no more than within them"
+        more = "means of blocks, rows and columns deviate from the model no more than inside them"
         return [*made, sentence(f"outside of these pixels, {more}")]
     return [*made, *(sentence(departure_words(d)) for d in seen.departures)]
 
@@ -344,7 +344,7 @@ def departure_words(found: Any) -> str:
     return (
         f"outside of these pixels, {what} lies {number(abs(found.difference_dn), 2)} DN {way} the "
         f"model at {point_label(found.point)} ({number(found.sigma, 2)} sigma; "
-        f"{number(100 * found.share, 2)} % of the {found.kind} depart)"
+        f"{number(100 * found.share, 2)} % of the {found.kind} deviate)"
     )
 
 
@@ -428,7 +428,8 @@ def _refined(result: Any) -> str:
         ending["unexplained"] = "no statistic shows a residual, but the model is not adequate"
     if told is not None and told.tells and not result.unexplained:
         ending["unexplained"] = (
-            "no statistic shows a residual, but a classifier tells simulated from measured frames"
+            "no statistic shows a residual, but a classifier distinguishes simulated from "
+            "measured frames"
         )
     return sentence(f"{text}; {ending.get(verdict, verdict)}")
 

@@ -571,10 +571,10 @@ class WorkbenchSession:
     def report(self) -> str:
         """The report of `compare` on the present model, one self-contained page."""
         from dnanalyze.comparator.compare import compare_on
-        from dnanalyze.report.pages.compare import compare_page
+        from dnanalyze.report.page import render
+        from dnanalyze.report.results.comparison import page
 
-        found = compare_on(self.captures, self.present.model, held=self.bench)
-        return compare_page(self.captures, found)
+        return render(page(compare_on(self.captures, self.present.model, held=self.bench)))
 
     def targets(self) -> str:
         """Targets for `check`, from simulated sensors of the present model; takes seconds."""

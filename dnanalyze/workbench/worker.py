@@ -258,13 +258,12 @@ def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _detect(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.detection import detect
-    from dnanalyze.report import documents
 
     def progress(done: int, total: int | None, what: str = "", /) -> None:
         tell("progress", what or f"frame {done} of {total}")
 
     found = detect(bed.captures, progress=progress)
-    return documents.detection(str(bed.source.folder), found)
+    return found.to_dict() | {"captures": str(bed.source.folder)}
 
 
 def _steps(steps: Any) -> list[dict[str, Any]]:

@@ -55,15 +55,15 @@ class Held:
 
 
 def comparison():
-    return dnanalyze.Comparison(captures(), **vars(fakes.comparison()))
+    return dnanalyze.Comparison(**vars(fakes.comparison()) | {"captures": captures()})
 
 
 def diagnosis():
     plain = fakes.diagnosis()
     candidates = [Candidate(**vars(c)) for c in plain.candidates]
     candidates[0] = replace(candidates[0], evidence=[HOSTILE])
-    found = vars(plain) | {"candidates": candidates}
-    return dnanalyze.Diagnosis(captures(), **found)
+    found = vars(plain) | {"candidates": candidates, "captures": captures()}
+    return dnanalyze.Diagnosis(**found)
 
 
 def refinement(by_hand=False):
@@ -238,11 +238,10 @@ def test_a_report_without_captures_says_what_is_wanted(tmp_path):
 
 
 def test_the_summary_is_what_the_terminal_prints():
-    from dnanalyze.report.terminal.common import as_text
-    from dnanalyze.report.terminal.refinement import refinement as shown
+    from dnanalyze.report.terminal import as_text, show
 
     made = refinement()
-    assert made.summary() == as_text(lambda console: shown(console, fakes.captures(), made))
+    assert made.summary() == as_text(lambda console: show(console, made))
 
 
 def test_an_effect_added_by_hand_is_reported_as_such():

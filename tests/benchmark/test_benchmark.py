@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 from dataclasses import replace
@@ -10,7 +9,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from dnanalyze.benchmarking import record as records
 from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE
@@ -28,9 +26,9 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
-from dnanalyze.report import benchmark as results
-from dnanalyze.report.pages.benchmark import _rankings, benchmark_page
-from dnanalyze.report.terminal.benchmark import result as shown
+from dnanalyze.report.page import render
+from dnanalyze.report.results import benchmarkresult as results
+from dnanalyze.report.sections.benchmark import rankings
 from dnanalyze.thermal import arrhenius
 
 P = OperatingPoint
@@ -122,20 +120,18 @@ def test_ranks_go_by_the_errors_that_are_printed():
     """1499 apart, by an error of 1492: not told apart, whatever the ratio."""
     result, places = ranked([("vague", 1562.0, 1492.0), ("fine", 63.0, 13.0)])
     assert places == [("fine", 1, ("vague",)), ("vague", 1, ("fine",))]
-    made = results.document(["a", "b"], result)
+    made = results.document(result)
     (told,) = [r for r in made["rankings"] if r["criterion"] == "read_noise"]
     assert told["places"][0]["not_distinguishable_from"] == ["vague"]
-    row = _rankings(result).tables[0].rows[-1]
+    row = rankings(result).tables[0].rows[-1]
     assert "not distinguishable from vague" in row[-1]
-    console = Console(width=80, record=True, file=io.StringIO())
-    shown(console, result)
-    assert "fine and vague are not distinguishable" in " ".join(console.export_text().split())
+    assert "fine and vague are not distinguishable" in " ".join(result.summary().split())
 
 
 def test_the_result_prints_tabulates_draws_and_shows_itself():
     found, _ = ranked([("one", 500.0, 1.0), ("<two>", 63.0, 1.0)])
     assert max(map(len, found.summary().splitlines())) <= 80
-    assert found.to_dict() == results.document([s.folder for s in found.sensors], found)
+    assert found.to_dict() == results.document(found)
     assert set(found.to_dataframe()["sensor"]) == {"<two>", "one"}
     assert repr(found) == "<BenchmarkResult: one, <two>>"
     html = found._repr_html_()
@@ -307,7 +303,6 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     """The refinement itself is replaced by a fit of the right effects."""
     from dnanalyze.diagnosis import refine as refinement
     from dnanalyze.fitting.fit import fit_on
-    from dnanalyze.report.benchmark import document
 
     def right(captures, model, held, trying):
         truth = sensors[captures.name]
@@ -329,9 +324,9 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
         assert abs(record.dn_per_e.value - gain) < 5 * record.dn_per_e.se
         assert "refined model" in record.dn_per_e.note
         assert record.effects[2].rms_dn == pytest.approx(1.5, rel=0.1)
-    written = document(["a", "b"], result)["sensors"]
+    written = results.document(result)["sensors"]
     assert [s["errors"]["refined"] for s in written] == [1.1, 1.1]
-    page = benchmark_page(result)
+    page = render(results.page(result))
     assert "dark_shot_noise" in page
     assert "dn_per_e 0.5" in page  # its strength, since it has no closed form
     assert [r.reference for r in result.sensors] == [
@@ -360,20 +355,18 @@ def test_bad_input_is_one_line(capsys, tmp_path):
 
 
 def test_the_headline_compares_electrons_where_they_are_known():
-    from dnanalyze.report.benchmark import headline
-
     # fewer DN, yet more electrons: its gain is a tenth
     low = made_record("low", 3.0, dn_per_e=Figure(0.05, 0.0005, ""))
     high = made_record("high", 9.0, dn_per_e=Figure(0.5, 0.005, ""))
-    assert headline(side_by_side([low, high], [45.0])) == (
+    assert results.headline(side_by_side([low, high], [45.0])) == (
         "Of 2 sensors at 45 °C, high is best in dark current (e⁻/s)."
     )
     best = made_record("best", 1.0, filtered=True, filter_kind="dpc", dn_per_e=high.dn_per_e)
-    assert "high is best in dark current (e⁻/s) of the 2 ranked" in headline(
+    assert "high is best in dark current (e⁻/s) of the 2 ranked" in results.headline(
         side_by_side([low, best, high], [45.0])
     )
     unknown = [made_record("low", 3.0), made_record("high", 9.0)]
-    assert "low is best in dark current (DN/s)" in headline(side_by_side(unknown, [45.0]))
+    assert "low is best in dark current (DN/s)" in results.headline(side_by_side(unknown, [45.0]))
 
 
 def test_what_was_found_of_the_same_files_is_not_worked_out_again(

@@ -227,7 +227,7 @@ def test_a_statistic_that_the_simulation_lacks_fails_with_the_reason():
 
 
 def test_junit_and_markdown_are_well_formed_and_name_the_failure(targets):
-    from dnanalyze.report.check import junit, markdown
+    from dnanalyze.report.results.checkresult import junit, markdown
 
     result = check(sensor(), targets, MODEL.with_effect(ReadNoise(sigma=2.3)))
     named = replace(result.captures, name='dark <"&"> frames')

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 import report_fakes as fakes
@@ -47,7 +46,7 @@ def model(tmp_path):
 
 def finished(found, own):
     """A refinement over channels, with one effect of hcg's own."""
-    parts = {c: SimpleNamespace(**vars(fakes.refinement())) for c in found.channels}
+    parts = {c: fakes.refinement() for c in found.channels}
     steps = [ChannelStep(None, 6.5), ChannelStep("column_fpn", 2.0, 0.9, [], channel="hcg")]
     steps.append(ChannelStep(None, 1.2))
     own = {"hcg": ["column_fpn"], "lcg": []}

@@ -19,7 +19,7 @@ SLOW = {
     "compare": ("dnanalyze.comparator.compare.compare_on", fakes.comparison),
     "diagnose": ("dnanalyze.diagnosis.diagnose.diagnose_on", fakes.diagnosis),
     "detect": ("dnanalyze.detection.detect.detect", fakes.detection),
-    "add": ("dnanalyze.diagnosis.refine.add_on", fakes.refinement),
+    "add": ("dnanalyze.diagnosis.refine.add_on", fakes.addition),
     "refine": ("dnanalyze.diagnosis.refine.refine_on", fakes.refinement),
 }
 HELPERS = object()
@@ -38,7 +38,9 @@ def calls(monkeypatch):
     def stand_in(command, result):
         def call(*args, **named):
             seen[command] = args, named
-            return result()
+            made = result()
+            vars(made)["captures"] = args[0]
+            return made
 
         return call
 

@@ -36,6 +36,9 @@ def printed() -> dict[str, set[str]]:
     for folder in ("cli", "dnanalyze/report"):
         for path in sorted((tree.ROOT / folder).rglob("*.py")):
             for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(call, ast.Assign) and ast.unparse(call.targets[0]) == "columns":
+                    named = getattr(call.value, "elts", [])
+                    words["column"] |= {e.value for e in named if isinstance(e, ast.Constant)}
                 if not isinstance(call, ast.Call):
                     continue
                 name = getattr(call.func, "id", getattr(call.func, "attr", ""))
@@ -44,7 +47,7 @@ def printed() -> dict[str, set[str]]:
                 for argument in call.args[1:2] if name == "Section" else call.args[:2]:
                     if isinstance(argument, ast.Tuple):
                         words["column"] |= {text for text in constants(argument) if text}
-                    elif isinstance(argument, ast.Constant) and isinstance(argument.value, str):
+                    elif isinstance(argument, ast.Constant) and argument.value:
                         kind = "column" if name == "add_column" else "heading"
                         words[kind].add(argument.value)
     return words

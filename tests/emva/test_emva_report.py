@@ -11,10 +11,11 @@ from known_sensor import sensor_frames
 
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.emva import evaluate
-from dnanalyze.report import documents, emva
+from dnanalyze.report import emva
 from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.sensor_maps import sensor_maps, shown
-from dnanalyze.report.pages.analyze import analyze_page, headline
+from dnanalyze.report.page import render
+from dnanalyze.report.results.statistics import document, headline, page
 
 POINTS = [(t, e, 3) for t in (25.0, 45.0) for e in (0.0, 2.0, 4.0)]
 
@@ -30,7 +31,7 @@ def measured(captures):
 
 
 def test_json_keeps_its_keys_and_gains_emva(measured):
-    plain = documents.statistics("folder", measured, evaluate(measured))
+    plain = document(measured)
     text = json.dumps(plain, allow_nan=False)
     assert {"sensor", "settings", "trends", "doubts", "emva"} <= set(plain)
     (group,) = json.loads(text)["emva"]
@@ -44,10 +45,10 @@ def test_json_keeps_its_keys_and_gains_emva(measured):
 
 
 def test_page_begins_with_maps_and_quantities(captures, measured):
-    page = analyze_page(captures, measured)
-    assert page.index("The sensor") < page.index("EMVA 1288 dark quantities")
-    assert page.index("EMVA 1288 dark quantities") < page.index("Mean dark signal and noise")
-    assert "σ<sub>y.dark</sub>" in page
+    text = render(page(measured))
+    assert text.index("The sensor") < text.index("EMVA 1288 dark quantities")
+    assert text.index("EMVA 1288 dark quantities") < text.index("Mean dark signal and noise")
+    assert "σ<sub>y.dark</sub>" in text
 
 
 def test_maps_are_light(measured):
@@ -55,7 +56,7 @@ def test_maps_are_light(measured):
 
 
 def test_headline_states_noise_dsnu_and_dark_current(measured):
-    text = headline(measured, evaluate(measured))
+    text = headline(measured)
     for word in ("Temporal dark noise", "DSNU", "dark current", "doubling every"):
         assert word in text
 

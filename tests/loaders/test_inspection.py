@@ -86,10 +86,10 @@ def test_where_each_quantity_was_taken_from(tmp_path):
 
 
 def test_the_terminal_lists_the_sources(tmp_path):
-    from dnanalyze.report.terminal.common import as_text
-    from dnanalyze.report.terminal.inspection import inspection
+    from dnanalyze.report.results.inspection import sections
+    from dnanalyze.report.terminal import as_text, print_sections
 
     captures = folder(tmp_path, T20C__a_1s=noise(0), T20C__b_1s=noise(1))
-    text = as_text(lambda console: inspection(console, captures, inspect(captures)))
+    text = as_text(lambda console: print_sections(console, sections(captures, inspect(captures))))
     assert "temperature   name         T20C in T20C/a_1s.npy" in text
     assert len(text.splitlines()) < 40

@@ -5,7 +5,7 @@ import yaml
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.laws import TableLaw
+from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model, model_from_plain
 from dnanalyze.model.registry import built_in
 
@@ -26,6 +26,15 @@ def test_model_survives_its_file(tmp_path):
     path = tmp_path / "m.yaml"
     path.write_text(dump_model(ordinary()))
     assert load_model(path) == ordinary()
+
+
+def test_a_model_prints_its_effects_and_the_number_of_its_parameters():
+    read = built_in()["read_noise"]
+    own = NoiseModel((read(sigma=1.5),), ArrheniusLaw(64.0, 25.0, 0.6))
+    count = 2 + len(read.parameters())
+    assert repr(own) == f"<NoiseModel: read_noise; {count} parameters>"
+    assert repr(ordinary()).startswith("<NoiseModel: quantization, read_noise, convolved_lognormal")
+    assert repr(NoiseModel(())) == "<NoiseModel: no effects; 1 parameter>"
 
 
 def test_chain_follows_the_signal_not_the_file():

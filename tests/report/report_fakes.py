@@ -14,6 +14,28 @@ from dnanalyze.detection.series import SuppressionSeries
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.result import Result
+
+
+class Fake(SimpleNamespace):
+    """Attributes as they are given, printed as such."""
+
+
+class Comparison(Fake, Result):
+    """Looks as a comparison does."""
+
+
+class Diagnosis(Fake, Result):
+    """Looks as a diagnosis does."""
+
+
+class Refinement(Fake, Result):
+    """Looks as a refinement does."""
+
+
+class Fit(Fake, Result):
+    """Looks as a fit does."""
+
 
 SHAPE = (64, 64)
 POINTS = tuple(OperatingPoint(t, 0.05, 1.0) for t in (25.0, 65.0, 105.0))
@@ -84,7 +106,9 @@ def statistics(noise: float = 3.0, plane: str = "") -> Statistics:
         "activation_energy_ev": Value(0.65, 0.02),
         "doubling_step_c": Value(6.1, 0.2),
     }
-    return Statistics("folder", Sensor(SHAPE, bits=12), tuple(settings), trends)
+    return Statistics(
+        "folder", Sensor(SHAPE, bits=12), tuple(settings), trends, captures=captures()
+    )
 
 
 def rows(measured: Statistics, simulated: Statistics) -> list[dict[str, Any]]:
@@ -116,10 +140,11 @@ def model() -> NoiseModel:
     return NoiseModel((ConvolvedLognormal(),), 64.0)
 
 
-def comparison() -> SimpleNamespace:
+def comparison() -> Comparison:
     """A comparison with a hostile sentence among its failures."""
     measured, simulated, gaussian = statistics(3.0), statistics(2.5), statistics(4.0)
-    return SimpleNamespace(
+    return Comparison(
+        captures=captures(),
         error=6.5,
         baselines={"gaussian": 80.0, "paper": 7.5},
         families={"level": 9.0, "spectrum": 1.1, "tails": float("nan")},
@@ -132,7 +157,7 @@ def comparison() -> SimpleNamespace:
     )
 
 
-def diagnosis(verdict: str = "missing") -> SimpleNamespace:
+def diagnosis(verdict: str = "missing") -> Diagnosis:
     """Two candidates."""
     candidates = [
         SimpleNamespace(
@@ -143,7 +168,8 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
             ("column_fpn", 1.1, 0.97, ["column_gain"]), ("column_gain", 3.0, 0.02, []),
         )
     ]  # fmt: skip
-    return SimpleNamespace(
+    return Diagnosis(
+        captures=captures(),
         error=6.5,
         verdict=verdict,
         candidates=candidates if verdict != "adequate" else [],
@@ -157,7 +183,7 @@ def diagnosis(verdict: str = "missing") -> SimpleNamespace:
     )
 
 
-def refinement(**more: object) -> SimpleNamespace:
+def refinement(**more: object) -> Refinement:
     """Something added, something taken out again."""
     steps = [
         SimpleNamespace(
@@ -169,7 +195,8 @@ def refinement(**more: object) -> SimpleNamespace:
             ("column_fpn", 1.1, 0.97, []), ("-row_fpn", 1.05, None, []),
         )
     ]  # fmt: skip
-    return SimpleNamespace(
+    return Refinement(
+        captures=captures(),
         steps=steps,
         effects=["convolved_lognormal", "column_fpn"],
         verdict="adequate",
@@ -182,6 +209,13 @@ def refinement(**more: object) -> SimpleNamespace:
         bench=None,
         **more,
     )
+
+
+def addition() -> Refinement:
+    """An effect that the user named."""
+    made = refinement(by_hand=True)
+    made.steps = [made.steps[0], made.steps[2]]
+    return made
 
 
 def classification() -> Classification:
@@ -224,13 +258,14 @@ def detection(filtered: bool = True) -> Detection:
     )  # fmt: skip
 
 
-def fit() -> SimpleNamespace:
+def fit() -> Fit:
     """Two parameters, one without an error."""
     parameters = [
         SimpleNamespace(name="convolved_lognormal.mu", value=1.234, se=0.012, unit="ln DN"),
         SimpleNamespace(name="pedestal", value=64.0, se=float("nan"), unit="DN"),
     ]
-    return SimpleNamespace(
+    return Fit(
+        captures=captures(),
         model=model(),
         parameters=parameters,
         correlations=np.array([[1.0, np.nan], [np.nan, 1.0]]),

@@ -1,6 +1,5 @@
 import json
 import math
-from pathlib import Path
 
 import pytest
 import report_fakes as fakes
@@ -8,23 +7,35 @@ import report_fakes as fakes
 from dnanalyze.fitting.level import Level
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.registry import built_in
-from dnanalyze.report import documents, tables
+from dnanalyze.report import tables
 from dnanalyze.report.plain import to_json
+from dnanalyze.report.results import (
+    classification,
+    comparison,
+    detection,
+    diagnosis,
+    effects,
+    fit,
+    refinement,
+    statistics,
+)
 
 ROW = {
     "name", "family", "temperature_c", "exposure_s", "gain", "channel", "measured", "simulated",
     "floor", "discrepancy", "relative",
 }  # fmt: skip
+
+WITH_A_LEVEL = "comparison", "diagnosis", "refinement", "addition"
 MADE = {
-    "analyze": lambda: documents.statistics("f", fakes.statistics()),
-    "fit": lambda: documents.fit("f", fakes.fit(), Path("m.yaml")),
-    "compare": lambda: documents.comparison("f", fakes.comparison()),
-    "diagnose": lambda: documents.diagnosis("f", fakes.diagnosis()),
-    "refine": lambda: documents.refinement("f", fakes.refinement(), Path("m.yaml")),
-    "add": lambda: documents.addition("f", "column_fpn", fakes.refinement(), None),
-    "detect": lambda: documents.detection("f", fakes.detection()),
-    "classify": lambda: documents.classification("f", fakes.classification()),
-    "effects": lambda: documents.effects(built_in()),
+    "analyze": lambda: statistics.document(fakes.statistics()),
+    "fit": lambda: fit.document(fakes.fit()),
+    "compare": lambda: comparison.document(fakes.comparison()),
+    "diagnose": lambda: diagnosis.document(fakes.diagnosis()),
+    "refine": lambda: refinement.document(fakes.refinement()),
+    "add": lambda: refinement.document(fakes.addition()),
+    "detect": lambda: detection.document(fakes.detection()),
+    "classify": lambda: classification.document(fakes.classification()),
+    "effects": lambda: effects.document(built_in()),
 }
 
 
@@ -49,7 +60,7 @@ def test_every_document_has_its_head_and_only_finite_numbers(command):
 def test_the_mean_level_stands_in_each_document_that_judges_a_model(command, monkeypatch):
     assert MADE[command]()["level"] is None
     level = Level(False, OperatingPoint(-5.0, 300.0), "", -12.3, -0.031, 41.2)
-    found = {made: getattr(fakes, made)() for made in ("comparison", "diagnosis", "refinement")}
+    found = {made: getattr(fakes, made)() for made in WITH_A_LEVEL}
     for made, result in found.items():
         result.level = level
         monkeypatch.setattr(fakes, made, lambda result=result: result)
@@ -80,7 +91,7 @@ def test_the_keys_are_those_of_the_contract():
         "effect": "pedestal", "name": "pedestal", "value": 64.0, "se": None,
         "low": None, "high": None, "unit": "DN",
     }  # fmt: skip
-    assert refine["model"] == "m.yaml"
+    assert refine["model"] is None  # without a file
     detect = MADE["detect"]()
     assert {"filtered", "kind", "findings"} <= set(detect)
     assert set(detect["findings"][0]) >= {
@@ -93,7 +104,7 @@ def test_steps_name_what_was_added_and_what_was_taken_out():
     assert [s["added"] for s in steps] == [None, "row_fpn", "column_fpn", None]
     assert steps[3]["removed"] == "row_fpn"
     added = MADE["add"]()
-    assert (added["error_before"], added["error_after"]) == (6.5, 1.05)
+    assert (added["error_before"], added["error_after"]) == (6.5, 1.1)
 
 
 def test_every_effect_is_described():
@@ -104,14 +115,14 @@ def test_every_effect_is_described():
 
 def test_tables_have_a_row_a_number():
     measured = fakes.statistics()
-    table = tables.statistics(measured)
+    table = statistics.table(measured)
     assert len(table) == sum(len(s.values) for s in measured.settings)
     assert {"temperature_c", "plane", "name", "value", "se", "unit"} <= set(table.columns)
-    assert len(tables.comparison(fakes.comparison())) == len(fakes.comparison().statistics)
-    assert list(tables.steps(fakes.refinement())["error"]) == [6.5, 4.0, 1.1, 1.05]
-    assert list(tables.candidates(fakes.diagnosis())["effect"]) == ["column_fpn", "column_gain"]
-    assert len(tables.findings(fakes.detection())) == 2
-    assert len(tables.parameters(fakes.fit())) == 2
+    assert len(comparison.table(fakes.comparison())) == len(fakes.comparison().statistics)
+    assert list(refinement.table(fakes.refinement())["error"]) == [6.5, 4.0, 1.1, 1.05]
+    assert list(diagnosis.table(fakes.diagnosis())["effect"]) == ["column_fpn", "column_gain"]
+    assert len(detection.table(fakes.detection())) == 2
+    assert len(fit.table(fakes.fit())) == 2
     assert list(fakes.captures().to_dataframe()["frames"]) == [4, 4, 4]
 
 
@@ -131,10 +142,10 @@ def test_the_worst_rows_name_each_statistic_once():
 
 
 def test_all_operating_points_together_stand_beside_each_of_them():
-    found = documents.classification("f", fakes.classification())
+    found = classification.document(fakes.classification())
     assert [c["auc"] for c in found["points"]] == [0.5, 0.55, 0.76]
     assert [(c["view"], c["auc"]) for c in found["together"]] == [("mean", 0.6)]
-    table = tables.classifier(fakes.classification())
+    table = classification.table(fakes.classification())
     assert table["auc"].tolist() == [0.5, 0.55, 0.76, 0.6]
     assert table["temperature_c"].isna().tolist() == [False, False, False, True]
 
@@ -142,8 +153,8 @@ def test_all_operating_points_together_stand_beside_each_of_them():
 def test_the_classifier_stands_where_a_model_is_judged_by_it():
     judged = fakes.classification()
     for made in (
-        documents.comparison("f", fakes.comparison(), judged=judged),
-        documents.refinement("f", fakes.refinement(classification=judged), None),
+        comparison.document(fakes.comparison(), judged),
+        refinement.document(fakes.refinement(classification=judged)),
     ):
         found = made["classifier"]
         assert found["auc"] == 0.76
@@ -154,14 +165,14 @@ def test_the_classifier_stands_where_a_model_is_judged_by_it():
         assert (
             "at 105 °C by the upper tail and the excess kurtosis of the mean" in found["sentence"]
         )
-    assert "classifier" not in documents.comparison("f", fakes.comparison())
+    assert "classifier" not in comparison.document(fakes.comparison())
 
 
 def test_errors_of_statistics_are_in_the_unit_of_the_value():
     """Of a logarithmic scale se is relative; of the value it is an error bar."""
     measured = fakes.statistics()
-    document = documents.statistics("captures", measured)
-    table = tables.statistics(measured)
+    document = statistics.document(measured)
+    table = statistics.table(measured)
     rows = [row for s in document["settings"] for row in s["statistics"]]
     logs = [r for r in rows if r["scale"] == "log" and r["value"] > 0 and r["se_scaled"]]
     assert logs

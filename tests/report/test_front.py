@@ -23,8 +23,8 @@ from dnanalyze.report.figures.field import block_means, field_row, robust_range,
 from dnanalyze.report.figures.paper import figure_1, figure_2
 from dnanalyze.report.figures.style import Layer, layers
 from dnanalyze.report.leads import compare_lead, diagnose_lead, plain_name, refine_lead
-from dnanalyze.report.pages.analyze import analyze_page
-from dnanalyze.report.pages.refine import refine_page
+from dnanalyze.report.page import render
+from dnanalyze.report.results import refinement, statistics
 from dnanalyze.report.structure import plainest, sentence_of, structures
 
 POINTS = OperatingPoint(15.0), OperatingPoint(95.0)
@@ -80,8 +80,8 @@ def test_lines_that_move_are_said_once():
 
 
 def test_the_page_of_a_quiet_sensor_says_that_nothing_stands_out():
-    text = analyze_page(fakes.captures(), fakes.statistics())
-    assert "No structure stands out" in text
+    text = render(statistics.page(fakes.statistics()))
+    assert "No structure is significant" in text
     assert text.index("No structure") < text.index('id="frames"') < text.index('id="capture"')
 
 
@@ -192,7 +192,7 @@ def test_leads_say_what_the_sensor_has():
     done = SimpleNamespace(steps=steps, finished=True, verdict="adequate")
     assert "has column FPN (fixed vertical stripes" in refine_lead(done)
     done.steps = steps[:2]
-    assert refine_lead(done).startswith("Nothing is wrong that these captures show")
+    assert refine_lead(done).startswith("No fault is visible in these captures")
     done.verdict = "unexplained"
     assert "no effect of the catalogue explains" in refine_lead(done)
     doubtful = [*steps[:2], replace(steps[2], confidence=0.6)]
@@ -225,6 +225,6 @@ def test_a_refinement_shows_before_and_after_in_front():
         Rival(fakes.model(), comparison.gaussian, rows),
         Rival(fakes.model(), comparison.simulated, better),
     )
-    text = refine_page(fakes.captures(), result, comparison, beside)
+    text = render(refinement.page_so_far(result, comparison, beside))
     assert "Column FPN: before and after" in text
     assert text.index('id="effect"') < text.index('id="figure-1"') < text.index('class="detail"')

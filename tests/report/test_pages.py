@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache
 from html.parser import HTMLParser
@@ -13,27 +14,27 @@ from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.page import Page, Section, Table, render
-from dnanalyze.report.pages.analyze import analyze_page
-from dnanalyze.report.pages.compare import compare_page
-from dnanalyze.report.pages.detect import detect_page
-from dnanalyze.report.pages.diagnose import diagnose_page
-from dnanalyze.report.pages.fit import fit_page
-from dnanalyze.report.pages.inspect import inspect_page
-from dnanalyze.report.pages.model import model_section
-from dnanalyze.report.pages.refine import refine_page
+from dnanalyze.report.results import (
+    comparison,
+    detection,
+    diagnosis,
+    fit,
+    inspection,
+    refinement,
+    statistics,
+)
+from dnanalyze.report.sections.model import model_section
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 PAGES = {
-    "analyze": lambda: analyze_page(fakes.captures(), fakes.statistics()),
-    "compare": lambda: compare_page(fakes.captures(), fakes.comparison()),
-    "classifier": lambda: compare_page(
-        fakes.captures(), fakes.comparison(), fakes.classification()
-    ),
-    "diagnose": lambda: diagnose_page(fakes.captures(), fakes.diagnosis(), fakes.comparison()),
-    "refine": lambda: refine_page(fakes.captures(), fakes.refinement(), fakes.comparison()),
-    "fit": lambda: fit_page(fakes.captures(), fakes.fit()),
-    "inspect": lambda: inspect_page(fakes.captures(), inspect(fakes.captures())),
-    "detect": lambda: detect_page(fakes.captures(), fakes.detection()),
+    "analyze": lambda: statistics.page(fakes.statistics()),
+    "compare": lambda: comparison.page(fakes.comparison()),
+    "classifier": lambda: comparison.page(fakes.comparison(), fakes.classification()),
+    "diagnose": lambda: diagnosis.page(fakes.diagnosis(), fakes.comparison()),
+    "refine": lambda: refinement.page_so_far(fakes.refinement(), fakes.comparison()),
+    "fit": lambda: fit.page(fakes.fit()),
+    "inspect": lambda: inspection.page(fakes.captures(), inspect(fakes.captures())),
+    "detect": lambda: detection.page(fakes.detection()),
 }
 
 
@@ -73,7 +74,7 @@ class Reader(HTMLParser):
 
 @cache
 def made(name):
-    return PAGES[name]()
+    return render(PAGES[name]())
 
 
 @pytest.fixture(params=PAGES)
@@ -155,7 +156,7 @@ def test_the_baseline_model_is_one_step_and_its_parts_are_folded():
         for a, e in (("read_noise", 7.0), ("pixel_fpn", 5.0), ("quantization", 4.5))
     ]
     told.steps = [first, *baseline, *rest]
-    text = refine_page(fakes.captures(), told)
+    text = render(refinement.page_so_far(told))
     shown, _, folded = text[text.index('id="steps"') :].partition("<details>")
     assert "baseline model" in shown
     assert "<td>read_noise" not in shown
@@ -170,11 +171,11 @@ def test_a_refinement_shows_each_step():
 
 
 def test_a_clean_sensor_is_called_clean():
-    text = detect_page(fakes.captures(), fakes.detection(False))
+    text = render(detection.page(fakes.detection(False)))
     assert "No sign of" in text
     assert 'class="verdict good"' in text
     mosaic = fakes.captures(cfa=(("R", "G"), ("G", "B")))
-    text = detect_page(mosaic, fakes.detection())
+    text = render(detection.page(replace(fakes.detection(), captures=mosaic)))
     for word in ("passed defect-pixel correction", "over 99.9 %", "2,000 to 3,000", "dynamic"):
         assert word in text
 

@@ -1,4 +1,3 @@
-import io
 import math
 import re
 from dataclasses import replace
@@ -8,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from report_fakes import POINTS, diagnosis, refinement
-from rich.console import Console
 
 from dnanalyze.fitting.level import Level
 from dnanalyze.loaders.captures import OperatingPoint
@@ -129,19 +127,17 @@ def test_the_headline_of_what_is_unexplained_agrees_with_the_list():
 
 
 def test_a_name_below_90_percent_is_a_possible_one_everywhere():
-    from report_fakes import captures
-
-    from dnanalyze.report.pages.diagnose import diagnose_page
-    from dnanalyze.report.terminal.diagnosis import diagnosis as show
+    from dnanalyze.report.page import render
+    from dnanalyze.report.results.diagnosis import page, sections
+    from dnanalyze.report.terminal import as_text, print_sections
 
     found = diagnosis()
     found.candidates[0].confidence = 0.55
-    console = Console(width=80, record=True, file=io.StringIO())
-    show(console, captures(), found)
+    shown = as_text(lambda console: print_sections(console, sections(found)))
     told = [
         words.diagnose_headline(found),
-        console.export_text().split("candidate")[1],
-        diagnose_page(captures(), found),
+        shown.split("candidate")[1],
+        render(page(found)),
     ]
     for text in told:
         assert "possibly column_fpn" in text
@@ -181,18 +177,16 @@ def test_an_effect_that_is_not_needed_is_said_to_be_unsupported():
 
 
 def test_a_refinement_says_what_stays_and_how_sure_it_is():
-    from report_fakes import captures
-
-    from dnanalyze.report.pages.refine import refine_page
-    from dnanalyze.report.terminal.refinement import refinement as show
+    from dnanalyze.report.page import render
+    from dnanalyze.report.results.refinement import page_so_far, sections
+    from dnanalyze.report.terminal import as_text, print_sections
 
     found = refinement()
     found.steps = found.steps[:2]  # row_fpn, 60 %, or row_noise
     found.verdict, found.unexplained = "unexplained", ["temporal_psd_0.35_0.5"]
     found.diagnosis = diagnosis("unexplained")
-    console = Console(width=80, record=True, file=io.StringIO())
-    show(console, captures(), found)
-    shown, page = console.export_text(), refine_page(captures(), found)
+    shown = as_text(lambda console: print_sections(console, sections(found)))
+    page = render(page_so_far(found))
     assert max(map(len, shown.splitlines())) <= 80
     for text in (words.refine_headline(found), shown, page):
         assert "possibly row_fpn" in text

@@ -21,11 +21,7 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
     """Add one effect to a model and refit everything; the model error before and after."""
     from dnanalyze.diagnosis.refine import add_on as run
     from dnanalyze.fitting.fit import fit_on
-    from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
-    from dnanalyze.report import documents, tables
-    from dnanalyze.report.terminal.refinement import not_kept
-    from dnanalyze.report.terminal.refinement import refinement as show
     from dnanalyze_cli import over_channels
 
     swapped = not Path(options.captures).exists() and Path(effect).exists()
@@ -54,19 +50,6 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         result = run(found, effect, own, known=known, held=held)
         progress.now("Standard errors of the parameters")
         _ = result.parameters
-    show(session.console, found, result, by_hand=True)
-    if output is None:
-        not_kept(session.console)
-
-    def page() -> str:
-        from dnanalyze.report.pages.refine import refine_report
-
-        with session.progress("Comparing the model with the captures"):
-            return refine_report(found, result)
-
-    session.write(
-        documents.addition(options.captures, effect, result, output),
-        page,
-        lambda: tables.steps(result),
-        lambda: dump_model(result.model),
-    )
+    session.show(result)
+    session.not_kept()
+    session.finish(result)

@@ -30,8 +30,6 @@ def analyze(
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.predictor import bench
-    from dnanalyze.report import documents, tables
-    from dnanalyze.report.terminal.statistics import statistics as show
 
     if system_gain is not None and not 0 < system_gain < float("inf"):
         raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e⁻")
@@ -50,16 +48,5 @@ def analyze(
             tick(0, None)
             tick.now("Repeatability")
             statistics = repeated(found, statistics)
-    quantities = statistics.emva
-    show(session.console, found, statistics, quantities)
-
-    def page() -> str:
-        from dnanalyze.report.pages.analyze import analyze_page
-
-        return analyze_page(found, statistics, quantities)
-
-    session.write(
-        documents.statistics(options.captures, statistics, quantities),
-        page,
-        lambda: tables.statistics(statistics),
-    )
+    session.show(statistics)
+    session.finish(statistics)

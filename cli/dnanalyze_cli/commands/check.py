@@ -8,25 +8,15 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import (
-    Channel,
-    Config,
-    EffectFiles,
-    Force,
-    Json,
-    KeepOutliers,
-    Mask,
-    NoCache,
-    Quiet,
-    Seed,
-    Tolerance,
-)
+from dnanalyze_cli.options import EffectFiles, Force, Json, NoCache, Reading, Seed, takes
 from dnanalyze_cli.session import Session
 
 _FILES = "Results"
 
 
+@takes(Reading)
 def check(
+    options: Reading,
     captures: Annotated[
         str,
         typer.Argument(
@@ -84,15 +74,9 @@ def check(
     ] = None,
     json: Json = None,
     force: Force = False,
-    config: Config = None,
-    tolerance_c: Tolerance = None,
-    keep_outliers: KeepOutliers = False,
-    mask: Mask = None,
-    channel: Channel = None,
     effects: EffectFiles = None,
     seed: Seed = None,
     no_cache: NoCache = False,
-    quiet: Quiet = False,
 ) -> int:
     """Check a simulation with targets: exit 0 within, 1 outside, 2 bad input."""
     from dnanalyze.checking.check import check as run
@@ -100,10 +84,9 @@ def check(
     from dnanalyze.checking.targets import dump_targets, load_targets
     from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.model.channel_models import require
-    from dnanalyze.report import check as report
     from dnanalyze.report.files import check_kept, check_output
-    from dnanalyze.report.terminal.check import proposed
-    from dnanalyze.report.terminal.check import result as show
+    from dnanalyze.report.results import checkresult as report
+    from dnanalyze.report.terminal import head
 
     if (targets is None) == (init is None):
         raise InputError("check: give either --targets T.yaml to check, or --init T.yaml to write")
@@ -119,7 +102,7 @@ def check(
         json,
         output=init,
         effects=tuple(effects or ()),
-        quiet=quiet,
+        quiet=options.quiet,
         cache=not no_cache,
     )
     for path in (junit, markdown):
@@ -127,16 +110,18 @@ def check(
             check_output(path, captures)
     limits = load_targets(targets) if targets is not None else None
     own = session.model(model, seed)
-    found = session.load(config, tolerance_c, channel, keep_outliers=keep_outliers, mask=mask)
+    found = options.load(session)
     if own is not None:
         require(own, found.channels)
-    if limits is not None and channel is not None:
-        limits = limits.of_channel(channel)
+    if limits is not None and options.channel is not None:
+        limits = limits.of_channel(options.channel)
     if limits is None:
         with session.progress("Simulating sensors" if own else "Measuring") as progress:
             made = propose(found, own, tell=progress.now)
         session.write({}, model=lambda: dump_targets(made))
-        proposed(session.console, found, made)
+        verdict, sections = report.proposed(made)
+        head(session.console, found, verdict)
+        session.print(sections)
         return 0
     other = None
     if measured is not None:
@@ -147,11 +132,15 @@ def check(
                 "check: with --model CAPTURES are the measurement; leave out --measured"
             )
         other = load(
-            measured, config=config, tolerance_c=tolerance_c, keep_outliers=keep_outliers, mask=mask
+            measured,
+            config=options.config,
+            tolerance_c=options.tolerance_c,
+            keep_outliers=options.keep_outliers,
+            mask=options.mask,
         )
     with session.progress("Checking") as progress:
         result = run(found, limits, own, measured=other, progress=progress)
-    show(session.console, found, result)
+    session.show(result)
     simulation = str(model) if model is not None else captures
     texts = [
         (junit, report.junit(result)),
@@ -163,5 +152,5 @@ def check(
         elif path is not None:
             atomic_write(path, text)
             session.say(f"wrote {path}")
-    session.write(report.document(captures, result, targets, model, simulation))
+    session.finish(result, more={"targets": targets, "model": model, "simulation": simulation})
     return 0 if result.passed else 1

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dnanalyze.errors import InputError
 from dnanalyze_cli import combined_frames
 from dnanalyze_cli.options import Combine, CombinedOut, Force, Light, ModelOptions, takes
+
+if TYPE_CHECKING:
+    from dnanalyze.report.page import Page
 
 
 @takes(ModelOptions)
@@ -38,9 +41,8 @@ def compare(
         raise InputError("--light, --simulate: are of combined HDR frames; give --combine HDR.yaml")
     from dnanalyze.comparator.compare import compare_on as run
     from dnanalyze.fitting.fit import fit_on
-    from dnanalyze.report import documents, tables
-    from dnanalyze.report.terminal.classifier import classifier_line
-    from dnanalyze.report.terminal.comparison import comparison as show
+    from dnanalyze.report.results import classification
+    from dnanalyze.report.results import comparison as report
 
     session = options.session("compare")
     found, own = options.begin(session)
@@ -57,19 +59,14 @@ def compare(
             progress.now("Training the classifier")
             model, seed = comparison.model, options.seed or 0
             judged = classify(found, model, seed=seed, helpers=held.helpers)
-    show(session.console, found, comparison)
-    if judged is not None:
-        classifier_line(session.console, judged)
+    session.show(comparison)
+    session.print(classification.line(judged))
 
-    def page() -> str:
+    def page() -> Page:
         from dnanalyze.comparator.rivals import Rivals, unfiltered
-        from dnanalyze.report.pages.compare import compare_page
 
         beside = Rivals(raw=unfiltered(held, comparison.model))
-        return compare_page(found, comparison, judged, beside)
+        return report.page(comparison, judged, beside)
 
-    session.write(
-        documents.comparison(options.captures, comparison, judged=judged),
-        page,
-        lambda: tables.comparison(comparison),
-    )
+    more = {} if judged is None else {"classifier": classification.body(judged)}
+    session.finish(comparison, page, more)

@@ -63,10 +63,7 @@ def _tell(
     from dnanalyze.comparator.compare import compare_on
     from dnanalyze.demo import draw_sensor, generate, truth, write_folder
     from dnanalyze.diagnosis.refine import refine_on
-    from dnanalyze.report import documents, words
-    from dnanalyze.report.terminal.comparison import comparison as show_comparison
-    from dnanalyze.report.terminal.refinement import refinement as show_refinement
-    from dnanalyze.report.words import number
+    from dnanalyze.report.words import number, texts
 
     where = f"Frames: {folder}" if keep else "Name a folder to keep the frames."
     session = Session("demo", str(folder), json, report, quiet=quiet, cache=False)
@@ -86,13 +83,13 @@ def _tell(
     with session.progress("Comparing"):
         first = compare_on(found)
     print("2. The Wang 2025 model, fitted and compared with it (`dnanalyze compare`):\n")
-    show_comparison(session.console, found, first)
+    session.show(first)
     print("3. Missing effects, added until no further one is detectable (`dnanalyze refine`):\n")
     with session.progress("Refining") as progress:
         result = refine_on(found, trying=progress.trying)
         progress.now("Standard errors of the parameters")
         _ = result.parameters
-    show_refinement(session.console, found, result)
+    session.show(result)
     verdict = "identified" if hide in result.effects else "not identified"
     print(f"\n4. The hidden effect, {hide} at level {level}, was {verdict}.")
     last = number(result.steps[-1].error)
@@ -100,14 +97,4 @@ def _tell(
         f"   Model error: {number(first.error)} with the Wang 2025 model, "
         f"{last} with the final model."
     )
-
-    def page() -> str:
-        from dnanalyze.report.pages.refine import refine_report
-
-        return refine_report(found, result)
-
-    session.write(
-        documents.refinement(str(folder), result, None)
-        | {"schema": "dnanalyze/demo/1", "hidden": words.texts(hidden)},
-        page,
-    )
+    session.finish(result, more={"schema": "dnanalyze/demo/1", "hidden": texts(hidden)})

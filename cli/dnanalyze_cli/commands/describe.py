@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -42,12 +43,9 @@ def describe(
     from dnanalyze.model.learned.field_map import map_bytes
     from dnanalyze.model.learned.pattern_map import named
     from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report import documents, tables
     from dnanalyze.report.files import check_kept, check_output
-    from dnanalyze.report.pages.describe import describe_page
-    from dnanalyze.report.terminal.common import points
-    from dnanalyze.report.terminal.description import description as show
-    from dnanalyze.report.terminal.refinement import not_kept
+    from dnanalyze.report.results import description as report
+    from dnanalyze.report.results import learnedpattern
 
     session = options.session("describe", output=output)
     session.remaining(budget)
@@ -81,22 +79,19 @@ def describe(
         pattern = None
         if map_file is not None:
             pattern = learn_pattern(found, result.model, progress=progress)
-    show(session.console, found, result)
+    session.show(result)
     extra: dict[Path, str | bytes] = {}
     model = result.model
     if pattern is not None and map_file is not None:
-        points(session.console, "Learned pattern", [pattern.sentence()])
+        session.print([replace(s, printed=True) for s in learnedpattern.sections(pattern)])
         if pattern.supported:
             model = pattern.model.with_effect(named(pattern.effect, map_file, output))
             extra[map_file] = map_bytes(pattern.effect.map)
-    if output is None and result.verdict == "described":
-        not_kept(session.console)
+    if result.verdict == "described":
+        session.not_kept()
     if write is not None and result.effect is not None:
         extra[write] = result.source()
-    session.write(
-        documents.description(options.captures, result, output, pattern),
-        lambda: describe_page(found, result, pattern),
-        lambda: tables.description(result),
-        lambda: dump_model(model),
-        extra,
+    more = {} if pattern is None else {"pattern": learnedpattern.body(pattern)}
+    session.finish(
+        result, lambda: report.page(result, pattern), more, extra, lambda: dump_model(model)
     )

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dnanalyze_cli.options import Budget, Exclude, ModelOptions, NoDescribe, takes
+
+if TYPE_CHECKING:
+    from dnanalyze.report.page import Page
 
 
 @takes(ModelOptions)
@@ -15,8 +20,6 @@ def diagnose(
     """Rank the effects that may be missing in a model, with the evidence for and against."""
     from dnanalyze.diagnosis.diagnose import diagnose_on as run
     from dnanalyze.model.registry import find
-    from dnanalyze.report import documents, tables
-    from dnanalyze.report.terminal.diagnosis import diagnosis as show
     from dnanalyze_cli import over_channels
     from dnanalyze_cli.residual_description import describe_residual
 
@@ -43,21 +46,17 @@ def diagnose(
             tell=progress.trying,
             first=progress.first,
         )
-    show(session.console, found, diagnosis)
+    session.show(diagnosis)
     more = {} if no_describe else describe_residual(session, found, held, diagnosis, known, budget)
 
-    def page() -> str:
+    def page() -> Page:
         from dnanalyze.comparator.compare import compare_on
         from dnanalyze.comparator.rivals import of_diagnosis
-        from dnanalyze.report.pages.diagnose import diagnose_page
+        from dnanalyze.report.results import diagnosis as report
 
         with session.progress("Comparing the model with the captures"):
             comparison = compare_on(found, diagnosis.model, held=held)
             beside = of_diagnosis(held, diagnosis)
-        return diagnose_page(found, diagnosis, comparison, beside)
+        return report.page(diagnosis, comparison, beside)
 
-    session.write(
-        documents.diagnosis(options.captures, diagnosis) | more,
-        page,
-        lambda: tables.candidates(diagnosis),
-    )
+    session.finish(diagnosis, page, more)

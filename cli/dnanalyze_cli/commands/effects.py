@@ -17,14 +17,15 @@ Name = Annotated[
 def effects(name: Name = None, json: Json = None, effects: EffectFiles = None) -> None:
     """List the effects; with NAME: physics, formula, parameters, statistics, references."""
     from dnanalyze.model.registry import described, find
-    from dnanalyze.report import documents
-    from dnanalyze.report.terminal.effects import catalogue, effect
+    from dnanalyze.report.results import effects as report
+    from dnanalyze.report.terminal import head
 
     session = Session("effects", json=json, effects=tuple(effects or ()))
     known = session.known()
     if name:
         known = {name: find(name, {**described(), **known})}
-        effect(session.console, known[name])
+        head(session.console, None, name)
+        session.print(report.effect(known[name]))
     else:
-        catalogue(session.console, known)
-    session.write(documents.effects(known))
+        session.print(report.catalogue(known))
+    session.write(report.document(known))

@@ -39,9 +39,6 @@ def fit(
     """Fit a model's parameters, with their standard errors; -o writes the model file."""
     from dnanalyze.fitting.fit import REPLICATES
     from dnanalyze.fitting.fit import fit_on as run
-    from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report import documents, tables
-    from dnanalyze.report.terminal.fit import fit as show
     from dnanalyze_cli import over_channels
 
     session = options.session("fit", output=output)
@@ -58,16 +55,5 @@ def fit(
             held=held,
             tell=progress.fitting(held),
         )
-    show(session.console, found, result)
-
-    def page() -> str:
-        from dnanalyze.report.pages.fit import fit_page
-
-        return fit_page(found, result)
-
-    session.write(
-        documents.fit(options.captures, result, output),
-        page,
-        lambda: tables.parameters(result),
-        lambda: dump_model(result.model),
-    )
+    session.show(result)
+    session.finish(result)

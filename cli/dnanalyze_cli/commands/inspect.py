@@ -10,18 +10,15 @@ def inspect(options: ReadOptions) -> None:
     """List what is in the folder, and what is missing for a full analysis."""
     from dnanalyze.analyzers.saturated_settings import notes, saturated_settings
     from dnanalyze.loaders import inspect as look
-    from dnanalyze.report import documents
-    from dnanalyze.report.terminal.inspection import inspection
+    from dnanalyze.report import capture
+    from dnanalyze.report.results import inspection as report
+    from dnanalyze.report.terminal import head
 
     session = options.session("inspect")
     found = options.load(session)
     seen = look(found)
     seen["missing"] += notes(found, saturated_settings(found))
-    inspection(session.console, found, seen)
-
-    def page() -> str:
-        from dnanalyze.report.pages.inspect import inspect_page
-
-        return inspect_page(found, seen)
-
-    session.write(documents.inspection(options.captures, seen), page, lambda: found.to_dataframe())
+    head(session.console, None, capture.one_line(found))
+    session.print(report.sections(found, seen))
+    content = report.document(options.captures, seen)
+    session.write(content, lambda: report.page(found, seen), found.to_dataframe)

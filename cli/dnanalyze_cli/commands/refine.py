@@ -61,12 +61,9 @@ def refine(
     """
     from dnanalyze.diagnosis.refine import Refinement
     from dnanalyze.diagnosis.refine import refine_on as run
-    from dnanalyze.model.noise_model import dump_model
     from dnanalyze.model.registry import find
-    from dnanalyze.report import documents, tables, words
-    from dnanalyze.report.pages.refine import refine_page, refine_report
-    from dnanalyze.report.terminal.refinement import continued, not_kept
-    from dnanalyze.report.terminal.refinement import refinement as show
+    from dnanalyze.report import words
+    from dnanalyze.report.results import refinement as report
     from dnanalyze_cli import over_channels
     from dnanalyze_cli.residual_description import describe_residual
     from dnanalyze_cli.resume import command_line, kept_when_stopped
@@ -103,12 +100,7 @@ def refine(
 
     def keep(result: Refinement) -> None:
         so_far.append(result)
-        session.keep(
-            documents.refinement(captures, result, output),
-            lambda: refine_page(found, result),
-            lambda: tables.steps(result),
-            lambda: dump_model(result.model),
-        )
+        session.keep(result, lambda: report.page_so_far(result))
 
     def go_on() -> list[str]:
         given = {"--exclude": exclude, "--until-error": until_error} | options.given()
@@ -137,20 +129,10 @@ def refine(
             if not result.timed_out:
                 progress.now("Standard errors of the parameters")
                 _ = result.parameters
-        show(session.console, found, result)
+        session.show(result)
         more = {} if no_describe else describe_residual(session, found, held, result, known, budget)
-        if output is None:
-            not_kept(session.console)
-        elif result.timed_out and (line := go_on()):
-            continued(session.console, shlex.join([*line, "--time-limit", f"{budget:g}"]))
-
-        def page() -> str:
-            with session.progress("Comparing the model with the captures"):
-                return refine_report(found, result)
-
-        session.write(
-            documents.refinement(captures, result, output) | more,
-            page,
-            lambda: tables.steps(result),
-            lambda: dump_model(result.model),
-        )
+        session.not_kept()
+        if result.timed_out and (line := go_on()):
+            text = shlex.join([*line, "--time-limit", f"{budget:g}"])
+            session.console.print(f"To continue the search: {text}", style="dim", soft_wrap=True)
+        session.finish(result, more=more)

@@ -9,22 +9,15 @@ import typer
 
 from dnanalyze.errors import InputError
 from dnanalyze_cli.numbers import celsius, numbers, rows_and_columns
-from dnanalyze_cli.options import (
-    Config,
-    EffectFiles,
-    Force,
-    Json,
-    KeepOutliers,
-    Mask,
-    Quiet,
-    Tolerance,
-)
+from dnanalyze_cli.options import EffectFiles, Force, Json, Reading, takes
 from dnanalyze_cli.session import Session
 
 _FRAMES = "The frames"
 
 
+@takes(Reading)
 def simulate(
+    options: Reading,
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to make.", show_default=False)],
     model: Annotated[
         Path, typer.Option("--model", metavar="M.yaml", help="Model file.", show_default=False)
@@ -113,12 +106,7 @@ def simulate(
     ] = "cpu",
     json: Json = None,
     force: Force = False,
-    config: Config = None,
-    tolerance_c: Tolerance = None,
-    keep_outliers: KeepOutliers = False,
-    mask: Mask = None,
     effects: EffectFiles = None,
-    quiet: Quiet = False,
 ) -> None:
     """Simulate frames of a model; writes a new folder with a manifest."""
     from dataclasses import replace
@@ -127,11 +115,14 @@ def simulate(
     from dnanalyze.model.channel_models import require
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.processors import cpu_count
-    from dnanalyze.report import documents
+    from dnanalyze.report.documents import point
     from dnanalyze.report.files import atomic_folder, check_folder
-    from dnanalyze.report.terminal.simulation import written
+    from dnanalyze.report.plain import document
+    from dnanalyze.report.words import plural
 
-    session = Session("simulate", like, json=json, effects=tuple(effects or ()), quiet=quiet)
+    session = Session(
+        "simulate", like, json=json, effects=tuple(effects or ()), quiet=options.quiet
+    )
     own = session.model(model)
     assert own is not None
     if seed is not None:
@@ -139,11 +130,9 @@ def simulate(
     if like is not None and out.resolve() == Path(like).resolve():
         raise InputError(f"{out}: is the folder of --like, which is never changed; name another")
     check_folder(out, force)
-    if mask is not None and like is None:
+    if options.mask is not None and like is None:
         raise InputError("--mask: leaves out pixels of --like CAPTURES; give both")
-    pattern = (
-        session.load(config, tolerance_c, keep_outliers=keep_outliers, mask=mask) if like else None
-    )
+    pattern = options.load(session) if like else None
     size = rows_and_columns(shape) if shape else (pattern.sensor.shape if pattern else (512, 512))
     channels = channel.split(",") if channel else (pattern.channels if pattern else [])
     if channels or pattern is not None:
@@ -159,8 +148,13 @@ def simulate(
     made = run(own, size, points, name=str(model), sensor=sensor, threads=threads, device=device)
     with atomic_folder(out, force) as folder, session.progress("Simulating") as tick:
         write_captures(made, folder, format, progress=tick)
-    written(session.console, made, out, format)
-    session.write(documents.simulation(made, out, format, model, own.seed, like))
+    session.console.print(
+        f"{plural(made.frame_count, 'frame')} of {size[0]} × {size[1]} at "
+        f"{plural(len(made.settings), 'operating point')} as {format} in {out}"
+    )
+    settings = [point(s.point) | {"frames": len(s.frames)} for s in made.settings]
+    about = {"model": model, "seed": own.seed, "like": like, "format": format, "shape": size}
+    session.write(document("simulate", str(out), **about, settings=settings))
 
 
 def _check_size(shape: tuple[int, int], frames: int) -> None:

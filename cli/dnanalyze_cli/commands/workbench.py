@@ -9,24 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import (
-    Channel,
-    Config,
-    EffectFiles,
-    KeepOutliers,
-    Mask,
-    Model,
-    Quiet,
-    Seed,
-    Tolerance,
-)
+from dnanalyze_cli.options import EffectFiles, Model, Reading, Seed, takes
 from dnanalyze_cli.session import Session
 
 if TYPE_CHECKING:
     from dnanalyze.workbench.source import CaptureSource
 
 
+@takes(Reading)
 def workbench(
+    options: Reading,
     captures: Annotated[
         list[str] | None,
         typer.Argument(
@@ -51,14 +43,8 @@ def workbench(
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Only print the page's address.")
     ] = False,
-    config: Config = None,
-    tolerance_c: Tolerance = None,
-    channel: Channel = None,
-    keep_outliers: KeepOutliers = False,
-    mask: Mask = None,
     effects: EffectFiles = None,
     seed: Seed = None,
-    quiet: Quiet = False,
 ) -> None:
     """Live page: discrepancies of the model, missing effects, the model error at each step."""
     if demo == bool(captures):
@@ -74,11 +60,17 @@ def workbench(
         return
     sources = [
         CaptureSource(
-            Path(folder), config, tolerance_c, channel, own, keep_outliers=keep_outliers, mask=mask
+            Path(folder),
+            options.config,
+            options.tolerance_c,
+            options.channel,
+            own,
+            keep_outliers=options.keep_outliers,
+            mask=options.mask,
         )
         for folder in captures or ()
     ]
-    _serve(sources, model, port, host, no_browser, seed, quiet)
+    _serve(sources, model, port, host, no_browser, seed, options.quiet)
 
 
 def _serve(

@@ -35,7 +35,7 @@ def read(path: Path, name: str, config: Config, previous: Recording | None) -> R
     width, height, bits = config.width, config.height, config.bits
     if width is None or height is None or bits is None:
         raise InputError(
-            f"{name}: headerless; describe it in dnanalyze.yaml beside it or with --config: "
+            f"{name}: headerless; describe it in dnanalyze.yaml in its folder, or with --sidecar: "
             "width, height, bits, and where needed packing, byte_order, header_offset"
         )
     check_shape(name, (height, width))

@@ -9,14 +9,10 @@ import numpy as np
 
 from dnanalyze.report.figures.style import (
     QUIET,
-    Cell,
     Layer,
     Picture,
-    chosen,
+    by_setting,
     curve,
-    labels,
-    panels,
-    plane_note,
     shown_layers,
 )
 
@@ -38,23 +34,16 @@ def draw_codes(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
     return ax
 
 
-def roughness(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+def roughness(drawn: Sequence[Layer]) -> Picture | None:
     """One panel an operating point."""
-    measured = drawn[0].statistics
-    settings = chosen(measured, most, lambda s: _ratio(s) is not None)
-
-    def cell(setting: Any, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_codes(ax, shown_layers(drawn), setting).set_title(title)
-
-        return Cell(draw, height=2.1, share="ratio")
-
-    return panels(
-        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+    texts = (
         "Count of each code divided by the mean count of the codes around it, near the median: 0 "
-        "is a missing code, 2 a code that occurs twice as often as expected."
-        + plane_note(measured, settings),
+        "is a missing code, 2 a code that occurs twice as often as expected.",
         "Relative use of the codes around the median.",
+    )
+    shown = shown_layers(drawn)
+    return by_setting(
+        shown, draw_codes, lambda s: _ratio(s) is not None, texts, height=2.1, share="ratio"
     )
 
 

@@ -10,16 +10,12 @@ import numpy as np
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     INK,
-    Cell,
     Layer,
     Picture,
-    chosen,
+    by_setting,
     curve,
     has,
-    labels,
     log_axis,
-    panels,
-    plane_note,
 )
 
 BINS = 160
@@ -57,25 +53,14 @@ def draw_histogram(ax: Any, drawn: Sequence[Layer], setting: SettingStatistics) 
     return ax
 
 
-def histograms(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+def histograms(drawn: Sequence[Layer]) -> Picture | None:
     """One panel an operating point."""
-    measured = drawn[0].statistics
-    settings = chosen(measured, most, has(*_NAMES))
-
-    def cell(setting: SettingStatistics, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_histogram(ax, drawn, setting).set_title(title)
-
-        return Cell(draw, height=2.6, share="density")
-
-    names = ", ".join(k.label for k in drawn)
-    return panels(
-        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+    texts = (
         "Distribution of the dark signal of all pixels and frames on a logarithmic scale. Band: "
-        "two standard errors of counting. The panel of the hot-pixel tail shows the far tail."
-        + plane_note(measured, settings),
-        f"Histograms on a log scale: {names}, for {len(settings)} operating points.",
+        "two standard errors of counting. The panel of the hot-pixel tail shows the far tail.",
+        f"Histograms on a log scale: {', '.join(k.label for k in drawn)}.",
     )
+    return by_setting(drawn, draw_histogram, has(*_NAMES), texts, height=2.6, share="density")
 
 
 def _range(codes: np.ndarray, counts: np.ndarray) -> tuple[float, float]:

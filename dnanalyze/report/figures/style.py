@@ -172,6 +172,34 @@ def plane_note(statistics: Statistics, shown: Sequence[SettingStatistics] | None
     return note + " The tables have every operating point." if note else ""
 
 
+def by_setting(
+    drawn: Sequence[Layer], draw: Callable[..., Any], can: Can, texts: tuple[str, str], **size: Any
+) -> Picture | None:
+    """One panel an operating point, up to three.
+
+    Parameters
+    ----------
+    drawn : sequence of Layer
+        The measured first.
+    draw : callable
+        Called with axes, layers and setting; returns the axes.
+    can : callable
+        Whether a setting has what is drawn.
+    texts : (str, str)
+        Caption and description of the picture.
+    size : Any
+        Of each `Cell`.
+    """
+    measured = drawn[0].statistics
+    settings = chosen(measured, 3, can)
+
+    def cell(setting: SettingStatistics, title: str) -> Cell:
+        return Cell(lambda ax: draw(ax, drawn, setting).set_title(title), **size)
+
+    cells = [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)]
+    return panels(cells, texts[0] + plane_note(measured, settings), texts[1])
+
+
 UNITS = {
     "DN^2": "DN²",
     "C": "°C",

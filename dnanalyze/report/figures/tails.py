@@ -9,16 +9,12 @@ import numpy as np
 
 from dnanalyze.report.figures.style import (
     INK,
-    Cell,
     Layer,
     Picture,
-    chosen,
+    by_setting,
     curve,
     has,
-    labels,
     log_axis,
-    panels,
-    plane_note,
 )
 
 _NAMES = ("exceedance_k", "exceedance_n")
@@ -48,21 +44,11 @@ def draw_exceedance(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
     return ax
 
 
-def exceedance(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+def exceedance(drawn: Sequence[Layer]) -> Picture | None:
     """One panel an operating point."""
-    measured = drawn[0].statistics
-    settings = chosen(measured, most, has(*_NAMES))
-
-    def cell(setting: Any, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_exceedance(ax, drawn, setting).set_title(title)
-
-        return Cell(draw, share="count")
-
-    return panels(
-        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+    texts = (
         "Number of pixels of the mean frame whose value exceeds the median by more than k robust "
-        "standard deviations. Band: two standard errors of counting."
-        + plane_note(measured, settings),
+        "standard deviations. Band: two standard errors of counting.",
         "Exceedance counts of the hot-pixel tail on logarithmic axes.",
     )
+    return by_setting(drawn, draw_exceedance, has(*_NAMES), texts, share="count")

@@ -8,14 +8,10 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.report.figures.style import (
-    Cell,
     Layer,
     Picture,
-    chosen,
+    by_setting,
     curve,
-    labels,
-    panels,
-    plane_note,
 )
 
 
@@ -32,23 +28,14 @@ def draw_frame_means(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
     return ax
 
 
-def frame_means(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
+def frame_means(drawn: Sequence[Layer]) -> Picture | None:
     """One panel an operating point."""
-    measured = drawn[0].statistics
-    settings = chosen(measured, most, lambda s: _means(s) is not None)
-
-    def cell(setting: Any, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_frame_means(ax, drawn, setting).set_title(title)
-
-        return Cell(draw, height=2.0)
-
-    return panels(
-        [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)],
+    texts = (
         "Mean of each frame minus the mean of all frames of the operating point, in the order of "
-        "capture; hot pixels are clipped." + plane_note(measured, settings),
+        "capture; hot pixels are clipped.",
         "Frame means in the order in which the frames were taken.",
     )
+    return by_setting(drawn, draw_frame_means, lambda s: _means(s) is not None, texts, height=2.0)
 
 
 def _means(setting: Any) -> np.ndarray | None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import html
 
+from dnanalyze.report.leads import plain_name as in_words
+
 SENTENCES = {
     "model error": (
         "Root mean square of z within each family, averaged over the families, on the held-out "
@@ -75,10 +77,6 @@ SENTENCES = {
         "classifier cannot tell them apart."
     ),
 }  # fmt: skip
-WORDS = {
-    "adc": "ADC", "cds": "CDS", "dc": "DC", "dn": "DN", "dpc": "DPC", "dsnu": "DSNU",
-    "fpn": "FPN", "hdr": "HDR", "prnu": "PRNU", "rts": "RTS",
-}  # fmt: skip
 NAMES = {"convolved_lognormal": "Wang 2025 model (convolved log-normal)", "pedestal": "Black level"}
 
 
@@ -111,6 +109,5 @@ def plain_name(effect: str) -> str:
     """
     if effect in NAMES:
         return NAMES[effect]
-    words = [WORDS.get(word, word) for word in effect.split("_")]
-    text = " ".join(words)
+    text = in_words(effect)
     return text[:1].upper() + text[1:]

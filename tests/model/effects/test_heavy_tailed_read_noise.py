@@ -24,7 +24,7 @@ def test_quantiles_are_those_of_the_tukey_lambda_distribution(tail):
     scale = 2.0 * 0.6744898 / tukeylambda.ppf(0.75, tail)
     for p in (0.001, 0.1, 0.25, 0.5, 0.75, 0.9, 0.999):
         q = tukeylambda.ppf(p, tail)
-        density = tukeylambda.pdf(q, tail) / scale
+        density = 1.0 / (p ** (tail - 1.0) + (1.0 - p) ** (tail - 1.0)) / scale
         se = np.sqrt(p * (1 - p) / x.size) / density
         assert np.quantile(x, p) == pytest.approx(q * scale, abs=5 * se)
 

@@ -1,0 +1,56 @@
+"""The figures of the families of statistics, measured alone or beside a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from typing import Any
+
+from dnanalyze.report.figures import (
+    codes,
+    distribution,
+    lines,
+    planes,
+    shading,
+    spectrum,
+    tails,
+    timeline,
+    trends,
+)
+from dnanalyze.report.figures.style import Layer, layers
+from dnanalyze.report.presentation import Draw
+
+Figure = Callable[[Sequence[Layer]], object]
+KINDS: dict[str, Figure] = {
+    "temperature": trends.over_temperature,
+    "distribution": distribution.histograms,
+    "tails": tails.exceedance,
+    "spectrum": spectrum.spectra,
+    "spectrum_2d": planes.planes,
+    "profiles": lines.profiles,
+    "line_spectra": lines.spectra,
+    "time": timeline.frame_means,
+    "codes": codes.roughness,
+    "shading": shading.maps,
+}
+
+
+def family_plots(drawn: Callable[[], Sequence[Layer]]) -> dict[str, Draw]:
+    """The figures by kind.
+
+    Parameters
+    ----------
+    drawn : callable
+        Gives the layers, the measured first; called once, when the first figure is drawn.
+    """
+    once = cache(drawn)
+    return {kind: partial(_one, figure, once) for kind, figure in KINDS.items()}
+
+
+def _one(figure: Figure, drawn: Callable[[], Sequence[Layer]]) -> object:
+    return figure(drawn())
+
+
+def simulated(result: Any) -> Sequence[Layer]:
+    """The held-out data beside a simulation of the model, of a result that has both."""
+    return layers(result.bench.measured[1], result.bench.statistics(result.model, errors=True)[1])

@@ -1,1 +1,0 @@
-"""How each type of result looks, in the file of the type's name."""

@@ -1,1 +1,0 @@
-"""Results as the terminal prints them, one file a result: the verdict first, then small tables."""
