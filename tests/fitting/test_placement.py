@@ -11,10 +11,10 @@ from dnanalyze.fitting.placement import placed
 SHAPE, SIZE = (512, 768), (128, 192)
 
 
-def window_of(structure):
+def window_of(structure, size=SIZE):
     rng = np.random.default_rng(7)
     frames = [100.0 + structure + rng.normal(0.0, 3.0, SHAPE) for _ in range(2)]
-    return placed([field_profile(frames)], SHAPE, SIZE, 2)
+    return placed([field_profile(frames)], SHAPE, size, 2)
 
 
 def test_a_field_without_structure_is_seen_in_its_middle():
@@ -40,3 +40,9 @@ def test_structure_is_looked_for_where_it_is(place, wanted):
     assert column is None or window.left < column < window.right or column == window.left == 0
     assert window.shape == SIZE
     assert window.top % 2 == window.left % 2 == 0
+
+
+def test_a_window_of_most_of_the_field_is_that_in_the_middle():
+    structure = np.zeros(SHAPE)
+    structure[508:] = 300.0
+    assert window_of(structure, (480, 704)).slices == (slice(16, 496), slice(32, 736))
