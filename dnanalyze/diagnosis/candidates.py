@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dnanalyze.diagnosis.classifier_tests import told_apart
-from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied
+from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied, without_denied
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
@@ -136,7 +136,7 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     leader = max(found, key=lambda t: t.evidence)
     if leader.fitted_gain < LEAST:
         return found
-    near = contenders(leader, found, promises)
+    near = without_denied(null.held, leader, found, contenders(leader, found, promises))
     if leader.evidence > PLAIN * leader.spread and len(near) == 1:
         return found
     like = derived_anew(null.held, leader.state)

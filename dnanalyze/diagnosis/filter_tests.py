@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from functools import partial
 
 from dnanalyze.detection.detect import detect
+from dnanalyze.diagnosis.selection import NOTHING, Trial, significant
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.loaders.captures import CaptureSet
@@ -30,6 +32,20 @@ def denied(held: Bench, model: NoiseModel, rivals: bool) -> bool:
     plan = held.plan
     made = simulate(model.in_codes, plan.shape, plan.settings, "simulation", plan.captures.sensor)
     return _filtered(made) == _YES
+
+
+def without_denied(
+    held: Bench, leader: Trial, trials: Sequence[Trial], contenders: Collection[str]
+) -> set[str]:
+    """The contenders without filters that would be denied beside the leader in any form.
+
+    Their forms cost as much as those of all others together. ``leader``: the best of ``trials``;
+    beside one that is a filter, or not significant, none is denied.
+    """
+    filters = [t for t in trials if t.effect in FILTERS and t.effect in contenders]
+    if leader.effect in FILTERS or not significant(leader, NOTHING):
+        return set(contenders)
+    return set(contenders) - {t.effect for t in filters if denied(held, t.state.model, rivals=True)}
 
 
 _YES, _NO, _UNTESTED = "yes", "no", "untested"

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.filter_tests import denied
+from dnanalyze.diagnosis.filter_tests import denied, without_denied
 from dnanalyze.diagnosis.selection import Trial, confidence_of, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.least_squares import start
@@ -60,3 +60,15 @@ def test_a_denied_candidate_is_never_named(plain):
     assert not significant(gone)
     assert confidence_of(gone, [gone, other]) == 0.0
     assert confidence_of(other, [gone, other]) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("model", "kept"), [(PLAIN, {"crosstalk"}), (STRONG, {"crosstalk", "dpc"})]
+)
+def test_forms_of_a_filter_are_not_tried_where_the_tests_deny_it_beside_another_kind(model, kept):
+    held = held_of(model)
+    state = start(held, STRONG, [])
+    filters = Trial("dpc", state, 700.0, 700.0, 1.0, 1.0)
+    other = Trial("crosstalk", state, 800.0, 800.0, 1.0, 1.0)
+    assert without_denied(held, other, [filters, other], {"crosstalk", "dpc"}) == kept
+    assert without_denied(held, filters, [filters, other], {"dpc"}) == {"dpc"}
