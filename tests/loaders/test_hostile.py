@@ -149,7 +149,7 @@ def test_pipes_are_never_waited_for(tmp_path):
     [
         ("file\n" + "x" * 300, r"row 2: x{77}\.\.\. is not in the folder"),
         ("file\n" + "x/" * 5000, r"row 2: (x/)+x?\.\.\. is not in the folder"),
-        ("file,gain,gain\na.tif,1,2", "column 'gain' stands twice"),
+        ("file,gain,gain\na.tif,1,2", "column 'gain' occurs twice"),
         ("file\n" + "a.tif\n" * 100_001, "more than 100000 rows"),
         ("file,temperature_c\na.tif,1001", "temperature_c 1001 is out of range"),
         ("file,temperature_c\na.tif,-273.15", "temperature_c -273.15 is out of range"),

@@ -74,7 +74,7 @@ SENTENCES = {
     ),
     "AUC": (
         "Probability that a measured patch gets a higher score than a simulated one; 0.5 where a "
-        "classifier cannot tell them apart."
+        "classifier cannot distinguish them."
     ),
 }  # fmt: skip
 NAMES = {"convolved_lognormal": "Wang 2025 model (convolved log-normal)", "pedestal": "Black level"}
