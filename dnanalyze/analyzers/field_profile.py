@@ -12,9 +12,8 @@ from dnanalyze.loaders.captures import Window
 from dnanalyze.robust import robust_deviation
 
 BLOCK = 32  # pixels a side: the mean of a block repeats to 1/32 of the noise of a pixel
-CLIPPED = (
-    5.0  # standard deviations from the median; of normal noise 1 pixel in 2 million is farther
-)
+# Standard deviations from the median; of normal noise 1 pixel in 2 million is farther.
+CLIPPED = 5.0
 SAMPLE = 100_000  # pixels that tell the standard deviation
 BAND = 16 * BLOCK  # rows taken at a time
 _BODY = slice(SAMPLE // 100, -SAMPLE // 100)  # 98 % of the sample

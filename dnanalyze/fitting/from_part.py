@@ -14,11 +14,12 @@ from functools import partial
 
 import numpy as np
 
+from dnanalyze.fitting.black_level_restart import at_black_level
 from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.restart import restarted, slid
+from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -86,7 +87,6 @@ def converge(
     iterations: int = STEPS,
     tell: Callable[[State], None] = lambda _: None,
     hopeless: float = math.inf,
-    black: bool = True,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
@@ -94,9 +94,28 @@ def converge(
     such as that of black level, dark signal and read noise, they seem to promise nothing more while
     new ones do; so a fit has ended when a round with new ones gains nothing. ``hopeless``: loss a
     number from which true derivatives are not worth their simulations. An amplitude that was lost
-    on the way begins again at the end, and so does a fit far from the black level by the moments
-    (``black``: whether that is still to be asked).
+    on the way begins again at the end, and so does a fit far from the black level by the moments.
     """
+
+    def ended(begun: State) -> State:
+        there = _in_rounds(bench, begun, rounds, iterations, tell, hopeless)
+        found = restarted(bench, there, iterations)
+        return there if found is there else ended(found)
+
+    state = ended(state)
+    # in as many steps again: of a sensor it took twelve from there to the loss of the other fit
+    found = at_black_level(bench, state, 2 * iterations)
+    return state if found is state else ended(found)
+
+
+def _in_rounds(
+    bench: Bench,
+    state: State,
+    rounds: int,
+    iterations: int,
+    tell: Callable[[State], None],
+    hopeless: float,
+) -> State:
     for n in range(2 * rounds):
         before = state.merit
         begun = derived_anew(bench, state) if n else state
@@ -104,12 +123,7 @@ def converge(
         settled = n > 0 and before - state.merit < SETTLED * max(1.0, before / len(state.train))
         if settled or state.loss > hopeless * len(state.train):
             break
-    found = restarted(bench, state, iterations)
-    if found is state and black:
-        found, black = slid(bench, state, iterations), False
-    if found is state:
-        return state
-    return converge(bench, found, rounds, iterations, tell, hopeless, black)
+    return state
 
 
 def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:

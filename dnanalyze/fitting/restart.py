@@ -1,13 +1,8 @@
-"""Where a fit stays although the captures tell better: it begins again.
+"""Amplitudes that a fit has lost: restarted where they show.
 
 The derivative with respect to the logarithm of an amplitude goes as the amplitude itself. A fit
 that once makes it small therefore stays there. Such an amplitude is raised until the statistics
 show it, and begins again where the linear change from nothing to there lowers the loss most.
-
-A black level that is lower by some DN, dark signals that are higher by as much and a read noise
-without the shot noise of that are nearly the same to every statistic. The chance in the derivatives
-of simulated frames hides the slope of this valley. A fit that has come to rest in it far from the
-black level by the moments begins again there.
 """
 
 from __future__ import annotations
@@ -19,24 +14,15 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
-from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start, weights
-from dnanalyze.fitting.level import NOISE
-from dnanalyze.fitting.moments import moments
+from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
+from dnanalyze.fitting.least_squares import SMALLEST, State, minimise, start, weights
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.ties import GAIN
-from dnanalyze.model.laws import value_at
-from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
 WORTH = (
     6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
 )
-SIGNAL, READ = (BASE, "mu"), ("read_noise", "sigma")  # of a pixel
-FOURFOLD = 4.0  # by which an amplitude may fall in a step, as in a fit
 
 
 def restarted(bench: Bench, state: State, iterations: int) -> State:
@@ -64,55 +50,6 @@ def restarted(bench: Bench, state: State, iterations: int) -> State:
     begun = start(bench, turned(state.model, state.knobs, where), state.knobs)
     ended = minimise(bench, replace(begun, jacobian=jacobian), iterations)
     return ended if ended.merit < state.merit - WORTH else state
-
-
-def slid(bench: Bench, state: State, iterations: int) -> State:
-    """The state, or one as good with the black level by the moments.
-
-    Of two fits that the statistics do not tell apart, that stands which agrees with the levels: the
-    luck of one simulated sensor bends the loss by about 1 a free parameter.
-
-    Parameters
-    ----------
-    bench : Bench
-    state : State
-        At rest, its derivatives known.
-    iterations : int
-        Of the fit from there.
-    """
-    free = {i for i, k in enumerate(state.knobs) if k.effect == PEDESTAL}
-    if len(free) != 1 or free & {t.at for t in state.ties}:
-        return state
-    law = value_at(state.model.pedestal, state.model.reference)
-    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
-    sensor = bench.plan.captures.sensor
-    black = moments(Readings(bench.measured[0]), sensor.black_level).pedestal
-    if not noise.size or abs(black - law) <= NOISE * float(noise.min()):
-        return state
-    begun = start(bench, _of_black_level(state, black), state.knobs, like=state)
-    ended = minimise(bench, derive(bench, begun, anew=True), 2 * iterations)
-    chance = len(state.knobs) * max(state.loss / len(state.train), 1.0)
-    return ended if ended.merit < state.merit + chance else state
-
-
-def _of_black_level(state: State, black: float) -> NoiseModel:
-    """The model with another black level, and the same levels and noise but for the charge."""
-    model, where = state.model, positions(state.model, state.knobs)
-    shift = black - value_at(model.pedestal, model.reference)
-    shot = model.get(GAIN[0])
-    variance = 0.0 if shot is None else shift * shot.value(GAIN[1], model.reference)
-    for i, knob in enumerate(state.knobs):
-        if knob.effect == PEDESTAL:
-            where[i] = black
-        elif (knob.effect, knob.parameter) == SIGNAL and not knob.energy:
-            where[i] = math.log(_less(math.exp(where[i]), shift))
-        elif (knob.effect, knob.parameter) == READ and not knob.energy:
-            where[i] = math.log(_less(math.exp(2.0 * where[i]), -variance)) / 2.0
-    return turned(model, state.knobs, where)
-
-
-def _less(amplitude: float, by: float) -> float:
-    return max(amplitude - by, amplitude / FOURFOLD)
 
 
 def _lost(bench: Bench, state: State) -> list[int]:

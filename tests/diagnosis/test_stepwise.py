@@ -1,5 +1,7 @@
 """Forward, backward and swap steps."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -138,6 +140,18 @@ def test_a_search_states_its_steps_and_keeps_complete_models(held):
     assert path.error == path.steps[-1].error < path.steps[0].error
     assert path.best is None
     assert {"row_fpn", "row_noise"} <= set(trying)
+
+
+def test_a_refused_effect_is_open_again_once_another_is_in_the_model(held):
+    state = fitted(held)
+    begun = Path(state, (Step(None, error_of(held, state)),), refused=("row_noise",))
+    search = Search(held, {**ROWS, "column_fpn": built_in()["column_fpn"]})
+    assert "row_noise" not in search._open(begun)
+    path = search._tested(begun, Null.of(held, state))
+    path = search._with(path, Null.of(held, state), path.best, math.inf)
+    assert path.steps[-1].added == "row_fpn"
+    assert path.refused == ()
+    assert "row_noise" in search._open(path)
 
 
 def test_an_effect_that_raises_the_error_is_not_taken(held):

@@ -14,9 +14,8 @@ from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import bench
-from dnanalyze.fitting.restart import restarted, slid
+from dnanalyze.fitting.restart import restarted
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.simulate import simulate
 
 POINTS = [(OperatingPoint(25.0, t), 4) for t in (0.1, 0.4, 1.6)]
@@ -71,33 +70,3 @@ def test_nothing_is_lost_at_the_truth(held):
     np.testing.assert_allclose(
         positions(again.model, again.knobs), positions(state.model, state.knobs)
     )
-
-
-def series(seed: int, black: float = 64.0, sigma: float = 1.0):
-    """1, 4 and 16 DN above the black level, .5 DN/e-; others with the same levels and noise."""
-    base = small.model().get("convolved_lognormal")
-    signal = np.array([1.0, 4.0, 16.0]) + 64.0 - black
-    points = tuple(replace(p, exposure_s=None) for p in small.POINTS)
-    base = replace(base, mu=TableLaw(points, tuple(np.log(signal).tolist())))
-    read = math.sqrt(sigma**2 - 0.5 * (64.0 - black))
-    made = small.model(dark_shot_noise={"dn_per_e": 0.5}, read_noise={"sigma": read})
-    return replace(made.with_effect(base), pedestal=black, seed=seed)
-
-
-@pytest.mark.parametrize("black", [63.0, 64.6])
-def test_a_black_level_that_read_noise_and_charge_hide_comes_back(black):
-    points = [(p, 4) for p in small.POINTS]
-    held = bench(design(simulate(series(9, sigma=1.5), (128, 128), points)))
-    begun = series(4, black, 1.5)
-    state = derive(held, start(held, begun, knobs_of(begun)))
-    ended = slid(held, state, 6)
-    assert ended is not state
-    # 1.5 DN of noise, 128^2 / 2 pixels: .017 DN, and that of the series at three temperatures
-    assert ended.model.pedestal == pytest.approx(64.0, abs=0.15)
-    assert ended.merit < state.merit
-
-
-def test_a_fit_by_the_moments_stays(held):
-    model = truth(seed=4)
-    state = derive(held, start(held, model, knobs_of(model)))
-    assert slid(held, state, 3) is state

@@ -12,7 +12,9 @@ from dnanalyze.loaders.captures import Window
 from dnanalyze.model import pink
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
 
-CELLS = 1024  # of the grid along the longer side: what varies slowly needs no finer one
+# Points of the grid along the longer side. Of 6,000 pixels what is finer than the grid has 1/1000
+# of the variance at alpha 3, and 1/5 at alpha 2.
+CELLS = 1024
 
 
 @dataclass(frozen=True)

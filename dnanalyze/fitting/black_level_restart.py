@@ -1,0 +1,80 @@
+"""A fit far from the black level that the moments show begins again there.
+
+A black level that is lower by some DN, dark signals that are higher by as much, and a read noise
+without the shot noise of that difference give nearly the same statistics. The chance in derivatives
+of simulated frames hides the slope of the loss in this direction: on virtual sensors the loss
+varies by 5 to 10 from one black level to the next, and the derivatives promise a minimum where it
+has none.
+"""
+
+from __future__ import annotations
+
+import math
+
+from dnanalyze.fitting.knobs import PEDESTAL, positions, turned
+from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.level import NOISE
+from dnanalyze.fitting.moments import moments
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.ties import GAIN
+from dnanalyze.model.laws import value_at
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE
+
+SIGNAL, READ = (BASE, "mu"), ("read_noise", "sigma")  # of a pixel
+FOURFOLD = 4.0  # by which an amplitude may fall at once, as in a step of a fit
+
+
+def at_black_level(bench: Bench, state: State, iterations: int) -> State:
+    """The state, or one that is as good with the black level by the moments.
+
+    Of two fits that the statistics do not tell apart, that stands which agrees with the levels: the
+    luck of one simulated sensor bends the loss by about 1 a free parameter.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : State
+        At rest, its derivatives known: they tell how long a step must be.
+    iterations : int
+        Of the fit from there.
+
+    Returns
+    -------
+    State
+        ``state`` itself where a direct measurement binds the black level, or where the two differ
+        by less than a level may (`fitting.level.NOISE`).
+    """
+    free = {i for i, k in enumerate(state.knobs) if k.effect == PEDESTAL}
+    if len(free) != 1 or free & {t.at for t in state.ties}:
+        return state
+    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
+    sensor = bench.plan.captures.sensor
+    measured = moments(Readings(bench.measured[0]), sensor.black_level).pedestal
+    shift = measured - value_at(state.model.pedestal, state.model.reference)
+    if not noise.size or abs(shift) <= NOISE * float(noise.min()):
+        return state
+    begun = start(bench, _shifted(state, shift), state.knobs, like=state)
+    ended = minimise(bench, derive(bench, begun, anew=True), iterations)
+    chance = len(state.knobs) * max(state.loss / len(state.train), 1.0)
+    return ended if ended.merit < state.merit + chance else state
+
+
+def _shifted(state: State, shift: float) -> NoiseModel:
+    """The model with a higher black level, and the same levels and noise but for the charge."""
+    model, where = state.model, positions(state.model, state.knobs)
+    shot = model.get(GAIN[0])
+    variance = 0.0 if shot is None else shift * shot.value(GAIN[1], model.reference)
+    for i, knob in enumerate(state.knobs):
+        if knob.effect == PEDESTAL:
+            where[i] += shift
+        elif (knob.effect, knob.parameter) == SIGNAL and not knob.energy:
+            where[i] = math.log(_less(math.exp(where[i]), shift))
+        elif (knob.effect, knob.parameter) == READ and not knob.energy:
+            where[i] = math.log(_less(math.exp(2.0 * where[i]), -variance)) / 2.0
+    return turned(model, state.knobs, where)
+
+
+def _less(amplitude: float, by: float) -> float:
+    return max(amplitude - by, amplitude / FOURFOLD)
