@@ -13,8 +13,8 @@ from rich.text import Text
 from dnanalyze.loaders.captures import CaptureSet, Window
 
 if TYPE_CHECKING:
-    from dnanalyze.fitting.least_squares import State
     from dnanalyze.fitting.predictor import Bench
+    from dnanalyze.fitting.state import State
 
 LEAST_S, LEAST_SHARE = 3.0, 0.1  # of a phase, before which no estimate is fair
 

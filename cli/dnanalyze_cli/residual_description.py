@@ -44,7 +44,7 @@ def describe_residual(
         return {}
     from dnanalyze.description.describe import described
     from dnanalyze.fitting.knobs import knobs_of
-    from dnanalyze.fitting.least_squares import start
+    from dnanalyze.fitting.state import start
     from dnanalyze.fitting.time_limit import TimeLimit
     from dnanalyze.report.results.description import in_short
 

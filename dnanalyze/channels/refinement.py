@@ -18,8 +18,9 @@ from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import Parameters, fit_on, standard_errors
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import State, start
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import channel_model, merged, of_pixel
 from dnanalyze.model.effect import Effect

@@ -15,10 +15,10 @@ from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import as_captured, at_a_glance, fit_on, with_seed
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.start import gaussian_model
+from dnanalyze.fitting.state import State
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.fitting.whole_field import Coverage, coverage
 from dnanalyze.fitting.yardstick import by_design

@@ -28,9 +28,10 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import with_seed
 from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.whole_field import departures
 from dnanalyze.loaders.captures import CaptureSet

@@ -12,9 +12,10 @@ from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.digits import number
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise
-from dnanalyze.fitting.least_squares import start as begun_at
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
+from dnanalyze.fitting.state import start as begun_at
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE

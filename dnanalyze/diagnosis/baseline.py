@@ -8,8 +8,8 @@ from functools import partial
 
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import converge, fitted
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import EVERYDAY, WANG
 

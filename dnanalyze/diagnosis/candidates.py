@@ -27,15 +27,12 @@ from dnanalyze.diagnosis.selection import (
     standings,
 )
 from dnanalyze.fitting.changes import part_for
-from dnanalyze.fitting.from_part import STEPS, carried, derived_anew
+from dnanalyze.fitting.derivatives import derive
+from dnanalyze.fitting.from_part import STEPS
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import (
-    State,
-    minimise,
-    start,
-    with_derivatives_of,
-)
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, carried, start, with_derivatives_of
 from dnanalyze.model.effect import Effect
 from dnanalyze.progress import ignored
 
@@ -139,7 +136,7 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     near = without_denied(null.held, leader, found, contenders(leader, found, promises))
     if leader.evidence > PLAIN * leader.spread and len(near) == 1:
         return found
-    like = derived_anew(null.held, leader.state)
+    like = derive(null.held, leader.state, anew=True)
     made = []
     for t in found:
         if t.effect in near:

@@ -13,9 +13,9 @@ from dnanalyze.diagnosis.selection import CERTAIN, LEAST
 from dnanalyze.digits import number, unit_text
 from dnanalyze.estimate import Estimated
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.state import State, loss
 from dnanalyze.model.effect import Effect, ParameterInfo, Placing
 from dnanalyze.model.noise_model import NoiseModel
 

@@ -37,9 +37,9 @@ from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
-from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.whole_field import coverage
 from dnanalyze.fitting.yardstick import expressed

@@ -11,8 +11,8 @@ from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
 from dnanalyze.diagnosis.results import Candidate
 from dnanalyze.digits import number, unit_text
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import built_in
 

@@ -15,8 +15,9 @@ from dnanalyze.diagnosis.selection import LEAST, REFITS, Trial
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.from_part import STEPS, converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, deviance, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, deviance, start
 from dnanalyze.model.noise_model import NoiseModel
 
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms

@@ -9,8 +9,8 @@ import numpy as np
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.predictive_check import Halves, Null
 from dnanalyze.diagnosis.selection import Trial, falls, overdispersion
-from dnanalyze.fitting.least_squares import State, deviance
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, deviance
 from dnanalyze.model.effect import Effect
 
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.guesses.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel

@@ -10,9 +10,9 @@ import numpy as np
 
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.selection import TOLERABLE
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.linear_step import linear_step
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
 from dnanalyze.fitting.yardstick import REPLICATES, measured_by
 
 BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves

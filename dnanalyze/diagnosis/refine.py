@@ -21,9 +21,10 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.located import located
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect

@@ -11,9 +11,9 @@ from dnanalyze.diagnosis.selection import Trial
 from dnanalyze.digits import number
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.fit import Fit, Parameters, uncertain
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level import Level
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
 from dnanalyze.fitting.whole_field import Coverage, coverage
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel

@@ -14,9 +14,9 @@ from dnanalyze.diagnosis.nuisance import from_moments, least_noise, unbiased
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.least_squares import State, loss, weights
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.residual import Residual
+from dnanalyze.fitting.state import State, loss, weights
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.progress import ignored

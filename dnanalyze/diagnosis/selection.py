@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dnanalyze.fitting.least_squares import State, deviance
+from dnanalyze.fitting.state import State, deviance
 
 if TYPE_CHECKING:
     from dnanalyze.diagnosis.score_test import Guess

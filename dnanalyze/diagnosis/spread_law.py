@@ -17,10 +17,11 @@ from scipy.stats import chi2
 from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import Trial, significant
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import Knob, knobs_of
-from dnanalyze.fitting.least_squares import State, derive, weights
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, weights
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE

@@ -40,10 +40,11 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
-from dnanalyze.fitting.from_part import STEPS, carried, converge
+from dnanalyze.fitting.from_part import STEPS, converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, EVERYDAY

@@ -10,9 +10,9 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.level_laws import beyond_laws
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State
 from dnanalyze.fitting.ties import GAIN, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope

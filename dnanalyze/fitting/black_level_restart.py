@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import math
 
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.knobs import PEDESTAL, positions, turned
-from dnanalyze.fitting.least_squares import State, derive, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import NOISE
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.ties import GAIN
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel

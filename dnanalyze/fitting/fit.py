@@ -15,18 +15,11 @@ from dnanalyze.digits import minus
 from dnanalyze.errors import InputError
 from dnanalyze.estimate import Estimated, qtable
 from dnanalyze.fitting.agreement import Agreement, agreements
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.from_part import converge, derived_anew
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import (
-    State,
-    longest,
-    loss,
-    start,
-    tied,
-    unseen,
-    weights,
-)
+from dnanalyze.fitting.least_squares import longest, tied
 from dnanalyze.fitting.located import located, told
 from dnanalyze.fitting.moments import (
     Moments,
@@ -39,6 +32,7 @@ from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
+from dnanalyze.fitting.state import State, loss, start, unseen, weights
 from dnanalyze.fitting.ties import TRANSFER, misfits
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
@@ -353,7 +347,7 @@ def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np
         train = other.fitted_coordinates(model)
         drawn.append(train)
         begun = replace(state, model=model, train=held.train.z(train))
-        jacobian += derived_anew(other, begun, smallest=CLEAR).jacobian / several
+        jacobian += derive(other, begun, smallest=CLEAR, anew=True).jacobian / several
     return np.array(drawn), jacobian
 
 

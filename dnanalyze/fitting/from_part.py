@@ -9,17 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
-
-import numpy as np
 
 from dnanalyze.fitting.black_level_restart import at_black_level
 from dnanalyze.fitting.changes import part_for
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import SMALLEST, State, derive, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.restart import restarted
+from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -56,28 +55,6 @@ def fitted_in_time(bench: Bench, model: NoiseModel) -> State:
     except TimeUp:
         best = so_far[-1].model if so_far else model
         return start(bench.within(TimeLimit()), best, knobs_of(best))
-
-
-def carried(state: State, there: Bench, here: Bench) -> State:
-    """The model of a state, with its derivatives, from the part to the whole or back.
-
-    A statistic's derivative is the same but for its floor; of one that only one of them has, it is
-    taken to be 0.
-    """
-    begun = start(here, state.model, state.knobs)
-    return replace(begun, jacobian=_derivatives(state, there, here))
-
-
-def derived_anew(bench: Bench, state: State, smallest: float = SMALLEST) -> State:
-    """The state with all derivatives taken anew, on the part where they may be.
-
-    ``smallest``: see `derive`.
-    """
-    part = part_for(bench, state.model)
-    if part is None:
-        return derive(bench, state, smallest=smallest, anew=True)
-    near = derive(part, carried(state, bench, part), smallest=smallest, anew=True)
-    return replace(state, jacobian=_derivatives(near, part, bench))
 
 
 def converge(
@@ -118,14 +95,9 @@ def _in_rounds(
 ) -> State:
     for n in range(2 * rounds):
         before = state.merit
-        begun = derived_anew(bench, state) if n else state
+        begun = derive(bench, state, anew=True) if n else state
         state = minimise(bench, begun, iterations, 0.5 / len(state.train), tell)
         settled = n > 0 and before - state.merit < SETTLED * max(1.0, before / len(state.train))
         if settled or state.loss > hopeless * len(state.train):
             break
     return state
-
-
-def _derivatives(state: State, there: Bench, here: Bench) -> np.ndarray:
-    """Those of a state on one of the two, as they are on the other."""
-    return there.train.derivatives_of(here.train, state.jacobian)

@@ -1,252 +1,32 @@
 """Levenberg-Marquardt on simulated statistics, with few simulations.
 
-The derivative of a group of knobs costs one simulation; between iterations it is kept up to date by
-Broyden's rank-one formula instead of being taken anew. A pseudo-Huber loss keeps a few statistics
-that the model cannot reach from bending all others. The mean level alone is held within bounds.
+Between iterations the derivatives are kept up to date by Broyden's rank-one formula instead of
+being taken anew. A pseudo-Huber loss keeps a few statistics that the model cannot reach from
+bending all others. The mean level alone is held within bounds.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
+from dnanalyze.fitting.derivatives import derive
+from dnanalyze.fitting.knobs import Knob, positions, turned
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.ties import Tie, misfits
-from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.fitting.state import STIFF, State, beyond, stiff, unseen, weights
+from dnanalyze.fitting.ties import misfits
 
-SCALE = 6.0  # of the loss, in floors: a difference beyond it counts in proportion, not squared
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
-# Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
-# and the statistics with them, by some floors however short the step: less would be lost in it.
-SMALLEST, LARGEST = 12.0, 400.0
-SEVERAL = 3  # derivatives beyond which it pays to begin from half of the field
-GROWTH = 8.0  # of a step that shows too little, each time; twice at most
 # Floors that one unit of a knob's grid moves the numbers by. Steps end on the grid, so that
 # libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit,
 # the loss is higher by (2^-10 / 2)^2 = 2e-7 a knob.
 GRAIN = 2.0**-10
-# Weight of the square of what a level lies beyond its bound, in bounds. On a real CCD the other
-# statistics gained 2,200 by four bounds of the level: they put it some percent beyond. Where bounds
-# cannot all be kept, half a bound beyond costs 2,500: no more than much else that is wrong there.
-STIFF = 1e4
 DAMPING = 1e-2  # of the first step
 FIRM = 50.0  # damping beyond which steps are too short to be worth a simulation
-
-
-@dataclass(frozen=True)
-class State:
-    """A model with what it predicts and how that moves with its knobs.
-
-    Parameters
-    ----------
-    model : NoiseModel
-    knobs : list of Knob
-    train : ndarray
-        Differences in floors on the fitted half.
-    unseen : callable
-        Those on the judged half: simulated when first asked for, which no step of a fit does.
-    jacobian : ndarray
-        d train / d knob, (numbers, knobs); NaN columns are not known yet.
-    at_rest : bool
-        Whether a fit has ended here because its derivatives, which its last step showed to be true,
-        promise no more.
-    bounds : ndarray, optional
-        Of each train number, in floors: how far it may be off, inf where that is left to the loss.
-    ties : tuple of Tie
-        Constraints of knobs by direct measurements.
-    """
-
-    model: NoiseModel
-    knobs: list[Knob]
-    train: np.ndarray
-    unseen: Callable[[], np.ndarray]
-    jacobian: np.ndarray
-    at_rest: bool = False
-    bounds: np.ndarray | None = None
-    ties: tuple[Tie, ...] = ()
-
-    @property
-    def test(self) -> np.ndarray:
-        """Differences in floors on the judged half."""
-        return self.unseen()
-
-    @property
-    def loss(self) -> float:
-        """Pseudo-Huber loss over the train numbers (a sum of squares for small ones)."""
-        return loss(self.train)
-
-    @property
-    def merit(self) -> float:
-        """What a fit lowers: the loss, with what bounds that are not kept and the ties add."""
-        off = misfits(self.ties, positions(self.model, self.knobs)) if self.ties else np.zeros(1)
-        return merit(self.train, self.bounds) + float(off @ off)
-
-
-def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
-    """What a state needs to tell of the judged half."""
-    return cache(partial(bench.judged_z, model))
-
-
-def given(z: np.ndarray) -> Callable[[], np.ndarray]:
-    """The same of differences that are known."""
-    return lambda: z
-
-
-def deviance(z: np.ndarray) -> np.ndarray:
-    """Pseudo-Huber loss 2 c^2 (sqrt(1 + (z/c)^2) - 1) of each: z^2 well below c, 2 c |z| above."""
-    return np.asarray(2 * SCALE**2 * (np.sqrt(1 + (z / SCALE) ** 2) - 1))
-
-
-def loss(z: np.ndarray) -> float:
-    """Sum of the deviance, which a fit minimises."""
-    return float(np.sum(deviance(z)))
-
-
-def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
-    """Loss, and `STIFF` times the squares of what lies beyond its bound, in bounds."""
-    return loss(z) + _stiff(z, bounds)
-
-
-def _stiff(z: np.ndarray, bounds: np.ndarray | None) -> float:
-    return STIFF * float(np.sum(_beyond(z, bounds) ** 2))
-
-
-def _beyond(z: np.ndarray, bounds: np.ndarray | None) -> np.ndarray:
-    """How far numbers lie beyond their bounds, in bounds; 0 within them."""
-    return np.zeros(1) if bounds is None else np.maximum(np.abs(z) / bounds - 1.0, 0.0)
-
-
-def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
-    """Simulate a model; take over derivatives from a like model where knobs agree."""
-    train = bench.fitted_z(model)
-    blank = np.full((len(train), len(knobs)), np.nan)
-    over = loss(train) / len(train)
-    bounds, ties = bench.train.bounds(over), bench.direct.ties(model, knobs, over)
-    begun = State(model, knobs, train, unseen(bench, model), blank, False, bounds, ties)
-    return begun if like is None else with_derivatives_of(begun, like)
-
-
-def with_derivatives_of(state: State, like: State) -> State:
-    """The state with a like model's derivatives where knobs agree, and no others."""
-    known = {k.name: i for i, k in enumerate(like.knobs)}
-    jacobian = np.full_like(state.jacobian, np.nan)
-    for i, knob in enumerate(state.knobs):
-        if knob.name in known:
-            jacobian[:, i] = like.jacobian[:, known[knob.name]]
-    return replace(state, jacobian=jacobian)
-
-
-def evened(bench: Bench, state: State) -> tuple[Bench, State]:
-    """The bench without half of the field, where the model lets it be left out, and what it shows.
-
-    Predictions are to be compared with those of this state.
-    """
-    alone = bench.evened(state.model)
-    if alone.even == bench.even:
-        return bench, state
-    return alone, replace(state, train=alone.fitted_z(state.model))
-
-
-def derive(
-    bench: Bench,
-    state: State,
-    only: Callable[[Knob], bool] = lambda _: True,
-    smallest: float = SMALLEST,
-    anew: bool = False,
-) -> State:
-    """Take the derivatives that are not known yet, one simulation a group of knobs.
-
-    A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
-    ``anew``: also those that are known, which then tell how long a step must be. Of what lies in
-    the judged half alone, the fitted one tells nothing, nor do temperatures too near each other of
-    an activation energy: there they are 0.
-    """
-    jacobian = state.jacobian.copy()
-    groups: dict[str, list[int]] = {}
-    for i, knob in enumerate(state.knobs):
-        if (anew or np.isnan(jacobian[:, i]).any()) and only(knob):
-            groups.setdefault(knob.group, []).append(i)
-    seen = []
-    for members in groups.values():
-        knob = state.knobs[members[0]]
-        effect = state.model.get(knob.effect)
-        told = not knob.energy or tells_slope(p.temperature_c for p, _ in bench.plan.settings)
-        if told and (effect is None or effect.lies_in(bench.plan.windows[0])):
-            seen.append(members)
-        else:
-            jacobian[:, members] = 0.0
-    for i, column in _differences(bench, state, seen, smallest).items():
-        jacobian[:, i] = column
-    return replace(state, jacobian=jacobian)
-
-
-def _differences(
-    bench: Bench, state: State, groups: list[list[int]], smallest: float
-) -> dict[int, np.ndarray]:
-    """Columns of groups of knobs, by one-sided steps that are sized to be seen but not large."""
-    if len(groups) > SEVERAL:
-        bench, state = evened(bench, state)
-    here = positions(state.model, state.knobs)
-    first = np.array([_first_step(k, x) for k, x in zip(state.knobs, here, strict=True)])
-    known = np.linalg.norm(state.jacobian, axis=0)  # NaN where not known
-    step = first * np.where(np.isnan(known), 1.0, _rescaled(known * first, smallest))
-    columns: dict[int, np.ndarray] = {}
-    for least in (smallest, SMALLEST / 4, SMALLEST / 8):
-        if not groups:
-            break
-        there = [_moved(state.knobs, here, step, members) for members in groups]
-        found = bench.several([turned(state.model, state.knobs, x) for x in there])
-        masks = [settings_of(k, state.model, bench.plan.settings) for k in state.knobs]
-        again = []
-        for members, x, coordinates in zip(groups, there, found, strict=True):
-            change = bench.train.z(coordinates) - state.train
-            for i in members:
-                moved = masks[i][bench.train.setting]
-                columns[i] = np.where(moved, change, 0) / (
-                    state.knobs[i].change(here[i], x[i]) or 1.0
-                )
-                size = float(np.linalg.norm(change[moved]))
-                longer = min(step[i] * float(_rescaled(size, least)), GROWTH**2 * first[i])
-                if longer != step[i] and members not in again:
-                    again.append(members)
-                step[i] = longer
-        groups = again
-    return columns
-
-
-def _moved(
-    knobs: Sequence[Knob], here: np.ndarray, step: np.ndarray, members: Sequence[int]
-) -> np.ndarray:
-    """Positions with those of a group a step further, within their bounds."""
-    there = here.copy()
-    for i in members:
-        there[i] = knobs[i].inside(here[i] + step[i])
-        if there[i] == here[i]:  # at its upper bound: step down
-            there[i] = knobs[i].inside(here[i] - step[i])
-    return there
-
-
-def _rescaled(size: np.ndarray | float, least: float) -> np.ndarray:
-    """Factor for steps that moved the numbers by ``size`` floors; 1 where that is right."""
-    longer = np.clip(np.rint(12.0 * least / np.maximum(size, 1e-9)) / 8.0, 2.0, GROWTH)
-    return np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))
-
-
-def _first_step(knob: Knob, position: float) -> float:
-    if knob.log:
-        return 0.08
-    if knob.part == "ea_ev":
-        return 0.02
-    if knob.effect == PEDESTAL:
-        return 0.1
-    return 0.05 * max(abs(position), 0.02)
 
 
 def minimise(
@@ -315,11 +95,6 @@ def minimise(
     return state
 
 
-def weights(z: np.ndarray) -> np.ndarray:
-    """Square roots of the weights that design least squares the pseudo-Huber loss."""
-    return (1 + (z / SCALE) ** 2) ** -0.25
-
-
 def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     """Damped step and the fall of the merit that it promises, within the bounds of the knobs.
 
@@ -333,7 +108,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     step = np.zeros(len(state.knobs))
     ties, off = tied(state)
     for n in range(3):
-        out = [int(i) for i in np.flatnonzero(_beyond(follows, state.bounds)) if i not in wanted]
+        out = [int(i) for i in np.flatnonzero(beyond(follows, state.bounds)) if i not in wanted]
         if n and not out:
             break
         for i in out:
@@ -344,7 +119,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
         follows = state.train + state.jacobian @ step
     promised = float(b @ b - np.sum((b + a @ step) ** 2))
     promised += float(off @ off - np.sum((off + ties @ step) ** 2))
-    return step, promised + _stiff(state.train, state.bounds) - _stiff(follows, state.bounds)
+    return step, promised + stiff(state.train, state.bounds) - stiff(follows, state.bounds)
 
 
 def tied(state: State) -> tuple[np.ndarray, np.ndarray]:

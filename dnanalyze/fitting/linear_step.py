@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.fitting.least_squares import DAMPING, State, weights
+from dnanalyze.fitting.least_squares import DAMPING
+from dnanalyze.fitting.state import State, weights
 from dnanalyze.fitting.vectors import Target
 
 

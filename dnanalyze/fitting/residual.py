@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
-from dnanalyze.fitting.least_squares import State
 from dnanalyze.fitting.line_defects import defects_of, line_defects
 from dnanalyze.fitting.located import Measured
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.state import State
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.guesses.hints import gains
 from dnanalyze.model.guesses.line_profile import line_profile

@@ -14,9 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.changes import Changes
+from dnanalyze.fitting.derivatives import SMALLEST, placing_of
 from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
-from dnanalyze.fitting.least_squares import SMALLEST, State, minimise, start, weights
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, start, weights
+from dnanalyze.model.effect import Placing
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
@@ -65,12 +68,17 @@ def _lost(bench: Bench, state: State) -> list[int]:
             lowered[i] = state.knobs[i].inside(here[i] - RISE)
         without.append(turned(state.model, state.knobs, lowered))
     found = []
-    if not groups:
-        return []
-    changes = Changes.of(bench, state.model, state.model.placing)
-    for members, change in zip(groups, changes.by(without), strict=True):
-        found += [i for i in members if np.linalg.norm(_own(bench, state, i, change)) < SMALLEST]
-    return found
+    for placing in Placing:
+        here_alone = [placing_of(state.model, state.knobs[m[0]]) is placing for m in groups]
+        some = [m for m, here in zip(groups, here_alone, strict=True) if here]
+        if not some:
+            continue
+        models = [m for m, here in zip(without, here_alone, strict=True) if here]
+        changes = Changes.of(bench, state.model, placing)
+        for members, change in zip(some, changes.by(models), strict=True):
+            own = {i: np.linalg.norm(_own(bench, state, i, change)) for i in members}
+            found += [i for i, size in own.items() if size < SMALLEST]
+    return sorted(found)
 
 
 def _may_be_lost(bench: Bench, knob: Knob, position: float) -> bool:

@@ -18,8 +18,8 @@ from scipy.stats import chi2
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
-from dnanalyze.fitting.least_squares import State, loss
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import State, loss
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.robust import robust_deviation

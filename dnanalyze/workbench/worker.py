@@ -122,7 +122,7 @@ def carried_out(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.fitting.fit import fit_on
-    from dnanalyze.fitting.least_squares import State
+    from dnanalyze.fitting.state import State
 
     told_s = time.monotonic()
 
@@ -143,7 +143,7 @@ def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 def _standard_errors(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.fitting.fit import with_uncertainties
     from dnanalyze.fitting.knobs import knobs_of
-    from dnanalyze.fitting.least_squares import start
+    from dnanalyze.fitting.state import start
 
     model = bed.model(task)
     assert model is not None

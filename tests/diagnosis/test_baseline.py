@@ -10,8 +10,8 @@ from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start, lacks_
 from dnanalyze.diagnosis.stepwise import Path, Search
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, EVERYDAY, WANG, built_in
 

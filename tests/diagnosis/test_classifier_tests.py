@@ -8,8 +8,8 @@ import pytest
 from dnanalyze.diagnosis.classifier_tests import TOLD, told_apart
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization

@@ -7,10 +7,11 @@ import pytest
 
 from dnanalyze.diagnosis.detectability import _View, detection_limits
 from dnanalyze.diagnosis.selection import CERTAIN
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.laws import TableLaw

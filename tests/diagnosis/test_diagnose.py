@@ -13,9 +13,9 @@ from dnanalyze.diagnosis.selection import OUTSIDE
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.residual import Residual
+from dnanalyze.fitting.state import start
 from dnanalyze.model.registry import BASE, EVERYDAY, WANG, built_in
 
 NEW = [n for n in EVERYDAY if n not in WANG]  # in a model of Wang 2025 that is rounded to codes

@@ -10,8 +10,8 @@ import pytest
 from dnanalyze.diagnosis.filter_tests import denied, without_denied
 from dnanalyze.diagnosis.selection import Trial, confidence_of, significant
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.hot_pixels import HotPixels

@@ -11,8 +11,8 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.pixel_fpn import PixelFpn

@@ -12,8 +12,8 @@ from dnanalyze.diagnosis.gains import _witnessed, judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import deviance, start
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import deviance, start
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
 from dnanalyze.model.effects.offset_drift import OffsetDrift

@@ -10,11 +10,12 @@ import pytest
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import derive, given, start
 from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import given, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.effects.offset_drift import OffsetDrift

@@ -10,8 +10,9 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw

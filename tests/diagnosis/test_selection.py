@@ -21,7 +21,7 @@ from dnanalyze.diagnosis.selection import (
     overdispersion,
     significant,
 )
-from dnanalyze.fitting.least_squares import State, deviance, given
+from dnanalyze.fitting.state import State, deviance, given
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.dpc import Dpc

@@ -11,8 +11,8 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import State, start
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import State, start
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.registry import BASE

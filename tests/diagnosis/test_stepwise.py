@@ -23,10 +23,10 @@ from dnanalyze.diagnosis.stepwise import (
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import ordinary_start
-from dnanalyze.fitting.from_part import carried, converge
+from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import carried, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.row_fpn import RowFpn

@@ -10,12 +10,13 @@ import pytest
 import small_series as small
 
 from dnanalyze.fitting.black_level_restart import at_black_level
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.state import start
 from dnanalyze.fitting.ties import Tie
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.simulate import simulate

@@ -10,10 +10,10 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.line_defects import line_defects
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.residual import Residual
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 
 PROFILE = np.random.default_rng(0).standard_normal(100) * 0.1

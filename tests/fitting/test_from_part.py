@@ -8,15 +8,17 @@ import pytest
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting import from_part
 from dnanalyze.fitting.changes import Changes, part_for
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.from_part import carried, converge, derived_anew, fitted
+from dnanalyze.fitting.from_part import converge, derived_anew, fitted
 from dnanalyze.fitting.knobs import knobs_of, positions, turned
-from dnanalyze.fitting.least_squares import State, derive, given, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.predictor import Bench, bench
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import paper_models
+from dnanalyze.fitting.state import State, carried, given, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel

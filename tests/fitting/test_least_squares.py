@@ -10,18 +10,11 @@ from hypothesis import given as drawn
 from hypothesis import strategies as st
 
 from dnanalyze.fitting import least_squares
+from dnanalyze.fitting.derivatives import SEVERAL, derive
 from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.least_squares import (
-    SCALE,
-    SEVERAL,
-    derive,
-    deviance,
-    given,
-    minimise,
-    start,
-    with_derivatives_of,
-)
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.state import SCALE, deviance, given, start, with_derivatives_of
 from dnanalyze.fitting.ties import Direct
 
 

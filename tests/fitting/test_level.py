@@ -9,8 +9,9 @@ import small_series as small
 
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.least_squares import given, minimise, start
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import DarkSignals, allowed, level
+from dnanalyze.fitting.state import given, start
 from dnanalyze.fitting.ties import Direct
 from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from dnanalyze.fitting.least_squares import DAMPING, weights
+from dnanalyze.fitting.least_squares import DAMPING
 from dnanalyze.fitting.linear_step import linear_step
+from dnanalyze.fitting.state import weights
 from dnanalyze.fitting.vectors import Key, Target
 
 NAMES = "mean", "temporal_noise", "pattern_noise", "drift", "hot_count_5"

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 import small_series as small
 
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import bench
 from dnanalyze.fitting.restart import restarted
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.simulate import simulate
 

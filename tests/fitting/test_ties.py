@@ -13,9 +13,9 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, ordinary_start
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.least_squares import start
 from dnanalyze.fitting.moments import BlackLevel
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.state import start
 from dnanalyze.fitting.ties import Direct, Known, Tie, direct, misfits
 from dnanalyze.loaders.arrays import from_arrays
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint

@@ -9,10 +9,11 @@ import pytest
 
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import derive, start
 from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.state import start
 from dnanalyze.fitting.vectors import MISSING, Key, Target
 from dnanalyze.fitting.yardstick import REPLICATES, by_design, expressed, measured_by, scales
 from dnanalyze.loaders.captures import OperatingPoint

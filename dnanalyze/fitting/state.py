@@ -1,0 +1,150 @@
+"""A model beside the measurement: what it predicts, and how that moves with its knobs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, partial
+
+import numpy as np
+
+from dnanalyze.fitting.knobs import Knob, positions
+from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.ties import Tie, misfits
+from dnanalyze.model.noise_model import NoiseModel
+
+SCALE = 6.0  # of the loss, in floors: a difference beyond it counts in proportion, not squared
+# Weight of the square of what a level lies beyond its bound, in bounds. On a real CCD the other
+# statistics gained 2,200 by four bounds of the level: they put it some percent beyond. Where bounds
+# cannot all be kept, half a bound beyond costs 2,500: no more than much else that is wrong there.
+STIFF = 1e4
+
+
+@dataclass(frozen=True)
+class State:
+    """A model with what it predicts and how that moves with its knobs.
+
+    Parameters
+    ----------
+    model : NoiseModel
+    knobs : list of Knob
+    train : ndarray
+        Differences in floors on the fitted half.
+    unseen : callable
+        Those on the judged half: simulated when first asked for, which no step of a fit does.
+    jacobian : ndarray
+        d train / d knob, (numbers, knobs); NaN columns are not known yet.
+    at_rest : bool
+        Whether a fit has ended here because its derivatives, which its last step showed to be true,
+        promise no more.
+    bounds : ndarray, optional
+        Of each train number, in floors: how far it may be off, inf where that is left to the loss.
+    ties : tuple of Tie
+        Constraints of knobs by direct measurements.
+    """
+
+    model: NoiseModel
+    knobs: list[Knob]
+    train: np.ndarray
+    unseen: Callable[[], np.ndarray]
+    jacobian: np.ndarray
+    at_rest: bool = False
+    bounds: np.ndarray | None = None
+    ties: tuple[Tie, ...] = ()
+
+    @property
+    def test(self) -> np.ndarray:
+        """Differences in floors on the judged half."""
+        return self.unseen()
+
+    @property
+    def loss(self) -> float:
+        """Pseudo-Huber loss over the train numbers (a sum of squares for small ones)."""
+        return loss(self.train)
+
+    @property
+    def merit(self) -> float:
+        """What a fit lowers: the loss, with what bounds that are not kept and the ties add."""
+        off = misfits(self.ties, positions(self.model, self.knobs)) if self.ties else np.zeros(1)
+        return merit(self.train, self.bounds) + float(off @ off)
+
+
+def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
+    """What a state needs to tell of the judged half."""
+    return cache(partial(bench.judged_z, model))
+
+
+def given(z: np.ndarray) -> Callable[[], np.ndarray]:
+    """The same of differences that are known."""
+    return lambda: z
+
+
+def deviance(z: np.ndarray) -> np.ndarray:
+    """Pseudo-Huber loss 2 c^2 (sqrt(1 + (z/c)^2) - 1) of each: z^2 well below c, 2 c |z| above."""
+    return np.asarray(2 * SCALE**2 * (np.sqrt(1 + (z / SCALE) ** 2) - 1))
+
+
+def loss(z: np.ndarray) -> float:
+    """Sum of the deviance, which a fit minimises."""
+    return float(np.sum(deviance(z)))
+
+
+def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
+    """Loss, and `STIFF` times the squares of what lies beyond its bound, in bounds."""
+    return loss(z) + stiff(z, bounds)
+
+
+def stiff(z: np.ndarray, bounds: np.ndarray | None) -> float:
+    """What the numbers beyond their bounds add to the merit."""
+    return STIFF * float(np.sum(beyond(z, bounds) ** 2))
+
+
+def beyond(z: np.ndarray, bounds: np.ndarray | None) -> np.ndarray:
+    """How far numbers lie beyond their bounds, in bounds; 0 within them."""
+    return np.zeros(1) if bounds is None else np.maximum(np.abs(z) / bounds - 1.0, 0.0)
+
+
+def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
+    """Simulate a model; take over derivatives from a like model where knobs agree."""
+    train = bench.fitted_z(model)
+    blank = np.full((len(train), len(knobs)), np.nan)
+    over = loss(train) / len(train)
+    bounds, ties = bench.train.bounds(over), bench.direct.ties(model, knobs, over)
+    begun = State(model, knobs, train, unseen(bench, model), blank, False, bounds, ties)
+    return begun if like is None else with_derivatives_of(begun, like)
+
+
+def with_derivatives_of(state: State, like: State) -> State:
+    """The state with a like model's derivatives where knobs agree, and no others."""
+    known = {k.name: i for i, k in enumerate(like.knobs)}
+    jacobian = np.full_like(state.jacobian, np.nan)
+    for i, knob in enumerate(state.knobs):
+        if knob.name in known:
+            jacobian[:, i] = like.jacobian[:, known[knob.name]]
+    return replace(state, jacobian=jacobian)
+
+
+def evened(bench: Bench, state: State) -> tuple[Bench, State]:
+    """The bench without half of the field, where the model lets it be left out, and what it shows.
+
+    Predictions are to be compared with those of this state.
+    """
+    alone = bench.evened(state.model)
+    if alone.even == bench.even:
+        return bench, state
+    return alone, replace(state, train=alone.fitted_z(state.model))
+
+
+def carried(state: State, there: Bench, here: Bench) -> State:
+    """The model of a state, with its derivatives, from the part to the whole or back.
+
+    A statistic's derivative is the same but for its floor; of one that only one of them has, it is
+    taken to be 0.
+    """
+    begun = start(here, state.model, state.knobs)
+    return replace(begun, jacobian=there.train.derivatives_of(here.train, state.jacobian))
+
+
+def weights(z: np.ndarray) -> np.ndarray:
+    """Square roots of the weights that design least squares the pseudo-Huber loss."""
+    return (1 + (z / SCALE) ** 2) ** -0.25
