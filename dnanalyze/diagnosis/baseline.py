@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+from dnanalyze.diagnosis.selection import DEFLATION
 from dnanalyze.fitting.fit import ordinary_start
 from dnanalyze.fitting.from_part import converge, fitted
 from dnanalyze.fitting.predictor import Bench
@@ -40,7 +41,7 @@ def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> 
 
 def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
     """All baseline effects fitted together: without one of them the others take its share."""
-    return fitted(bench, begun, partial(converge, hopeless=FAR_OFF))
+    return fitted(bench, begun, partial(converge, hopeless=FAR_OFF, settled=DEFLATION))
 
 
 def new_in(model: NoiseModel, before: NoiseModel) -> list[str]:

@@ -16,6 +16,7 @@ from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
+    ALIKE,
     LEAST,
     NOTHING,
     PLAIN,
@@ -70,11 +71,12 @@ def trials(
     known: dict[str, type[Effect]],
     tell: Callable[[str], None] = ignored,
     so_far: SoFar | None = None,
+    plain: bool = False,
 ) -> list[Trial]:
     """Refit the candidates with the largest promise; the most probable first.
 
     ``null``: the model without them. ``tell``: called with each name. ``so_far``: takes what is
-    found, as it is found.
+    found, as it is found. ``plain``: only one refit of each, which settles the plain cases.
     """
     so_far = so_far or SoFar()
     guesses: dict[str, list[Guess]] = {}
@@ -89,10 +91,12 @@ def trials(
         tell(name)
         ended = refitted(null.held, own[0], null.state, wanted)
         reach = max(reach, (null.state.loss - ended.loss) / own[0].promise)
-        wanted = min(wanted, (null.state.loss + ended.loss) / 2.0)
+        wanted = min(wanted, null.state.loss - ALIKE * (null.state.loss - ended.loss))
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
         so_far.told()
+    if plain:
+        return sorted(found, key=lambda t: -t.evidence)
     promises = {name: own[0].promise for name, own in guesses.items()}
     made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
     tested = by_standing([_tested(null.held, t, made) for t in made])
@@ -140,11 +144,12 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     made = []
     for t in found:
         if t.effect in near:
-            begun = like if t is leader else with_derivatives_of(t.state, like)
+            begun = best = like if t is leader else with_derivatives_of(t.state, like)
             if len(near) > 1:
-                begun = in_best_form(null.held, replace(t, state=begun))
-            ended = judged(null, t.effect, minimise(null.held, begun, STEPS))
-            t = judged_by_prediction(null, replace(ended, others=t.others))
+                best = in_best_form(null.held, replace(t, state=begun))
+            ended = judged(null, t.effect, minimise(null.held, best, STEPS))
+            formed = len(near) > 1 and best is begun
+            t = judged_by_prediction(null, replace(ended, others=t.others, formed=formed))
         made.append(t)
     return made
 

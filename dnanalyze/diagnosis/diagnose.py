@@ -23,6 +23,7 @@ from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.results import Candidate, Diagnosis
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.selection import (
+    DEFLATION,
     STANDS_IN,
     Trial,
     apart,
@@ -301,7 +302,8 @@ def _leader(
     others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
-        after = Null.of(held, completed(held, best))
+        ended = converge(held, completed(held, best), rounds=1, settled=DEFLATION)
+        after = Null.of(held, ended)
         left = after.unexplained
         told = replace(told, error_after=after.error, explained=_explained(null.error, after.error))
         open_to = candidates_of(after.state, known, [BASE])

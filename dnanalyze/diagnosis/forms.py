@@ -10,53 +10,53 @@ import numpy as np
 
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
-from dnanalyze.diagnosis.score_test import much_left
-from dnanalyze.diagnosis.selection import LEAST, REFITS, Trial
+from dnanalyze.diagnosis.selection import LEAST, Trial
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.from_part import STEPS, converge
+from dnanalyze.fitting.from_part import STEPS
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.least_squares import minimise
+from dnanalyze.fitting.least_squares import minimise, within_reach
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.state import State, deviance, start
 from dnanalyze.model.noise_model import NoiseModel
 
+FINALISTS = 2  # forms that are refitted
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 
 def completed(held: Bench, found: Trial) -> State:
-    """The model with the best form and strength of an effect, and everything at its optimum.
+    """The model with the best form and strength of an effect.
 
     Where the model error is above 1, so that a better model can be told from the present one, other
     forms are tried until none of them is better.
-
-    Where much is left, the optimum will move with the next effect: the last refit goes on only
-    while it falls steeply.
     """
-    much = much_left(found.state)
-    state = found.state if much else converge(held, found.state)
-    if error_of(held, state) <= 1.0:
-        return state
-    better = in_best_form(held, replace(found, state=state))
-    if better is not state:
-        return completed(held, replace(found, state=better, others=()))
-    return converge(held, state, rounds=1) if much else state
+    state = found.state
+    while not found.formed and error_of(held, state) > 1.0:
+        better = in_best_form(held, found)
+        if better is state:
+            break
+        state, found = better, replace(found, state=better, others=())
+    return state
 
 
 def in_best_form(held: Bench, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
-    Other choices of the effect, other strengths, and its other first guesses are simulated once;
-    those with the lowest loss are refitted.
+    Other choices of the effect, other strengths, and its other first guesses are simulated once.
+    Those are refitted of which the derivatives of the state promise that they may be better, the
+    lowest first.
     """
     state = found.state
     known = {found.effect, *state.model.names}
     models = [g.model for g in found.others if set(g.model.names) == known]
     for way in (_forms, other_strengths):
         models += way(state.model, found.effect, least_noise(held))
-    begun = [start(held, m, knobs_of(m), like=state) for m in dict.fromkeys(models)]
+    models = list(dict.fromkeys(models))
+    held.several(models)
+    begun = [start(held, m, knobs_of(m), like=state) for m in models]
     begun = [s for s in begun if not np.array_equal(s.train, state.train)]
     better = state
-    for other in sorted(begun, key=lambda s: s.loss)[:REFITS]:
+    near = [s for s in begun if within_reach(s, state.loss)]
+    for other in sorted(near, key=lambda s: s.loss)[:FINALISTS]:
         ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
         better = preferred(better, ended)
     return better

@@ -29,7 +29,7 @@ def judged_by_prediction(null: Null, found: Trial) -> Trial:
     """
     now = Null(null.held, found.state).predictive
     made = _compared(null.held, found.effect, found.state, null.predictive, now)
-    return replace(made, others=found.others)
+    return replace(made, others=found.others, formed=found.formed)
 
 
 def _compared(held: Bench, effect: str, after: State, was: Halves, now: Halves) -> Trial:

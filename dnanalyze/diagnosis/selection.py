@@ -60,6 +60,8 @@ class Trial:
         Other guesses of the effect, not refitted.
     falls : ndarray
         Fall of the deviance of each statistic, of either half.
+    formed : bool
+        Whether its other forms were tried, and none is better.
     denied : str
         The test of the captures that excludes the effect (`filter_tests`, `classifier_tests`), in
         words; empty where none does.
@@ -74,6 +76,7 @@ class Trial:
     spread: float = 1.0
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
+    formed: bool = False
     denied: str = ""
 
     @property
@@ -180,6 +183,11 @@ def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:
     """Candidates that explain nearly as much as the best, and of the same statistics."""
     near = [t for t in trials if t is not best and alike(t.evidence, best.evidence, best.spread)]
     return [t.effect for t in near if not apart(best, t)]
+
+
+def beyond_doubt(best: Trial, trials: Sequence[Trial]) -> bool:
+    """Whether a candidate has no competitor, and more evidence than sensors of a design vary by."""
+    return best.evidence > PLAIN * best.spread and not competitors(best, trials)
 
 
 def contenders(best: Trial, trials: Sequence[Trial], promises: Mapping[str, float]) -> set[str]:

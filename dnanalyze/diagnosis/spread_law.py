@@ -18,8 +18,9 @@ from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.from_part import STEPS
 from dnanalyze.fitting.knobs import Knob, knobs_of
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.state import State, weights
 from dnanalyze.model.laws import ArrheniusLaw
@@ -29,11 +30,11 @@ from dnanalyze.model.registry import BASE
 SPREAD = "delta"
 
 
-def spread_law(null: Null) -> Trial | None:
+def spread_law(null: Null, wanted: float = math.inf) -> Trial | None:
     """The model with a slope of the spread over 1/kT, refitted, where that is significant.
 
     A score test comes first, at the level of one sensor in a thousand. A model with a law is not
-    tested again.
+    tested again. ``wanted``: loss that must come within reach; else the refit is given up.
     """
     held, state = null.held, null.state
     temperatures = {p.temperature_c for p, _ in held.plan.settings} - {None}
@@ -43,7 +44,7 @@ def spread_law(null: Null) -> Trial | None:
     begun = derive(held, _begun(state, larger), only=_is_slope)
     if score(begun) < chi2.isf(1e-3, 1):
         return None
-    found = judged(null, BASE, converge(held, begun, rounds=1))
+    found = judged(null, BASE, minimise(held, begun, STEPS, below=wanted))
     return found if significant(found) else None
 
 

@@ -3,8 +3,8 @@
 Read from `Search.run` down: each step is `choose` (score tests, refits, significance), `completed`
 (form and strength of the effect, everything at its optimum) and `reduced` (backward step). Where
 nothing more is significant and the model is not adequate, `swapped` tries confounded effects in
-the place of one that was added. While the model is far off, the steps are taken on a part of the
-field; the whole field confirms them.
+the place of one that was added. Of large captures the search begins on a part of the field, takes
+the steps there that this leaves no doubt of, and goes on with the whole field.
 """
 
 from __future__ import annotations
@@ -28,13 +28,14 @@ from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import Null, error_of
 from dnanalyze.diagnosis.results import Step
-from dnanalyze.diagnosis.score_test import much_left
 from dnanalyze.diagnosis.selection import (
     CERTAIN,
+    DEFLATION,
     NOTHING,
     PLAIN,
     Trial,
     apart,
+    beyond_doubt,
     competitors,
     confidence_of,
     significant,
@@ -63,7 +64,8 @@ def choose(
     if it is significant and has more evidence. Arguments are those of `trials`.
     """
     tried = trials(null, known, tell, so_far)
-    best, law = supported(null, tried), spread_law(null)
+    best = supported(null, tried)
+    law = spread_law(null, math.inf if best is None else best.state.loss)
     if law is not None and (best is None or law.evidence > best.evidence):
         return tried, law
     return tried, best
@@ -212,16 +214,41 @@ class Search:
 
     def run(self, state: State, exclude: Sequence[str] = ()) -> Path:
         """From a fitted model to one in which nothing more is significant, or to a limit."""
-        begun = path = self._noted(Path(state), state, None)
-        self._kept(path)
-        if lacks_baseline(state.model, exclude):
-            path = self._with_baseline(path, exclude)
-        path = self._searched(self._on_part(path))
+        begun, path = self._on_part(state, exclude)
+        path = self._searched(path)
         steps = descending(path.steps)
-        return replace(path, steps=tuple(steps)) if len(steps) == len(path.steps) else begun
+        if len(steps) < len(path.steps):
+            return replace(begun, state=state)
+        return replace(path, steps=tuple(steps))
+
+    def _on_part(self, state: State, exclude: Sequence[str]) -> tuple[Path, Path]:
+        """The starting model, and that with baseline effects and what a part leaves no doubt of.
+
+        Both are stated for the part, where there is one, with their errors on the whole field; the
+        second is then fitted to that.
+        """
+        part = self.held.part
+        if part is None:
+            begun = self._begun(state)
+            return begun, self._with_baseline(begun, exclude)
+        coarse = replace(self, held=replace(part, even=False), whole=self.held)
+        begun = coarse._begun(carried(state, self.held, coarse.held))
+        found = coarse._while_plain(coarse._with_baseline(begun, exclude))
+        if found.state is begun.state:
+            return begun, replace(found, state=state)
+        there = carried(found.state, coarse.held, self.held)
+        return begun, self._converged(replace(found, state=there, converged=False))
+
+    def _begun(self, state: State) -> Path:
+        """The starting model, noted and kept."""
+        path = self._noted(Path(state), state, None)
+        self._kept(path)
+        return path
 
     def _with_baseline(self, path: Path, exclude: Sequence[str]) -> Path:
         """The baseline effects in the model, one step each, with the error of all of them."""
+        if not lacks_baseline(path.state.model, exclude):
+            return path
         begun = baseline_start(self.held, exclude, path.state.model.seed)
         state = baseline_fitted(self.held, begun)
         error = self._error(state)
@@ -230,27 +257,18 @@ class Search:
         self._kept(path)
         return path
 
-    def _on_part(self, path: Path) -> Path:
-        """The forward steps that a part of the field decides, confirmed on the whole field.
+    def _while_plain(self, path: Path) -> Path:
+        """Forward steps on a part of the field, while that leaves no doubt.
 
-        While the model is far off, a quarter of the field leaves as little doubt as all of it.
+        Of a model that is far off it leaves as little as the whole, and of an effect that has no
+        competitor and more evidence than sensors of one design vary by. The candidates of which it
+        leaves some are the first to be tested on the whole field.
         """
-        part = self.held.part
-        if part is None:
-            return path
-        coarse = replace(self, held=replace(part, even=False), whole=self.held)
-        begun = replace(path, state=carried(path.state, self.held, coarse.held))
-        found = coarse._while_far_off(begun)
-        if found.steps == path.steps:
-            return replace(path, open=found.open)
-        state = carried(found.state, coarse.held, self.held)
-        return self._converged(replace(found, state=state, converged=False))
-
-    def _while_far_off(self, path: Path) -> Path:
-        """Forward steps; the last candidates, of which none was significant, are left open."""
-        while far_off(path.state) and not self.near_enough(path):
+        while not self.near_enough(path):
             null = Null.of(self.held, path.state)
-            tested = self._tested(path, null)
+            if null.adequate:
+                break
+            tested = self._tested(path, null, plain=not far_off(path.state))
             if tested.best is None or self._full(tested):
                 return replace(path, open=tuple(t.effect for t in tested.tried))
             path = self._with(tested, null, tested.best, path.error)
@@ -264,7 +282,9 @@ class Search:
             best, gone = path.best, None
             if best is None and not path.converged:
                 path = self._converged(path)
-                continue
+                if not Null.of(self.held, path.state).adequate:
+                    continue  # what is left may be another effect
+                return path
             if best is None and not null.adequate:
                 open_to = candidates_of(
                     path.state, self.known, [BASE, *path.dropped, *path.refused]
@@ -281,13 +301,21 @@ class Search:
             path = self._with(path, null, best, math.inf if gone is not None else path.error)
         return self._converged(replace(path, tried=(), best=None))
 
-    def _tested(self, path: Path, null: Null) -> Path:
-        """The candidates tested: those first that were significant beside the last one."""
+    def _tested(self, path: Path, null: Null, plain: bool = False) -> Path:
+        """The candidates tested: those first that were significant beside the last one.
+
+        ``plain``: by one refit of each; the best is one that leaves no doubt.
+        """
         open_to = self._open(path)
         first = {name: e for name, e in open_to.items() if name in path.open}
-        tried, best = choose(null, first or open_to, self.trying)
+        if plain:
+            tried = trials(null, first or open_to, self.trying, plain=True)
+            best = supported(null, tried)
+            best = best if best is not None and beyond_doubt(best, tried) else None
+        else:
+            tried, best = choose(null, first or open_to, self.trying)
         if best is None and first:
-            return self._tested(replace(path, open=()), null)
+            return self._tested(replace(path, open=()), null, plain)
         return replace(path, tried=tuple(tried), best=best)
 
     def _open(self, path: Path) -> dict[str, type[Effect]]:
@@ -317,6 +345,8 @@ class Search:
         tried = path.tried
         sure, near = confidence_of(best, tried), competitors(best, tried)
         state = completed(null.held, best)
+        if self.whole is None:  # that of a part is only where the fit of the whole field begins
+            state = converge(null.held, state, rounds=1, settled=DEFLATION)
         effect = type(state.model.get(best.effect))
         why = evidence_for(null.held, null.state, state, effect)  # type: ignore[arg-type]
         state = self._at_home(state, null)
@@ -325,9 +355,9 @@ class Search:
             return replace(path, refused=(*path.refused, best.effect))
         path = self._noted(path, state, best.effect, sure, near, why, error)
         beside = [t.effect for t in tried if significant(t) and apart(best, t)]
-        path = replace(path, refused=(), converged=not much_left(state), open=tuple(beside))
+        path = replace(path, refused=(), converged=False, open=tuple(beside))
         self._kept(path)
-        return self._reduced(path) if path.converged else path
+        return path
 
     def _reduced(self, path: Path) -> Path:
         """Without the effects that are no longer significant."""
@@ -340,15 +370,21 @@ class Search:
     def _converged(self, path: Path) -> Path:
         """Everything at its optimum, and what is then superfluous gone.
 
-        The error of the last step is that of the new state; an effect that raises it is taken out.
+        The error of the last step, which the baseline effects share, is that of the new state; an
+        effect that raises it is taken out.
         """
         if path.converged:
             return path
-        state = converge(self.held, path.state)
-        *steps, last = path.steps
-        last = replace(last, error=self._error(state), model=state.model)
-        path = replace(path, state=state, steps=(*steps, last), converged=True)
-        if last.added in self._added(state) and last.error > steps[-1].error:
+        state = converge(self.held, path.state, settled=DEFLATION)
+        error, last = self._error(state), path.steps[-1]
+        steps = [
+            replace(s, error=error, model=state.model)
+            if s is last or (s.added in EVERYDAY and s.model is last.model)
+            else s
+            for s in path.steps
+        ]
+        path, last = replace(path, state=state, steps=tuple(steps), converged=True), steps[-1]
+        if last.added in self._added(state) and last.error > steps[-2].error:
             without = converge(self.held, removal(self.held, state, last.added))
             path = self._without(path, without, [last.added])
         self._kept(path)

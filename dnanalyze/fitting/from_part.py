@@ -64,18 +64,20 @@ def converge(
     iterations: int = STEPS,
     tell: Callable[[State], None] = lambda _: None,
     hopeless: float = math.inf,
+    settled: float = SETTLED,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
     Broyden's derivatives are good enough to get near; the last steps want true ones. In a valley,
     such as that of black level, dark signal and read noise, they seem to promise nothing more while
     new ones do; so a fit has ended when a round with new ones gains nothing. ``hopeless``: loss a
-    number from which true derivatives are not worth their simulations. An amplitude that was lost
+    number from which true derivatives are not worth their simulations. ``settled``: gain of a
+    round, in units of the overdispersion, below which the fit has ended. An amplitude that was lost
     on the way begins again at the end, and so does a fit far from the black level by the moments.
     """
 
     def ended(begun: State) -> State:
-        there = _in_rounds(bench, begun, rounds, iterations, tell, hopeless)
+        there = _in_rounds(bench, begun, rounds, iterations, tell, hopeless, settled)
         found = restarted(bench, there, iterations)
         return there if found is there else ended(found)
 
@@ -92,12 +94,13 @@ def _in_rounds(
     iterations: int,
     tell: Callable[[State], None],
     hopeless: float,
+    settled: float,
 ) -> State:
     for n in range(2 * rounds):
         before = state.merit
         begun = derive(bench, state, anew=True) if n else state
         state = minimise(bench, begun, iterations, 0.5 / len(state.train), tell)
-        settled = n > 0 and before - state.merit < SETTLED * max(1.0, before / len(state.train))
-        if settled or state.loss > hopeless * len(state.train):
+        least = settled * max(1.0, before / len(state.train))
+        if (n > 0 and before - state.merit < least) or state.loss > hopeless * len(state.train):
             break
     return state

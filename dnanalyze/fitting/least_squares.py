@@ -122,6 +122,12 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     return step, promised + stiff(state.train, state.bounds) - stiff(follows, state.bounds)
 
 
+def within_reach(state: State, wanted: float) -> bool:
+    """Whether the derivatives that are known promise that steps from here may reach a loss."""
+    _, expected = _step(replace(state, jacobian=np.nan_to_num(state.jacobian)), DAMPING)
+    return state.loss - HOPE * expected <= wanted
+
+
 def tied(state: State) -> tuple[np.ndarray, np.ndarray]:
     """Rows and numbers of the ties, rows step + numbers their misfits after a step."""
     rows = np.zeros((len(state.ties), len(state.knobs)))

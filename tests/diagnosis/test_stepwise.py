@@ -226,10 +226,9 @@ def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
     known = {n: built_in()[n] for n in ("rts", "persistence", "row_noise", "column_fpn")}
     tested: list[str] = []
     search = Search(far, known, most=0, trying=tested.append)
-    begun = Path(fitted(far), (Step(None, 1.0),))
-    path = search._on_part(begun)
+    begun, path = search._on_part(state := fitted(far), ())
     assert {"row_noise", "column_fpn"} <= set(path.open) < set(known)
-    assert path.state is begun.state
+    assert path.state is state
     tested.clear()
     assert search._searched(path).steps == begun.steps
     assert set(tested) == set(path.open)  # one of them is significant: no other is tested

@@ -11,7 +11,7 @@ from dnanalyze.fitting.changes import Changes, part_for
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.from_part import converge, derived_anew, fitted
+from dnanalyze.fitting.from_part import converge, fitted
 from dnanalyze.fitting.knobs import knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.moments import moments
@@ -156,24 +156,30 @@ def test_the_papers_pedestal_is_chosen_on_the_part(held, simulated):
     assert chosen.without("quantization") in tried
 
 
-def test_derivatives_are_taken_on_the_part_where_every_part_shows_them(held, simulated):
+def test_derivatives_of_what_is_everywhere_are_taken_on_the_part(held, simulated):
     state = start(held, model(1), knobs_of(model(1)))
     assert np.isnan(state.jacobian).all()
     blank = replace(state, jacobian=np.zeros_like(state.jacobian))
     simulated.clear()
-    found = derived_anew(held, blank)
+    found = derive(held, blank, anew=True)
     assert found.model is state.model
     np.testing.assert_array_equal(found.train, state.train)
     assert not any(simulated)
     near = derive(held.part, carried(blank, held, held.part), anew=True)
     np.testing.assert_array_equal(found.jacobian, carried(near, held.part, held).jacobian)
+
+
+def test_derivatives_of_what_has_a_place_are_taken_on_the_whole(held, simulated):
     placed = model(1, amp_glow={"amplitude": 5.0})
-    somewhere = start(held, placed, knobs_of(placed))
+    state = start(held, placed, knobs_of(placed))
     simulated.clear()
-    np.testing.assert_array_equal(
-        derived_anew(held, somewhere).jacobian, derive(held, somewhere, anew=True).jacobian
-    )
-    assert all(simulated)
+    found = derive(held, state)
+    of_glow = [k.effect == "amp_glow" for k in state.knobs]
+    groups = {k.group for k in state.knobs}
+    assert sum(simulated) >= len({k.group for k in state.knobs if k.effect == "amp_glow"})
+    assert simulated.count(False) >= len({g for g in groups if "amp_glow" not in g})
+    alone = derive(replace(held, part=None), state)
+    np.testing.assert_array_equal(found.jacobian[:, of_glow], alone.jacobian[:, of_glow])
 
 
 @pytest.mark.parametrize(
@@ -190,7 +196,7 @@ def test_a_fit_ends_where_a_round_gains_nothing_a_hopeless_one_after_the_first(
         return replace(state, train=kept**0.5 * state.train)
 
     monkeypatch.setattr(from_part, "minimise", lower)
-    monkeypatch.setattr(from_part, "derived_anew", lambda _bench, state: state)
+    monkeypatch.setattr(from_part, "derive", lambda _bench, state, **_: state)
     begun = State(None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0)))
     from_part.converge(None, begun, hopeless=hopeless)
     assert len(made) == rounds
