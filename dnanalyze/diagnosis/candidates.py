@@ -34,7 +34,7 @@ from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.state import State, carried, start, with_derivatives_of
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.progress import ignored
 
 # Times its promise, which is that of two operating points, that a refit may gain; or as many times
@@ -76,7 +76,8 @@ def trials(
     """Refit the candidates with the largest promise; the most probable first.
 
     ``null``: the model without them. ``tell``: called with each name. ``so_far``: takes what is
-    found, as it is found. ``plain``: only one refit of each, which settles the plain cases.
+    found, as it is found. ``plain``: only one refit of each, and none where that of the largest
+    promise has a place or few pixels.
     """
     so_far = so_far or SoFar()
     guesses: dict[str, list[Guess]] = {}
@@ -84,6 +85,8 @@ def trials(
         guesses.setdefault(guess.effect, []).append(guess)
     so_far.screened[:] = guesses
     found: list[Trial] = []
+    if plain and guesses and known[next(iter(guesses))].placing is not Placing.EVERYWHERE:
+        return found
     wanted, reach = null.state.loss, REACH
     for name, own in list(guesses.items())[:REFITS]:
         if own[0].promise < LEAST or reach * own[0].promise < null.state.loss - wanted:

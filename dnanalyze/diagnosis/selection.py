@@ -186,8 +186,13 @@ def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:
 
 
 def beyond_doubt(best: Trial, trials: Sequence[Trial]) -> bool:
-    """Whether a candidate has no competitor, and more evidence than sensors of a design vary by."""
-    return best.evidence > PLAIN * best.spread and not competitors(best, trials)
+    """Whether a candidate has more evidence than sensors vary by, and no other has nearly as much.
+
+    One refit of each is enough for that.
+    """
+    rivals = [t for t in trials if t is not best and not apart(best, t)]
+    near = any(max(t.evidence, t.fitted_gain) > ALIKE * best.evidence for t in rivals)
+    return best.evidence > PLAIN * best.spread and not near
 
 
 def contenders(best: Trial, trials: Sequence[Trial], promises: Mapping[str, float]) -> set[str]:

@@ -33,6 +33,7 @@ from dnanalyze.diagnosis.selection import (
     DEFLATION,
     NOTHING,
     PLAIN,
+    REFITS,
     Trial,
     apart,
     beyond_doubt,
@@ -260,9 +261,9 @@ class Search:
     def _while_plain(self, path: Path) -> Path:
         """Forward steps on a part of the field, while that leaves no doubt.
 
-        Of a model that is far off it leaves as little as the whole, and of an effect that has no
-        competitor and more evidence than sensors of one design vary by. The candidates of which it
-        leaves some are the first to be tested on the whole field.
+        Of a model that is far off it leaves as little as the whole, and of an effect that is
+        everywhere and has no rival. The candidates of which it leaves some are the first to be
+        tested on the whole field.
         """
         while not self.near_enough(path):
             null = Null.of(self.held, path.state)
@@ -270,7 +271,8 @@ class Search:
                 break
             tested = self._tested(path, null, plain=not far_off(path.state))
             if tested.best is None or self._full(tested):
-                return replace(path, open=tuple(t.effect for t in tested.tried))
+                names = tested.open or [t.effect for t in tested.tried]
+                return replace(path, open=tuple(names))
             path = self._with(tested, null, tested.best, path.error)
         return path
 
@@ -308,14 +310,17 @@ class Search:
         """
         open_to = self._open(path)
         first = {name: e for name, e in open_to.items() if name in path.open}
+        known = first or open_to
         if plain:
-            tried = trials(null, first or open_to, self.trying, plain=True)
+            so_far = SoFar()
+            tried = trials(null, known, self.trying, so_far, plain=True)
             best = supported(null, tried)
-            best = best if best is not None and beyond_doubt(best, tried) else None
+            if best is None or not beyond_doubt(best, tried):
+                return replace(path, open=tuple(so_far.screened[:REFITS]), best=None)
         else:
-            tried, best = choose(null, first or open_to, self.trying)
+            tried, best = choose(null, known, self.trying)
         if best is None and first:
-            return self._tested(replace(path, open=()), null, plain)
+            return self._tested(replace(path, open=()), null)
         return replace(path, tried=tuple(tried), best=best)
 
     def _open(self, path: Path) -> dict[str, type[Effect]]:
