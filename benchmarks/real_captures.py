@@ -1,6 +1,6 @@
 """What `refine` makes of real captures: error, effects, gain and energy beside direct values.
 
-    python benchmarks/real_captures.py FOLDER... [--budget 300] [--jobs 2] [--json rows.jsonl]
+    python benchmarks/real_captures.py FOLDER... [--time-limit 300] [--jobs 2] [--json rows.jsonl]
 
 One row a folder: the model error at the start and at the end, the steps that raised it, the
 effects added with their confidence, system gain and activation energy of the model beside those of
@@ -119,13 +119,13 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("folders", nargs="+", type=Path)
-    parser.add_argument("--budget", type=float, default=300.0, help="seconds a folder")
+    parser.add_argument("--time-limit", type=float, default=300.0, help="seconds a folder")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--json", type=Path, help="one line a folder")
     asked = parser.parse_args()
     rows = []
     with ProcessPoolExecutor(asked.jobs) as pool:
-        for made in pool.map(partial(row, budget=asked.budget), asked.folders):
+        for made in pool.map(partial(row, budget=asked.time_limit), asked.folders):
             rows.append(made)
             if asked.json:
                 with asked.json.open("a", encoding="utf-8") as stream:

@@ -1,6 +1,6 @@
 """Whether `refine` names the same effects whatever the seed, and with one frame left out.
 
-    python benchmarks/stability.py FOLDER ... [--seeds 5] [--budget SECONDS] [--json OUT.jsonl]
+    python benchmarks/stability.py FOLDER ... [--seeds 5] [--time-limit SECONDS] [--json OUT.jsonl]
 
 Each folder is refined with as many seeds of the simulated sensor, and once with the last frame of
 every operating point left out. The table gives the names, in how many of the runs each was added,
@@ -68,7 +68,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--budget", type=float, help="seconds of each run")
+    parser.add_argument("--time-limit", type=float, help="seconds of each run")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     print("| captures | added: in how many runs (least confidence) | same set | verdict | error |")
@@ -76,7 +76,7 @@ def main() -> None:
     for folder in options.folders:
         captures, runs = dnanalyze.load(folder), []
         for name, seen, seed in variants(captures, options.seeds):
-            runs.append(run(seen, seed, options.budget))
+            runs.append(run(seen, seed, options.time_limit))
             if options.json:
                 with options.json.open("a", encoding="utf-8") as out:
                     out.write(json.dumps({"folder": folder.name, "run": name} | runs[-1]) + "\n")

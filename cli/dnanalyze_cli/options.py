@@ -309,7 +309,7 @@ class ModelOptions(ReadOptions):
             "--json": self.json,
             "--report": self.report,
             "--csv": self.csv,
-            "--config": self.config,
+            "--sidecar": self.config,
             "--tolerance-c": self.tolerance_c,
             "--channel": self.channel,
             "--keep-outliers": self.keep_outliers or None,

@@ -41,7 +41,8 @@ def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> 
 
 def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
     """All baseline effects fitted together: without one of them the others take its share."""
-    return fitted(bench, begun, partial(converge, hopeless=FAR_OFF, settled=DEFLATION))
+    fit = partial(converge, hopeless=FAR_OFF, settled=DEFLATION, last=False)
+    return fitted(bench, begun, fit)
 
 
 def new_in(model: NoiseModel, before: NoiseModel) -> list[str]:

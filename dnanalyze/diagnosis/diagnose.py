@@ -302,7 +302,7 @@ def _leader(
     others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
-        ended = converge(held, completed(held, best), rounds=1, settled=DEFLATION)
+        ended = converge(held, completed(held, best), rounds=1, settled=DEFLATION, last=False)
         after = Null.of(held, ended)
         left = after.unexplained
         told = replace(told, error_after=after.error, explained=_explained(null.error, after.error))

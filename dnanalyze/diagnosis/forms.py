@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -10,13 +10,14 @@ import numpy as np
 
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
+from dnanalyze.diagnosis.score_test import restricted, telling
 from dnanalyze.diagnosis.selection import LEAST, Trial
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.from_part import STEPS
 from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise, within_reach
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.state import State, deviance, start
+from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
 from dnanalyze.model.noise_model import NoiseModel
 
 FINALISTS = 2  # forms that are refitted
@@ -50,16 +51,28 @@ def in_best_form(held: Bench, found: Trial) -> State:
     models = [g.model for g in found.others if set(g.model.names) == known]
     for way in (_forms, other_strengths):
         models += way(state.model, found.effect, least_noise(held))
-    models = list(dict.fromkeys(models))
-    held.several(models)
-    begun = [start(held, m, knobs_of(m), like=state) for m in models]
-    begun = [s for s in begun if not np.array_equal(s.train, state.train)]
     better = state
-    near = [s for s in begun if within_reach(s, state.loss)]
-    for other in sorted(near, key=lambda s: s.loss)[:FINALISTS]:
+    for model in _promising(held, state, list(dict.fromkeys(models)))[:FINALISTS]:
+        other = start(held, model, knobs_of(model), like=state)
         ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
         better = preferred(better, ended)
     return better
+
+
+def _promising(held: Bench, state: State, models: Sequence[NoiseModel]) -> list[NoiseModel]:
+    """The models from which, by the derivatives of a state, its loss is within reach, lowest first.
+
+    At the two most telling operating points. Those that predict the same are no other forms.
+    """
+    settings = telling(held, state)
+    few, own = held.only(settings), restricted(held, state, settings)
+    begun = []
+    for model, found in zip(models, few.several(models), strict=True):
+        there = replace(own, model=model, knobs=knobs_of(model), train=few.train.z(found))
+        begun.append(with_derivatives_of(there, own))
+    other = [s for s in begun if not np.array_equal(s.train, own.train)]
+    near = [s for s in other if within_reach(s, own.loss)]
+    return [s.model for s in sorted(near, key=lambda s: s.loss)]
 
 
 def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:

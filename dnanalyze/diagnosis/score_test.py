@@ -76,8 +76,8 @@ class _View:
 
     @classmethod
     def of(cls, bench: Bench, state: State) -> _View:
-        settings = _telling(bench, state)
-        there = _restricted(bench, state, settings)
+        settings = telling(bench, state)
+        there = restricted(bench, state, settings)
         idle = _least_loss(there, np.zeros(len(there.train)))
         return cls(bench.only(settings), there, idle, least_noise(bench), much_left(there))
 
@@ -116,7 +116,7 @@ def much_left(state: State) -> bool:
     return state.loss >= TOLERABLE * len(state.train)
 
 
-def _telling(bench: Bench, state: State) -> list[int]:
+def telling(bench: Bench, state: State) -> list[int]:
     """The operating point with the largest loss, and the end of the series farther from it."""
     train = bench.train
     losses = [loss(state.train[train.setting == s]) for s in range(len(bench.plan.settings))]
@@ -124,7 +124,8 @@ def _telling(bench: Bench, state: State) -> list[int]:
     return sorted({worst, max((0, len(losses) - 1), key=lambda e: abs(e - worst))})
 
 
-def _restricted(bench: Bench, state: State, settings: list[int]) -> State:
+def restricted(bench: Bench, state: State, settings: list[int]) -> State:
+    """A state at some of the operating points."""
     here = np.isin(bench.train.setting, settings)
     there = np.isin(bench.test.setting, settings)
     return State(

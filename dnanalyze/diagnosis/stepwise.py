@@ -351,7 +351,7 @@ class Search:
         sure, near = confidence_of(best, tried), competitors(best, tried)
         state = completed(null.held, best)
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
-            state = converge(null.held, state, rounds=1, settled=DEFLATION)
+            state = converge(null.held, state, rounds=1, settled=DEFLATION, last=False)
         effect = type(state.model.get(best.effect))
         why = evidence_for(null.held, null.state, state, effect)  # type: ignore[arg-type]
         state = self._at_home(state, null)

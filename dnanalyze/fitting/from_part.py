@@ -65,6 +65,7 @@ def converge(
     tell: Callable[[State], None] = lambda _: None,
     hopeless: float = math.inf,
     settled: float = SETTLED,
+    last: bool = True,
 ) -> State:
     """Minimise, take all derivatives anew and go on, until that no longer helps.
 
@@ -73,7 +74,8 @@ def converge(
     new ones do; so a fit has ended when a round with new ones gains nothing. ``hopeless``: loss a
     number from which true derivatives are not worth their simulations. ``settled``: gain of a
     round, in units of the overdispersion, below which the fit has ended. An amplitude that was lost
-    on the way begins again at the end, and so does a fit far from the black level by the moments.
+    on the way begins again at the end, and so does a fit far from the black level by the moments,
+    where it is the ``last``: a search moves the black level with every effect.
     """
 
     def ended(begun: State) -> State:
@@ -82,6 +84,8 @@ def converge(
         return there if found is there else ended(found)
 
     state = ended(state)
+    if not last:
+        return state
     # in as many steps again: of a sensor it took twelve from there to the loss of the other fit
     found = at_black_level(bench, state, 2 * iterations)
     return state if found is state else ended(found)

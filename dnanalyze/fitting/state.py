@@ -117,7 +117,7 @@ def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None
 def with_derivatives_of(state: State, like: State) -> State:
     """The state with a like model's derivatives where knobs agree, and no others."""
     known = {k.name: i for i, k in enumerate(like.knobs)}
-    jacobian = np.full_like(state.jacobian, np.nan)
+    jacobian = np.full((len(state.train), len(state.knobs)), np.nan)
     for i, knob in enumerate(state.knobs):
         if knob.name in known:
             jacobian[:, i] = like.jacobian[:, known[knob.name]]

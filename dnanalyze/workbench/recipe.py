@@ -96,7 +96,7 @@ def _reading(source: CaptureSource) -> str:
     """Options of every command."""
     words = ""
     if source.config is not None:
-        words += f" --config {shlex.quote(str(source.config))}"
+        words += f" --sidecar {shlex.quote(str(source.config))}"
     if source.tolerance_c is not None:
         words += f" --tolerance-c {source.tolerance_c:g}"
     if source.keep_outliers:

@@ -50,6 +50,17 @@ def test_both_hidden_effects_are_refitted_and_significant(null):
     assert set(named) <= set(told)
 
 
+def test_plain_cases_are_settled_by_one_refit_of_what_is_everywhere(null):
+    so_far = SoFar()
+    found = trials(null, of(*ROWS), so_far=so_far, plain=True)
+    assert [t.evidence for t in found] == sorted((t.evidence for t in found), reverse=True)
+    assert not any(t.formed for t in found)
+    placed = SoFar()
+    # the largest promise is that of an effect with a place: a part does not settle it
+    assert trials(null, of("row_fpn", "column_taps"), so_far=placed, plain=True) == []
+    assert placed.screened
+
+
 def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null, monkeypatch):
     monkeypatch.setattr("dnanalyze.diagnosis.candidates.PLAIN", math.inf)  # no sensor decides alone
     (found,) = trials(null, of("column_fpn"))

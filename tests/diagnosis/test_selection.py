@@ -13,6 +13,7 @@ from dnanalyze.diagnosis.selection import (
     OUTSIDE,
     Trial,
     apart,
+    beyond_doubt,
     competitors,
     confidence_of,
     confidences,
@@ -184,6 +185,18 @@ def test_contenders_gained_or_promised_nearly_as_much_of_the_same_statistics():
     promises = {"best": 1000.0, "slow": 800.0, "other": 990.0, "far": 500.0}
     assert contenders(best, tried, promises) == {"best", "slow"}
     assert contenders(best, tried, promises | {"slow": 690.0}) == {"best"}
+
+
+@pytest.mark.parametrize(
+    ("gain", "rival", "plain"),
+    [(400.0, 250.0, True), (400.0, 350.0, False), (250.0, 10.0, False)],
+)
+def test_a_step_is_plain_with_much_evidence_and_no_rival_near(gain, rival, plain):
+    best = dataclasses.replace(made("row_fpn", gain), falls=np.array([gain, 0.0]))
+    other = dataclasses.replace(made("row_noise", rival), falls=np.array([rival, 0.0]))
+    elsewhere = dataclasses.replace(made("column_fpn", gain), falls=np.array([0.0, gain]))
+    assert beyond_doubt(best, [best, other, elsewhere]) == plain
+    assert not beyond_doubt(dataclasses.replace(best, spread=2.0), [best, other, elsewhere])
 
 
 def test_what_explains_other_statistics_is_no_rival():
