@@ -380,7 +380,7 @@ class Search:
         """
         if path.converged:
             return path
-        state = converge(self.held, path.state, settled=DEFLATION)
+        state = converge(self.held, path.state)
         error, last = self._error(state), path.steps[-1]
         steps = [
             replace(s, error=error, model=state.model)
