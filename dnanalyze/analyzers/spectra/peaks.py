@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import special
@@ -136,16 +137,27 @@ def _peak_error(
     power L above a floor S has the variance (S^2 + 2 L S) / repeats; in the temporal spectrum also
     that of the mean of repeats + 1 random phases.
     """
-    one, other = 2 * repeats, 2 * repeats * cells
-    expected, step = (float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9))
-    # exceeded by one in `searched`, and by .9 of it: ln(1/.9) steps of Gumbel's scale apart
-    chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
-    if ratio < special.fdtri(one, other, 1 - 1e-3 / searched):
+    chance, least = _by_chance(searched, repeats, cells)
+    if ratio < least:
         return chance, False
     variance = (2 * ratio - 1) / ratio**2 / repeats
     if temporal:
         variance += 1 / (repeats * (repeats + 1))
     return max(chance, math.sqrt(variance)), True
+
+
+@lru_cache(maxsize=256)
+def _by_chance(searched: int, repeats: float, cells: float) -> tuple[float, float]:
+    """Standard error of the log of the largest ratio that chance makes, and what it hardly makes.
+
+    The second is exceeded in one frame of a thousand.
+    """
+    one, other = 2 * repeats, 2 * repeats * cells
+    expected, step, least = (
+        float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9, 1e-3)
+    )
+    # exceeded by one in `searched`, and by .9 of it: ln(1/.9) steps of Gumbel's scale apart
+    return _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected, least
 
 
 def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
