@@ -37,6 +37,8 @@ def halo(pattern: np.ndarray, centre: float, sigma: float) -> dict[int, Value]:
         return {}
     inner = pattern[r:-r, r:-r]
     y, x = np.nonzero(inner > centre + HOT_SIGMAS * sigma)
+    if y.size < FEWEST:
+        return {}
     if y.size > _MOST:
         chosen = np.linspace(0, y.size - 1, _MOST).astype(int)
         y, x = y[chosen], x[chosen]

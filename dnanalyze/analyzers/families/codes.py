@@ -187,7 +187,8 @@ def _comb(rough: np.ndarray, noise: np.ndarray, weight: np.ndarray, out: FamilyR
 
 def smoothed(counts: np.ndarray, width: int) -> np.ndarray:
     """Cubic Savitzky-Golay smooth of a histogram over ``width`` codes; > 0."""
-    padded = np.pad(counts, width // 2)
+    margin = np.zeros(width // 2)
+    padded = np.concatenate([margin, counts, margin])
     return np.maximum(np.convolve(padded, _savitzky_golay(width), "valid"), 0.5)
 
 

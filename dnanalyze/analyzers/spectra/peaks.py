@@ -79,8 +79,8 @@ def largest_peak(
     ratio, i, k, floor, searched = mode_loops.search(power, columns, reach, _GUARD, LOWEST_LINE)
     if not ratio > 0 or searched < 16:
         return None
-    near = np.arange(i - 1, i + 2) % rows, np.arange(max(1, k - 1), min(k + 2, power.shape[1]))
-    around = power[np.ix_(*near)]
+    near = np.arange(i - 1, i + 2)[:, None] % rows
+    around = power[near, np.arange(max(1, k - 1), min(k + 2, power.shape[1]))]
     line = max(float(around.sum()) - around.size * floor, float(power[i, k]) - floor)
     amplitude = 2.0 * math.sqrt(line / (rows * columns))
     v = (i if i <= rows // 2 else i - rows) / rows
@@ -180,7 +180,7 @@ def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple
     floors = {
         "10": (power[0, last], power[0, last - n : last]),
         "01": (power[middle, 0], power[middle - n : middle, 0]),
-        "11": (power[middle, last], np.delete(corner, n, axis=0)),
+        "11": (power[middle, last], np.concatenate([corner[:n], corner[n + 1 :]])),
     }
     out = {}
     for name, (peak, around) in floors.items():
