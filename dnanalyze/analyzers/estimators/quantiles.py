@@ -131,6 +131,10 @@ class Tied(Ordered):
     do not jump from value to value.
     """
 
+    def __init__(self, sample: np.ndarray) -> None:
+        self.sorted = np.sort(sample, axis=None)  # of few values faster than by their digits
+        self.step = 0.0
+
     def quantile(self, p: float | np.ndarray) -> np.ndarray:
         """Quantiles of the probabilities ``p``, float64."""
         starts, middles = self._steps
@@ -138,8 +142,9 @@ class Tied(Ordered):
 
     @cached_property
     def _steps(self) -> tuple[np.ndarray, np.ndarray]:
-        starts = np.concatenate(([0], np.flatnonzero(np.diff(self.sorted)) + 1))
-        ends = np.append(starts[1:], self.sorted.size)
+        s = self.sorted
+        starts = np.concatenate(([0], np.flatnonzero(s[1:] != s[:-1]) + 1))
+        ends = np.append(starts[1:], s.size)
         return starts, (starts + ends) / 2
 
 
@@ -172,7 +177,7 @@ class Counted:
     @cached_property
     def _last(self) -> int:
         """The last bin that holds some."""
-        return int(np.flatnonzero(self.counts)[-1])
+        return int(np.flatnonzero(self.counts > 0)[-1])
 
     @cached_property
     def centres(self) -> np.ndarray:
