@@ -16,6 +16,7 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
 MEDIAN = 5
+LESS_MEDIAN = np.eye(PROBABILITIES.size) - np.eye(PROBABILITIES.size)[:, [MEDIAN]]
 LEVELS = {f"{p:g}": k for k, p in enumerate(PROBABILITIES) if p not in (0.05, 0.5, 0.95)}
 TEMPORAL_LEVELS = ("0.001", "0.01", "0.99", "0.999")
 DRIFTING = 0.5  # scatter of the excess kurtosis of a few normal differences
@@ -125,9 +126,7 @@ def _absent(out: FamilyResult, reason: str) -> None:
 def _quantiles(acc: Accumulated, what: str, errors: QuantileErrors, out: FamilyResult) -> None:
     """Quantiles less the median, DN."""
     values = errors.values - errors.values[MEDIAN]
-    combinations = np.eye(PROBABILITIES.size)
-    combinations[MEDIAN] -= 1.0
-    se = errors.of(combinations)
+    se = errors.of(LESS_MEDIAN)
     if what == "frame" and acc.plan.errors:  # pooled frames, which drift
         se = np.hypot(se, values * acc.drift_error(acc.values.robust_sigma() ** 2) / 2)
     se = np.maximum(se, floor(acc))

@@ -43,7 +43,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     lines, errors = line_means(acc.clipped_pattern), acc.plan.errors
     means = {"column": lines.columns, "row": lines.rows}
     for kind, mean in means.items():
-        mean = mean - mean.mean()
+        mean = mean - _mean(mean)
         if errors:
             result.curves[f"{kind}_mean"] = mean
             result.curves[f"acf_{kind}s"] = autocorrelation(mean)
@@ -123,7 +123,7 @@ def detrended(mean: np.ndarray) -> np.ndarray:
 def share_of_period(mean: np.ndarray, period: int) -> Value:
     """Share of the variance of line means that a pattern of this period explains (adjusted R^2)."""
     phase, lines = _phases(mean.size, period)
-    each, middle = np.bincount(phase, mean, period) / lines, mean.mean()
+    each, middle = np.bincount(phase, mean, period) / lines, _mean(mean)
     return _share(mean - middle, (each - middle)[phase], period - 1, 1)
 
 
@@ -192,10 +192,15 @@ def autocorrelation(mean: np.ndarray) -> np.ndarray:
 
 
 def _kurtosis(x: np.ndarray) -> Value:
-    d = x - x.mean()
-    variance = float(np.mean(d**2))
-    excess = float(np.mean(d**4)) / variance**2 - 3 if variance > 0 else 0.0
+    d = x - _mean(x)
+    variance = _mean(d**2)
+    excess = _mean(d**4) / variance**2 - 3 if variance > 0 else 0.0
     return Value(excess, math.sqrt(24 / x.size))
+
+
+def _mean(x: np.ndarray) -> float:
+    """As ``x.mean()``, which takes twice as long on so few values."""
+    return float(x.sum()) / x.size
 
 
 def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
@@ -220,7 +225,7 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
         k, own = acc.frames / (acc.frames - 1.0), acc.frames - 1.0
         temporal = tuple(np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True))
         repeats = [
-            frame_repeats(float(s.sum()), float(t.sum()), acc.frames)
+            frame_repeats(float(s.sum()), float(t.sum()), acc.frames) if errors else 1.0
             for s, t in zip(single[:2], temporal[:2], strict=True)
         ]
         for kind, power, length in (("column", temporal[0], rows), ("row", temporal[1], columns)):
