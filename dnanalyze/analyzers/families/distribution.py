@@ -17,7 +17,8 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
 MEDIAN = 5
 LESS_MEDIAN = np.eye(PROBABILITIES.size) - np.eye(PROBABILITIES.size)[:, [MEDIAN]]
-LEVELS = {f"{p:g}": k for k, p in enumerate(PROBABILITIES) if p not in (0.05, 0.5, 0.95)}
+LEVELS = ("0.001", "0.01", "0.1", "0.25", "0.75", "0.9", "0.99", "0.999", "0.9999")
+PLACES = [PROBABILITIES.tolist().index(float(level)) for level in LEVELS]
 TEMPORAL_LEVELS = ("0.001", "0.01", "0.99", "0.999")
 DRIFTING = 0.5  # scatter of the excess kurtosis of a few normal differences
 KURTOSIS_CUT = 8.0  # robust sigmas
@@ -130,7 +131,7 @@ def _quantiles(acc: Accumulated, what: str, errors: QuantileErrors, out: FamilyR
     if what == "frame" and acc.plan.errors:  # pooled frames, which drift
         se = np.hypot(se, values * acc.drift_error(acc.values.robust_sigma() ** 2) / 2)
     se = np.maximum(se, floor(acc))
-    for level, k in LEVELS.items():
+    for level, k in zip(LEVELS, PLACES, strict=True):
         p = float(level)
         name = f"{what}_q{level}"
         if min(p, 1 - p) * acc.plan.pixels < FEWEST:
