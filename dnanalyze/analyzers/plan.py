@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
 CLIP = 6.0  # robust sigmas at which winsorised data are cut
 BANDS = 32  # row bands and column bands of the block grid, where the frame is large enough
 SMALLEST_BANDS = (4, 8)  # rows, columns
+PART = 1 << 16  # pixels of a map that are worked on together
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,15 @@ class Plan:
         return _edges(self.shape[1], SMALLEST_BANDS[1])
 
     @cached_property
-    def row_bands(self) -> list[slice]:
-        """The rows of each row band."""
-        return [slice(top, bottom) for top, bottom in pairwise(self.row_edges.tolist())]
+    def row_parts(self) -> list[slice]:
+        """Row bands one after another that are small enough together to stay in the cache."""
+        bands = self.row_edges.size - 1
+        together = max(1, PART * bands // self.pixels)
+        return [slice(first, min(first + together, bands)) for first in range(0, bands, together)]
+
+    def rows_of(self, bands: slice) -> slice:
+        """The rows of some row bands."""
+        return slice(int(self.row_edges[bands.start]), int(self.row_edges[bands.stop]))
 
     @cached_property
     def block_pixels(self) -> np.ndarray:

@@ -18,27 +18,27 @@ class Groups:
 
     Parameters
     ----------
+    ends : ndarray
+        Probabilities at the ends of the groups, from 0 to 1.
     counts, sums : ndarray
-        (row bands, column bands, groups).
-    beside : ndarray
-        Pixels of the block below each end of a group, more than its share of the field's.
+        Below each of the ends, (row bands, column bands, ends).
     tied, tied_sums : ndarray
-        Pixels of the cell in which each end lies, and what they sum up to.
+        Pixels of the cell in which each end lies, and what they sum up to, (ends,).
     """
 
+    ends: np.ndarray
     counts: np.ndarray
     sums: np.ndarray
-    beside: np.ndarray
     tied: np.ndarray
     tied_sums: np.ndarray
 
     def pixels(self, group: int) -> float:
         """Pixels of a group."""
-        return float(self.counts[..., group].sum())
+        return float(_between(self.counts, group).sum())
 
     def mean(self, group: int) -> float:
         """Mean over the pixels of a group."""
-        return float(self.sums[..., group].sum()) / self.pixels(group)
+        return float(_between(self.sums, group).sum()) / self.pixels(group)
 
     def relative_error(self, group: int) -> float:
         """Standard error of the mean over the mean.
@@ -46,11 +46,18 @@ class Groups:
         By luck the quantiles of a sample lie elsewhere too: what that moves from a group to the
         next is worth the mean of the cell there.
         """
-        mean = self.mean(group)
+        mean, sums = self.mean(group), _between(self.sums, group)
         worth = (self.tied_sums - mean * self.tied) / np.maximum(self.tied, 1.0)
-        low, high = np.moveaxis((worth * self.beside)[..., group : group + 2], 2, 0)
-        residual = self.sums[..., group] - mean * self.counts[..., group] - (high - low)
-        return math.sqrt(float(clustered_variance(residual / self.sums[..., group].sum())))
+        # pixels of the block below each end, more than its share of the field's
+        beside = self.counts - self.ends * self.counts[..., -1:]
+        low, high = np.moveaxis((worth * beside)[..., group : group + 2], 2, 0)
+        residual = sums - mean * _between(self.counts, group) - (high - low)
+        return math.sqrt(float(clustered_variance(residual / sums.sum())))
+
+
+def _between(below: np.ndarray, group: int) -> np.ndarray:
+    """Of each block, from what lies below the ends of the groups."""
+    return np.asarray(below[..., group + 1] - below[..., group])
 
 
 def groups(
@@ -72,16 +79,17 @@ def groups(
         Probabilities between 0 and 1, one less than there are groups.
     """
     low, high, share = ordered.cells(cuts)
-    ends, blocks = np.concatenate([low, high]), plan.block_pixels
+    ends = np.concatenate([low, high])
 
-    def of_groups(below: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        under, upto = np.split(below, 2, axis=2)
-        between = np.dstack([under + share * (upto - under), whole])
-        return between, np.pad((upto - under).sum(axis=(0, 1)), 1)
+    def at_ends(below: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        within = below[..., cuts.size :] - below[..., : cuts.size]
+        out, tied = np.zeros((*whole.shape, cuts.size + 2)), np.zeros(cuts.size + 2)
+        out[..., 1:-1] = below[..., : cuts.size] + share * within
+        out[..., -1] = whole
+        tied[1:-1] = within.sum(axis=(0, 1))
+        return out, tied
 
-    counts, tied = of_groups(counts_below(plan, key, ends), blocks)
+    counts, tied = at_ends(counts_below(plan, key, ends), plan.block_pixels)
     below = sums_below(plan, key, weight, ends)
-    sums, tied_sums = of_groups(below[..., :-1], below[..., -1])
-    beside = np.pad(counts[..., :-1] - cuts * blocks[..., None], ((0, 0), (0, 0), (1, 1)))
-    counts, sums = (np.diff(each, axis=2, prepend=0.0) for each in (counts, sums))
-    return Groups(counts, sums, beside, tied, tied_sums)
+    sums, tied_sums = at_ends(below[..., :-1], below[..., -1])
+    return Groups(np.concatenate([[0.0], cuts, [1.0]]), counts, sums, tied, tied_sums)

@@ -36,7 +36,9 @@ def halo(pattern: np.ndarray, centre: float, sigma: float) -> dict[int, Value]:
     if min(pattern.shape) < n:
         return {}
     inner = pattern[r:-r, r:-r]
-    y, x = np.nonzero(inner > centre + HOT_SIGMAS * sigma)
+    y, x = np.divmod(np.flatnonzero(inner > centre + HOT_SIGMAS * sigma), inner.shape[1])
+    if y.size < FEWEST:
+        return {}
     if y.size > _MOST:
         chosen = np.linspace(0, y.size - 1, _MOST).astype(int)
         y, x = y[chosen], x[chosen]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,8 +28,15 @@ def line_means(image: np.ndarray, centre: float = 0.0, reach: float = np.inf) ->
 
 def block_means(image: np.ndarray, grid: tuple[int, int]) -> np.ndarray:
     """Means over a grid of nearly equal blocks, float64, of shape ``grid``."""
-    edges = [np.arange(n + 1) * size // n for n, size in zip(grid, image.shape, strict=True)]
-    by_row = np.add.reduceat(image, edges[1][:-1], axis=1)
-    sums = np.add.reduceat(by_row, edges[0][:-1], axis=0, dtype=float)
-    sizes = np.diff(edges[0])[:, None] * np.diff(edges[1])
-    return np.asarray(sums / sizes)
+    rows, columns, sizes = _blocks(grid, (image.shape[0], image.shape[1]))
+    by_row = np.add.reduceat(image, columns, axis=1)
+    return np.asarray(np.add.reduceat(by_row, rows, axis=0, dtype=float) / sizes)
+
+
+@lru_cache(maxsize=64)
+def _blocks(
+    grid: tuple[int, int], shape: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """First row and first column of the blocks, and their pixels."""
+    edges = [np.arange(n + 1) * size // n for n, size in zip(grid, shape, strict=True)]
+    return edges[0][:-1], edges[1][:-1], np.diff(edges[0])[:, None] * np.diff(edges[1])

@@ -76,7 +76,7 @@ class Ordered:
             low, high, share = self.cells(p)
             return low + share * (high - low)
         s, n = self.sorted, self.sorted.size
-        place = np.clip(np.clip(np.asarray(p, float), 0.0, 1.0) * n - 0.5, 0.0, n - 1.0)
+        place = np.asarray(np.asarray(p, float).clip(0.0, 1.0) * n - 0.5).clip(0.0, n - 1.0)
         below = np.minimum(place.astype(np.int64), max(n - 2, 0))
         above = np.minimum(below + 1, n - 1)
         weight = place - below
@@ -90,9 +90,9 @@ class Ordered:
         if not self.step:
             value = self.quantile(p)
             return value, value, np.zeros_like(value)
-        place = np.clip(np.asarray(p, float), 0.0, 1.0) * self.sorted.size
+        place = np.asarray(p, float).clip(0.0, 1.0) * self.sorted.size
         value = self.sorted[np.minimum(place.astype(np.int64), self.sorted.size - 1)]
-        below, upto = (np.searchsorted(self.sorted, value, side) for side in ("left", "right"))
+        below, upto = (self.sorted.searchsorted(value, side) for side in ("left", "right"))
         middle, half = value.astype(float), self.step / 2
         return middle - half, middle + half, (place - below) / (upto - below)
 
@@ -131,6 +131,10 @@ class Tied(Ordered):
     do not jump from value to value.
     """
 
+    def __init__(self, sample: np.ndarray) -> None:
+        self.sorted = np.sort(sample, axis=None)  # of few values faster than by their digits
+        self.step = 0.0
+
     def quantile(self, p: float | np.ndarray) -> np.ndarray:
         """Quantiles of the probabilities ``p``, float64."""
         starts, middles = self._steps
@@ -138,8 +142,9 @@ class Tied(Ordered):
 
     @cached_property
     def _steps(self) -> tuple[np.ndarray, np.ndarray]:
-        starts = np.concatenate(([0], np.flatnonzero(np.diff(self.sorted)) + 1))
-        ends = np.append(starts[1:], self.sorted.size)
+        s = self.sorted
+        starts = np.concatenate(([0], np.flatnonzero(s[1:] != s[:-1]) + 1))
+        ends = np.append(starts[1:], s.size)
         return starts, (starts + ends) / 2
 
 
@@ -170,17 +175,21 @@ class Counted:
         return int(self.cumulative[-1])
 
     @cached_property
+    def _last(self) -> int:
+        """The last bin that holds some."""
+        return int(np.flatnonzero(self.counts > 0)[-1])
+
+    @cached_property
     def centres(self) -> np.ndarray:
         """Centre of each bin."""
         return self.first + self.width * np.arange(self.counts.size)
 
     def quantile(self, p: float | np.ndarray) -> np.ndarray:
         """Quantiles of the probabilities ``p``, float64."""
-        place = np.clip(np.asarray(p, float), 0.0, 1.0) * self.total
-        k = np.clip(np.searchsorted(self.cumulative, place, "right") - 1, 0, self.counts.size - 1)
-        k = np.minimum(k, np.flatnonzero(self.counts)[-1])
+        place = np.asarray(p, float).clip(0.0, 1.0) * self.total
+        k = np.clip(self.cumulative.searchsorted(place, "right") - 1, 0, self._last)
         inside = (place - self.cumulative[k]) / np.maximum(self.counts[k], 1)
-        return self.first + self.width * (k - 0.5 + np.clip(inside, 0.0, 1.0))
+        return self.first + self.width * (k - 0.5 + inside.clip(0.0, 1.0))
 
     def share_below(self, value: float | np.ndarray) -> np.ndarray:
         """Distribution function at ``value``."""

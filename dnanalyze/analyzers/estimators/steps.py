@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     last = int(np.searchsorted(frequency, 1.0 / least))
     if last - first < 8:
         return None
-    k = np.unique(np.geomspace(first, last, 256).astype(int))
+    k = _tried(first, last)
     ratio = power[k] / np.maximum(_floor(power, k), 0.5)
     best = int(np.argmax(ratio))
     trials = max((frequency[last] - frequency[first]) * 4 * spread, 2.0)
@@ -64,6 +65,12 @@ def pattern_steps(ordered: Ordered, residue: float) -> tuple[Value, Value] | Non
     near = (k >= k[first_peak]) & (k < 1.3 * k[first_peak])  # the lowest harmonic that stands out
     spacing = float(1 / frequency[_crest(power, k[near][np.argmax(ratio[near])])])
     return strength, Value(spacing, spacing**2 / (high - low) / math.sqrt(max(ratio[best], 1.0)))
+
+
+@lru_cache(maxsize=64)
+def _tried(first: int, last: int) -> np.ndarray:
+    """Frequencies at which a peak is looked for."""
+    return np.unique(np.geomspace(first, last, 256).astype(int))
 
 
 def _crest(power: np.ndarray, i: int) -> int:

@@ -57,15 +57,16 @@ def block_sums(plan: Plan, of: Callable[..., np.ndarray], *maps: np.ndarray) -> 
     """Sums over each block of a function of maps, (row bands, column bands).
 
     ``of`` is called with the same rows of each map, (rows, columns), and gives float32 of that
-    shape. It sees one row band at a time: what it works out stays in the cache.
+    shape. It sees some row bands at a time: what it works out stays in the cache.
     """
     from dnanalyze.analyzers.kernels import pixel_loops
 
     out = np.zeros((plan.row_edges.size - 1, plan.column_edges.size - 1, 1))
-    for band, rows in enumerate(plan.row_bands):
+    for bands in plan.row_parts:
+        rows = plan.rows_of(bands)
         values = of(*(each[rows] for each in maps))
-        edges = np.array([0, values.shape[0]])
-        pixel_loops.sum_below(values, values, _NONE, edges, plan.column_edges, out[band : band + 1])
+        edges = plan.row_edges[bands.start : bands.stop + 1] - rows.start
+        pixel_loops.sum_below(values, values, _NONE, edges, plan.column_edges, out[bands])
     return out[..., 0]
 
 

@@ -97,8 +97,9 @@ def _overdispersion(acc: Accumulated) -> float:
 def _ends(counts: Counted, repeats: float, acc: Accumulated, out: FamilyResult) -> None:
     n, total = counts.counts, counts.total
     p = n[n > 0] / total
-    entropy = -float(p @ np.log2(p))
-    spread = float(p @ np.log2(p) ** 2) - entropy**2
+    bits = np.log2(p)
+    entropy = -float(p @ bits)
+    spread = float(p @ bits**2) - entropy**2
     values = out.values
     se = math.sqrt(max(spread, 1e-6) / acc.plan.pixels)
     values["effective_bits"] = Value(max(entropy, 0.0), se)
@@ -187,7 +188,8 @@ def _comb(rough: np.ndarray, noise: np.ndarray, weight: np.ndarray, out: FamilyR
 
 def smoothed(counts: np.ndarray, width: int) -> np.ndarray:
     """Cubic Savitzky-Golay smooth of a histogram over ``width`` codes; > 0."""
-    padded = np.pad(counts, width // 2)
+    margin = np.zeros(width // 2)
+    padded = np.concatenate([margin, counts, margin])
     return np.maximum(np.convolve(padded, _savitzky_golay(width), "valid"), 0.5)
 
 

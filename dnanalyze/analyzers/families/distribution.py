@@ -14,7 +14,11 @@ from dnanalyze.analyzers.families.family import FamilyResult
 from dnanalyze.analyzers.families.level import floor
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
+PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
+MEDIAN = 5
+LESS_MEDIAN = np.eye(PROBABILITIES.size) - np.eye(PROBABILITIES.size)[:, [MEDIAN]]
 LEVELS = ("0.001", "0.01", "0.1", "0.25", "0.75", "0.9", "0.99", "0.999", "0.9999")
+PLACES = [PROBABILITIES.tolist().index(float(level)) for level in LEVELS]
 TEMPORAL_LEVELS = ("0.001", "0.01", "0.99", "0.999")
 DRIFTING = 0.5  # scatter of the excess kurtosis of a few normal differences
 KURTOSIS_CUT = 8.0  # robust sigmas
@@ -78,8 +82,6 @@ INFOS = (
     StatisticInfo("peak_count", "distribution", "1", "peaks of the DSNU", compared=False),
 )  # fmt: skip
 
-PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
-MEDIAN = 5
 NORMAL_RATIO = 3.4490  # (q.99 - q.01) / (q.75 - q.25) of the normal law
 
 
@@ -125,15 +127,12 @@ def _absent(out: FamilyResult, reason: str) -> None:
 def _quantiles(acc: Accumulated, what: str, errors: QuantileErrors, out: FamilyResult) -> None:
     """Quantiles less the median, DN."""
     values = errors.values - errors.values[MEDIAN]
-    combinations = np.eye(PROBABILITIES.size)
-    combinations[MEDIAN] -= 1.0
-    se = errors.of(combinations)
-    if what == "frame":  # pooled frames, which drift
+    se = errors.of(LESS_MEDIAN)
+    if what == "frame" and acc.plan.errors:  # pooled frames, which drift
         se = np.hypot(se, values * acc.drift_error(acc.values.robust_sigma() ** 2) / 2)
     se = np.maximum(se, floor(acc))
-    for level in LEVELS:
+    for level, k in zip(LEVELS, PLACES, strict=True):
         p = float(level)
-        k = int(np.argmin(np.abs(PROBABILITIES - p)))
         name = f"{what}_q{level}"
         if min(p, 1 - p) * acc.plan.pixels < FEWEST:
             out.missing[name] = f"fewer than {FEWEST:g} pixels are expected beyond it"
@@ -145,9 +144,11 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
     law, differences = acc.differences, acc.end_differences
     p = np.array([float(level) for level in TEMPORAL_LEVELS])
     errors = QuantileErrors(acc.plan, differences, law, p, acc.frames - 1)
-    shift = math.sqrt(acc.drift_variance) / (acc.frames - 1)  # of whole differences, averaged
-    wide = errors.values * acc.drift_error(acc.difference_sigma**2) / 2
-    se = np.sqrt(errors.of(np.eye(p.size)) ** 2 + wide**2 + shift**2)
+    se = errors.of(np.eye(p.size))
+    if acc.plan.errors:
+        shift = math.sqrt(acc.drift_variance) / (acc.frames - 1)  # of whole differences, averaged
+        wide = errors.values * acc.drift_error(acc.difference_sigma**2) / 2
+        se = np.sqrt(se**2 + wide**2 + shift**2)
     se = np.maximum(se, floor(acc))
     for k, level in enumerate(TEMPORAL_LEVELS):
         name = f"temporal_q{level}"
@@ -157,9 +158,9 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
             out.values[name] = Value(float(errors.values[k]), float(se[k]))
     out.curves["difference_hist_x"], out.curves["difference_hist_n"] = law.centres, law.counts
     reach = KURTOSIS_CUT * acc.difference_sigma
-    x, w = np.clip(law.centres, -reach, reach), law.counts / law.total
-    mean = float(w @ x)
-    m2, m4 = float(w @ (x - mean) ** 2), float(w @ (x - mean) ** 4)
+    x, w = law.centres.clip(-reach, reach), law.counts / law.total
+    d = x - float(w @ x)
+    m2, m4 = float(w @ d**2), float(w @ d**4)
     if m2 <= 0:
         out.missing["temporal_kurtosis"] = "the frames are identical"
         return

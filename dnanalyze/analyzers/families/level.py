@@ -65,6 +65,7 @@ INFOS = (
 
 CORE = np.array([0.16, 0.5, 0.84])
 SPREAD = np.array([-0.5, 0.0, 0.5])
+MIDDLE_AND_SPREAD = np.stack([[0.0, 1.0, 0.0], SPREAD], axis=1)
 
 
 def finish(acc: Accumulated) -> FamilyResult:
@@ -97,7 +98,7 @@ def _frames(acc: Accumulated, values: dict[str, Value]) -> None:
     spatial = mean_error(acc.plan, sums)
     values["mean"] = Value(mean, max(math.sqrt(spatial**2 + drift), 0.1 * floor(acc)))
     errors = QuantileErrors(acc.plan, acc.end_frames, acc.values, CORE, acc.frames)
-    middle, core = errors.of(np.stack([[0.0, 1.0, 0.0], SPREAD], axis=1))
+    middle, core = errors.of(MIDDLE_AND_SPREAD)
     level = max(math.sqrt(middle**2 + drift), floor(acc))
     values["median"] = Value(float(errors.values[1]), level)
     values["frame_noise_core"] = _log_core(float(errors.values @ SPREAD), core, acc, drift=True)

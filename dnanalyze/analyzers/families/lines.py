@@ -18,7 +18,7 @@ from dnanalyze.analyzers.families.lines_infos import INFOS
 from dnanalyze.analyzers.spectra.modes import frame_repeats
 from dnanalyze.analyzers.spectra.spectral_sums import Spectra
 from dnanalyze.analyzers.statistics import Value
-from dnanalyze.robust import robust_deviation
+from dnanalyze.robust import MAD
 
 __all__ = ["INFOS", "finish"]
 
@@ -31,6 +31,7 @@ FEWEST = 16  # lines
 _TREND_WINDOW = (
     24  # lines: every period above divides it, so that the periods pass the filter unchanged
 )
+_RUNNING_MEAN = np.array([0.5, *(_TREND_WINDOW - 1) * [1.0], 0.5]) / _TREND_WINDOW
 _TREND_DEGREE = 3
 _LAGS = 64
 _GUMBEL_SD = math.pi / math.sqrt(6)
@@ -39,11 +40,11 @@ _GUMBEL_SD = math.pi / math.sqrt(6)
 def finish(acc: Accumulated) -> FamilyResult:
     """Values and curves of the means of columns and rows."""
     result = FamilyResult()
-    lines = line_means(acc.clipped_pattern)
+    lines, errors = line_means(acc.clipped_pattern), acc.plan.errors
     means = {"column": lines.columns, "row": lines.rows}
     for kind, mean in means.items():
-        mean = mean - mean.mean()
-        if acc.plan.errors:
+        mean = mean - _mean(mean)
+        if errors:
             result.curves[f"{kind}_mean"] = mean
             result.curves[f"acf_{kind}s"] = autocorrelation(mean)
             seen = acc.pattern if kind == "column" else acc.pattern.T
@@ -58,14 +59,14 @@ def finish(acc: Accumulated) -> FamilyResult:
             result.values[f"{kind}_periodic_{period}"] = share_of_period(flat, period)
     if means["column"].size >= FEWEST:
         for taps in TAPS:
-            result.values[f"column_taps_{taps}"] = share_of_taps(means["column"], taps)
+            result.values[f"column_taps_{taps}"] = share_of_taps(means["column"], taps, errors)
     _beyond_pixels(acc, result)
     return result
 
 
 def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
     apart = np.abs(against_neighbours(mean))
-    sigma = robust_deviation(apart, 0.0)
+    sigma = MAD * median(apart)
     if sigma <= 1e-6 * max(1.0, float(apart.max())) and not apart.any():
         why = f"all {kind}s are equal"
         result.missing.update({f"{kind}_outliers": why, f"{kind}_extreme": why})
@@ -87,12 +88,18 @@ def _extreme_error(lines: int, beyond: np.ndarray) -> float:
     with their Hill exponent, another sensor of the type having other defects; but no flatter than
     `FLATTEST`: one defect far out says nothing of the tail, yet no line is there by chance.
     """
-    expected, step = (-float(special.ndtri(0.5 * p / lines)) for p in (1.0, 0.9))
-    # exceeded by one line, and by .9 of a line: ln(1/.9) steps of Gumbel's scale apart
-    chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
+    chance = _chance_of_extreme(lines)
     if not beyond.size:
         return chance
     return max(chance, _GUMBEL_SD * min(float(np.mean(np.log(beyond))), FLATTEST))
+
+
+@lru_cache(maxsize=64)
+def _chance_of_extreme(lines: int) -> float:
+    """Standard error of the log of the largest of so many Gaussian deviations."""
+    expected, step = (-float(special.ndtri(0.5 * p / lines)) for p in (1.0, 0.9))
+    # exceeded by one line, and by .9 of a line: ln(1/.9) steps of Gumbel's scale apart
+    return _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
 
 
 def detrended(mean: np.ndarray) -> np.ndarray:
@@ -101,33 +108,38 @@ def detrended(mean: np.ndarray) -> np.ndarray:
     The outer lines of the window have half weight, so that any pattern of a period that divides 24
     has the same running mean everywhere and is kept.
     """
-    kernel = np.ones(_TREND_WINDOW + 1)
-    kernel[[0, -1]] = 0.5
     half = _TREND_WINDOW // 2
     if mean.size > 2 * _TREND_WINDOW:
-        smooth = np.convolve(mean, kernel / kernel.sum(), mode="valid")
+        smooth = np.convolve(mean, _RUNNING_MEAN, mode="valid")
         flat = mean[half:-half] - smooth
     else:
         x = np.linspace(-1, 1, mean.size)
         flat = mean - np.polyval(np.polyfit(x, mean, 1), x)
-    middle = float(np.median(flat))
-    reach = OUTLIER_SIGMAS * robust_deviation(flat, middle)
-    return np.clip(flat, middle - reach, middle + reach) if reach else flat
+    middle = median(flat)
+    reach = OUTLIER_SIGMAS * (MAD * median(np.abs(flat - middle)))
+    return flat.clip(middle - reach, middle + reach) if reach else flat
 
 
 def share_of_period(mean: np.ndarray, period: int) -> Value:
     """Share of the variance of line means that a pattern of this period explains (adjusted R^2)."""
-    phase = np.arange(mean.size) % period
-    each = np.bincount(phase, mean, period) / np.bincount(phase, minlength=period)
-    return _share(mean - mean.mean(), (each - mean.mean())[phase], period - 1, 1)
+    phase, lines = _phases(mean.size, period)
+    each, middle = np.bincount(phase, mean, period) / lines, _mean(mean)
+    return _share(mean - middle, (each - middle)[phase], period - 1, 1)
 
 
-def share_of_taps(mean: np.ndarray, taps: int) -> Value:
+@lru_cache(maxsize=64)
+def _phases(size: int, period: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where in the period each line stands, and how many lines stand there."""
+    phase = np.arange(size) % period
+    return phase, np.bincount(phase, minlength=period)
+
+
+def share_of_taps(mean: np.ndarray, taps: int, errors: bool = True) -> Value:
     """Share that steps between equal taps explain beyond a cubic trend (adjusted R^2)."""
     trend, steps = _tap_basis(mean.size, taps)
     rest = mean - trend @ (trend.T @ mean)
     explained = steps @ (steps.T @ rest)
-    alike = _alike(rest - explained)
+    alike = _alike(rest - explained) if errors else 1.0
     return _share(rest, explained, steps.shape[1], trend.shape[1], alike)
 
 
@@ -180,15 +192,21 @@ def autocorrelation(mean: np.ndarray) -> np.ndarray:
 
 
 def _kurtosis(x: np.ndarray) -> Value:
-    d = x - x.mean()
-    variance = float(np.mean(d**2))
-    excess = float(np.mean(d**4)) / variance**2 - 3 if variance > 0 else 0.0
+    d = x - _mean(x)
+    variance = _mean(d**2)
+    excess = _mean(d**4) / variance**2 - 3 if variance > 0 else 0.0
     return Value(excess, math.sqrt(24 / x.size))
+
+
+def _mean(x: np.ndarray) -> float:
+    """As ``x.mean()``, which takes twice as long on so few values."""
+    return float(x.sum()) / x.size
 
 
 def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
     """Line noise against the pixels', and its correlation from line to line."""
-    if acc.plan.errors:
+    errors = acc.plan.errors
+    if errors:
         _beyond("", acc.end_frames, acc.plan.sigma, result)
         if acc.frames > 1:
             _beyond("temporal_", acc.end_differences, acc.plan.difference_sigma, result)
@@ -207,11 +225,12 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
         k, own = acc.frames / (acc.frames - 1.0), acc.frames - 1.0
         temporal = tuple(np.maximum((a - b) * k, 0.0) for a, b in zip(single, fixed, strict=True))
         repeats = [
-            frame_repeats(float(s.sum()), float(t.sum()), acc.frames)
+            frame_repeats(float(s.sum()), float(t.sum()), acc.frames) if errors else 1.0
             for s, t in zip(single[:2], temporal[:2], strict=True)
         ]
         for kind, power, length in (("column", temporal[0], rows), ("row", temporal[1], columns)):
-            _line_noise(f"temporal_{kind}", power, float(temporal[2]), length, own, result)
+            pixels = float(temporal[2])
+            _line_noise(f"temporal_{kind}", power, pixels, length, own, errors, result)
             value = _lag_one(power, own)
             if value is None:
                 why = f"the means of the {kind}s do not change in time"
@@ -219,8 +238,8 @@ def _beyond_pixels(acc: Accumulated, result: FamilyResult) -> None:
             else:
                 result.values[f"temporal_{kind}_lag1"] = value
     pixels = float(single[2])
-    _line_noise("column", single[0], pixels, rows, repeats[0], result)
-    _line_noise("row", single[1], pixels, columns, repeats[1], result)
+    _line_noise("column", single[0], pixels, rows, repeats[0], errors, result)
+    _line_noise("row", single[1], pixels, columns, repeats[1], errors, result)
 
 
 def _beyond(name: str, images: Sequence[np.ndarray], sigma: float, result: FamilyResult) -> None:
@@ -275,6 +294,7 @@ def _line_noise(
     pixels: float,
     length: int,
     repeats: float,
+    errors: bool,
     result: FamilyResult,
 ) -> None:
     """Spread of the line means, and what the pixels explain of it, DN."""
@@ -282,18 +302,18 @@ def _line_noise(
     plain = float(weight @ power) / weight.sum()
     if not (pixels > 0 and plain > 0):
         return
-
-    def error(weights: np.ndarray) -> float:
-        squares = weights**2 * np.where(weight < 1, 2.0, 1.0)
-        return 0.5 * math.sqrt(float(squares.sum()) / repeats) / float(weights.sum())
-
-    # a mode's own square stands for that of its mean, which is 1 + 1/repeats times smaller
-    own = error(weight * power / plain) / math.sqrt(1 + 1 / repeats)
+    own = 0.0
+    if errors:
+        share = weight * power / plain
+        squares = float((share**2 * np.where(weight < 1, 2.0, 1.0)).sum())
+        # a mode's own square stands for that of its mean, which is 1 + 1/repeats times smaller
+        own = 0.5 * math.sqrt(squares / repeats) / float(share.sum()) / math.sqrt(1 + 1 / repeats)
     result.values[f"{name}_mean_sd"] = Value(math.sqrt(plain / length), own)
     of_pixels = math.sqrt(0.25 / (power.size * length * repeats))
     result.values[f"{name}_mean_explained"] = Value(math.sqrt(pixels / length), of_pixels)
 
 
+@lru_cache(maxsize=64)
 def _mode_weights(modes: int) -> tuple[np.ndarray, np.ndarray]:
     """Weight of each mode above 0 in a sum over all lines, half at the last, and its cosine."""
     number = np.arange(1, modes + 1)

@@ -7,6 +7,7 @@ none: where the noise is shaded like the pattern, that is charge.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import scipy.fft
@@ -76,11 +77,11 @@ def finish(acc: Accumulated) -> FamilyResult:
     coefficients = _cosines(means)
     result = FamilyResult(curves={"block_means": means + acc.pattern_centre})
     _of_noise(acc, (shape[0], shape[1]), result)
-    square = coefficients**2
-    order = np.maximum(*np.indices(square.shape))
-    resolution = acc.pattern_step or 1e-6 * max(1.0, abs(acc.pattern_centre))
+    square, errors = coefficients**2, acc.plan.errors
+    order, _ = _orders((square.shape[0], square.shape[1]))
     noise = [0.0, 0.0, 0.0]
-    if acc.plan.errors:
+    if errors:
+        resolution = acc.pattern_step or 1e-6 * max(1.0, abs(acc.pattern_centre))
         noise = _noise(image, square, order, resolution / math.sqrt(12))
     for i in range(ORDERS):
         for j in range(ORDERS):
@@ -96,7 +97,8 @@ def finish(acc: Accumulated) -> FamilyResult:
     ):
         mean = float(square[inside].mean()) if inside.any() else 0.0
         if mean > 0:
-            result.values[name] = Value(mean, _relative_error(square, inside))
+            error = _relative_error(square, inside) if errors else 0.0
+            result.values[name] = Value(mean, error)
         else:
             result.missing[name] = "the frame has too few blocks for these orders, or no pattern"
     return result
@@ -118,14 +120,16 @@ def _of_noise(acc: Accumulated, grid: tuple[int, int], result: FamilyResult) -> 
     blocks = block_means(np.minimum(variance, np.float32(_REACH * typical)), grid)
     result.curves["noise_blocks"] = blocks
     coefficients = _cosines(blocks / blocks.mean())
-    square = coefficients**2
-    kinds = _groups((square.shape[0], square.shape[1]))
-    fine = np.maximum(*np.indices(square.shape)) >= MID[0]
-    white = float(square[fine & (kinds == 2)].mean())
+    errors = _fine(coefficients**2) if acc.plan.errors else [0.0, 0.0, 0.0]
     for name, (i, j) in zip(names, NOISE_ORDERS, strict=True):
-        own = float(square[fine & (kinds == _kind(i, j))].mean())
-        error = math.sqrt(max(own, white, 1e-12))
-        result.values[name] = Value(float(coefficients[i, j]), error)
+        result.values[name] = Value(float(coefficients[i, j]), errors[_kind(i, j)])
+
+
+def _fine(square: np.ndarray) -> list[float]:
+    """Root mean square of the coefficients of high orders of each kind, no less than of both."""
+    order, kinds = _orders((square.shape[0], square.shape[1]))
+    *lines, white = (float(square[(order >= MID[0]) & (kinds == k)].mean()) for k in range(3))
+    return [math.sqrt(max(own, white, 1e-12)) for own in (*lines, white)]
 
 
 def _kind(i: int, j: int) -> int:
@@ -133,9 +137,11 @@ def _kind(i: int, j: int) -> int:
     return 0 if j == 0 else 1 if i == 0 else 2
 
 
-def _groups(shape: tuple[int, int]) -> np.ndarray:
+@lru_cache(maxsize=64)
+def _orders(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Order and kind of each coefficient, (across, down)."""
     i, j = np.indices(shape)
-    return np.where(j == 0, 0, np.where(i == 0, 1, 2))
+    return np.maximum(i, j), np.where(j == 0, 0, np.where(i == 0, 1, 2))
 
 
 def _noise(
@@ -149,10 +155,8 @@ def _noise(
     lines = line_means(image)
     pixel = max(lines.variance, resolution**2) / image.size
     white = [_line_variance(m) / m.size for m in (lines.columns, lines.rows)] + [pixel]
-    kinds, middle = (
-        _groups((square.shape[0], square.shape[1])),
-        (order >= MID[0]) & (order < MID[1]),
-    )
+    _, kinds = _orders((square.shape[0], square.shape[1]))
+    middle = (order >= MID[0]) & (order < MID[1])
     out = []
     for kind, level in enumerate(white):
         level = max(level, pixel)
@@ -175,7 +179,7 @@ def _line_variance(means: np.ndarray) -> float:
 
 def _relative_error(square: np.ndarray, inside: np.ndarray) -> float:
     """Relative standard error of a mean square of Gaussian coefficients, alike within a kind."""
-    kinds = _groups((square.shape[0], square.shape[1]))[inside]
+    kinds = _orders((square.shape[0], square.shape[1]))[1][inside]
     values = square[inside]
     total = variance = 0.0
     for kind in range(3):

@@ -29,6 +29,7 @@ from dnanalyze.analyzers.spectra.modes import (
     SLOPE_BANDS,
     SMALLEST_SIDE,
     STRUCTURE_BANDS,
+    Modes,
     ReducedPower,
     frame_repeats,
     modes_of,
@@ -159,34 +160,51 @@ def _tails(acc: Accumulated) -> tuple[float, float]:
     return pattern_spread(pixels, centre, sigma), tile_spread(acc.clipped_pattern)
 
 
-def _log_value(part: _Part, power: float, square: float, modes: float, spread: float) -> Value:
-    """A mean over independent exponential modes, and the standard error of its log.
+@dataclass(frozen=True)
+class _Band:
+    """Modes along a line that lie together: where, their upper end, c/px, weight and number."""
+
+    label: str
+    high: float
+    at: slice
+    weight: np.ndarray
+    modes: float
+
+
+def _log_error(part: _Part, power: float, square: float, modes: float, spread: float) -> float:
+    """Standard error of the log of a mean over independent exponential modes.
 
     Equal modes have a mean square of 1 + 1/repeats times the squared mean; where it is larger, few
     of the modes hold the power, and count as so many less. The log of a gamma deviate of shape n
     has the variance trigamma(n) = zeta(2, n).
     """
-    if not part.errors:
-        return Value(power, 0.0)
     alike = min(1.0, power**2 * (1 + 1 / part.repeats) / square) if square > 0 else 1.0
     effective = max(modes * alike, min(modes, 1.0)) * part.repeats
-    return Value(power, math.sqrt(float(special.zeta(2.0, effective)) + spread))
+    return math.sqrt(float(special.zeta(2.0, effective)) + spread)
 
 
 def _bands(part: _Part, result: FamilyResult) -> None:
-    modes = part.reduced.modes
-    for label, low, high in band_names(RADIAL_BANDS):
-        where = modes.bins(low, high)
-        n, name = float(modes.count[where].sum()), f"{part.name}_psd_{label}"
+    radial, squares = part.reduced.radial, part.reduced.radial_square
+    for label, high, where, n in _radial_bands(part.reduced.modes):
+        name = f"{part.name}_psd_{label}"
         if n < 1:
             result.missing[name] = "the frame is too small for a mode in this band"
             continue
-        mean = float(part.reduced.radial[where].sum()) / n
-        if mean > 0:
-            square = float(part.reduced.radial_square[where].sum()) / n
-            result.values[name] = _log_value(part, mean, square, n, part.spread_at(high))
-        else:
+        mean, error = float(radial[where].sum()) / n, 0.0
+        if not mean > 0:
             result.missing[name] = "there is no power in this band"
+            continue
+        if part.errors:
+            square = float(squares[where].sum()) / n
+            error = _log_error(part, mean, square, n, part.spread_at(high))
+        result.values[name] = Value(mean, error)
+
+
+@lru_cache(maxsize=16)
+def _radial_bands(modes: Modes) -> list[tuple[str, float, slice, float]]:
+    """Label, upper end, fine bins and number of modes of each band of the radial frequency."""
+    bands = [(label, high, modes.bins(low, high)) for label, low, high in band_names(RADIAL_BANDS)]
+    return [(label, high, bins, float(modes.count[bins].sum())) for label, high, bins in bands]
 
 
 def _structure(part: _Part, result: FamilyResult) -> None:
@@ -196,40 +214,41 @@ def _structure(part: _Part, result: FamilyResult) -> None:
         ("columns", reduced.columns, part.line_spread[0], reduced.modes.shape[1]),
         ("rows", reduced.rows, part.line_spread[1], reduced.modes.shape[0]),
     ):
-        for label, _, inside, weight in _axis_bands(size):
-            name = f"{part.name}_{kind}_{label}"
-            # a fixed line, such as odd and even columns, belongs to the type: no less certain
-            square = power[inside] ** 2 if part.name != "pattern" else 0.0 * power[inside]
-            _mean_into(result, name, part, power[inside], square, weight, spread)
+        # a fixed line, such as odd and even columns, belongs to the type: no less certain
+        square = power**2 if part.name != "pattern" else 0.0 * power
+        for band in _axis_bands(size):
+            name = f"{part.name}_{kind}_{band.label}"
+            _mean_into(result, name, part, power, square, band, spread)
 
 
 @lru_cache(maxsize=64)
-def _axis_bands(size: int) -> list[tuple[str, float, slice, np.ndarray]]:
-    """Label, upper end, modes above 0 and their weight of each band of an axis of this length."""
+def _axis_bands(size: int) -> list[_Band]:
+    """The bands of the modes above 0 on an axis of this length."""
     f = np.arange(1, size // 2 + 1) / size
     return [
-        (label, high, *_weighted(f, (f > low) & (f <= high)))
+        _band(label, high, f, (f > low) & (f <= high), 1.0)
         for label, low, high in band_names(STRUCTURE_BANDS)
     ]
 
 
 @lru_cache(maxsize=64)
-def _profile_bands(size: int) -> list[tuple[str, float, slice, np.ndarray]]:
-    """As `_axis_bands` of the profiles."""
+def _profile_bands(size: int, across: int) -> list[_Band]:
+    """As `_axis_bands` of a profile, the mean over so many modes across."""
     f = np.arange(1, size // 2 + 1) / size
     first = np.arange(1, f.size + 1) <= FIRST_MODES
     out = []
     for label, low, high in profile_names():
         inside = first if label == "first" else ~first & (f > low) & (f <= high)
-        out.append((label, high, *_weighted(f, inside)))
+        out.append(_band(label, high, f, inside, float(across)))
     return out
 
 
-def _weighted(f: np.ndarray, inside: np.ndarray) -> tuple[slice, np.ndarray]:
-    """Modes that lie together, and their weight: the last one is its own conjugate."""
+def _band(label: str, high: float, f: np.ndarray, inside: np.ndarray, across: float) -> _Band:
+    """The last mode is its own conjugate, and has half the weight."""
     where = np.flatnonzero(inside)
     at = slice(int(where[0]), int(where[-1]) + 1) if where.size else slice(0, 0)
-    return at, np.where(f[at] == 0.5, 0.5, 1.0)
+    weight = across * np.where(f[at] == 0.5, 0.5, 1.0)
+    return _Band(label, high, at, weight, float(weight.sum()))
 
 
 def _profiles(part: _Part, result: FamilyResult) -> None:
@@ -237,13 +256,12 @@ def _profiles(part: _Part, result: FamilyResult) -> None:
     rows, columns = part.reduced.modes.shape
     reduced = part.reduced
     for axis, power, square, size, across in (
-        ("u", reduced.horizontal, reduced.horizontal_square, columns, rows - 1.0),
-        ("v", reduced.vertical, reduced.vertical_square, rows, columns - 1.0),
+        ("u", reduced.horizontal, reduced.horizontal_square, columns, rows - 1),
+        ("v", reduced.vertical, reduced.vertical_square, rows, columns - 1),
     ):
-        for label, high, inside, weight in _profile_bands(size):
-            name = f"{part.name}_{axis}_{label}"
-            spread = part.spread_at(high)
-            _mean_into(result, name, part, power[inside], square[inside], across * weight, spread)
+        for band in _profile_bands(size, across):
+            name = f"{part.name}_{axis}_{band.label}"
+            _mean_into(result, name, part, power, square, band, part.spread_at(band.high))
 
 
 def _mean_into(
@@ -252,15 +270,17 @@ def _mean_into(
     part: _Part,
     power: np.ndarray,
     square: np.ndarray,
-    weight: np.ndarray,
+    band: _Band,
     spread: float,
 ) -> None:
-    n = float(weight.sum())
-    mean = float(power @ weight) / n if n > 0 else 0.0
-    if mean > 0:
-        result.values[name] = _log_value(part, mean, float(square @ weight) / n, n, spread)
-    else:
+    n = band.modes
+    mean, error = float(power[band.at] @ band.weight) / n if n > 0 else 0.0, 0.0
+    if not mean > 0:
         result.missing[name] = "no power, or no mode of this frame, in this band"
+        return
+    if part.errors:
+        error = _log_error(part, mean, float(square[band.at] @ band.weight) / n, n, spread)
+    result.values[name] = Value(mean, error)
 
 
 def _images(part: _Part, acc: Accumulated) -> tuple[np.ndarray, ...]:
@@ -405,7 +425,7 @@ def _quiet(acc: Accumulated) -> np.ndarray:
 
 def _curves(part: _Part, result: FamilyResult) -> None:
     modes, curves, name = part.reduced.modes, result.curves, part.name
-    seen = modes.count > 0
+    seen = modes.seen
     curves[f"{name}_radial_f"] = modes.rho[seen]
     curves[f"{name}_radial_s"] = part.reduced.radial_mean()[seen]
     curves[f"{name}_radial_full_s"] = part.reduced.radial_mean_full()[seen]

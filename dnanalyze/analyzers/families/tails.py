@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -28,6 +29,7 @@ DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
 LEAST = math.sqrt(2.0)  # error of pixels in clumps, which hold two at least, where there are none
 MOST_LISTED = 1 << 16  # hot pixels
 TAIL_SHARE = 0.001  # of the pixels, for the tail index
+EXCEEDANCE = np.concatenate([-np.geomspace(16, 1, 9), np.geomspace(1, 256, 33)])  # robust sigmas
 
 INFOS = (
     *(
@@ -102,7 +104,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     centre, sigma = acc.pattern_centre, lower_sigma(acc)
     _counts(acc, centre, sigma, out)
     hot = acc.pattern > np.float32(centre + 8 * sigma)
-    out.values["hot_pairs"] = _in_clumps(clump_sizes(hot))
+    out.values["hot_pairs"] = _in_clumps(links(hot), acc.plan.errors)
     _exceedance(acc, centre, sigma, out)
     if acc.plan.errors:
         _densities(acc, out)
@@ -126,37 +128,55 @@ def lower_sigma(acc: Accumulated) -> float:
     return max(float(middle - low) / 0.6745, 1e-3 * acc.pattern_sigma)
 
 
-def clump_sizes(mask: np.ndarray, kind: np.ndarray | None = None) -> np.ndarray:
-    """Pixels of the clump that each set pixel of ``mask`` is in, itself included.
+@dataclass(frozen=True)
+class Links:
+    """Pixels that are set, and the pairs of them that are neighbours: numbers of the one and other.
 
-    Clumps hang together by their 8 neighbours, of the same ``kind`` where there are kinds.
+    Each pair is there once.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
 
-    rows, columns = np.nonzero(mask)
-    n = rows.size
-    if not n:
-        return np.zeros(0, int)
-    kinds = np.zeros(n) if kind is None else kind[rows, columns]
-    width = mask.shape[1] + 2
-    keys = (rows + 1) * width + columns + 1
-    ends: list[np.ndarray] = []
-    for shift in (1, width - 1, width, width + 1):
-        at = np.minimum(np.searchsorted(keys, keys + shift), n - 1)
-        ends.append(np.where((keys[at] == keys + shift) & (kinds[at] == kinds), at, -1))
-    to, own = np.concatenate(ends), np.tile(np.arange(n), len(ends))
-    linked = coo_array((np.ones(to.size, bool)[to >= 0], (own[to >= 0], to[to >= 0])), (n, n))
-    clump = connected_components(linked, directed=False)[1]
-    return np.asarray(np.bincount(clump)[clump])
+    pixels: int
+    one: np.ndarray
+    other: np.ndarray
+
+    def with_neighbour(self) -> int:
+        """Pixels that are in a pair."""
+        linked = np.zeros(self.pixels, bool)
+        linked[self.one] = linked[self.other] = True
+        return int(np.count_nonzero(linked))
+
+    def clump_sizes(self) -> np.ndarray:
+        """Pixels of the clump that each pixel is in, itself included."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        n = self.pixels
+        if not n:
+            return np.zeros(0, int)
+        linked = coo_array((np.ones(self.one.size, bool), (self.one, self.other)), (n, n))
+        clump = connected_components(linked, directed=False)[1]
+        return np.asarray(np.bincount(clump)[clump])
 
 
-def _in_clumps(sizes: np.ndarray) -> Value:
+def links(mask: np.ndarray, kind: np.ndarray | None = None) -> Links:
+    """Set pixels of ``mask`` among whose 8 neighbours another is, of the same ``kind`` if given."""
+    where = np.flatnonzero(mask)
+    n, columns = where.size, mask.shape[1]
+    kinds = np.zeros(n) if kind is None else kind.ravel()[where]
+    keys = where + 2 * (where // columns)  # lines that are apart: no end has a neighbour there
+    to = keys + np.array([1, columns + 1, columns + 2, columns + 3])[:, None]
+    at = np.minimum(np.searchsorted(keys, to), n - 1)
+    _, one = pair = np.nonzero((keys[at] == to) & (kinds[at] == kinds))
+    return Links(n, one, at[pair])
+
+
+def _in_clumps(found: Links, errors: bool) -> Value:
     """Pixels with a neighbour: clumps are Poisson, and a clump's pixels come together."""
-    together = sizes[sizes > 1]
-    return Value(
-        float(together.size), math.sqrt(float(together.mean())) if together.size else LEAST
-    )
+    count = found.with_neighbour()
+    if not (count and errors):
+        return Value(float(count), LEAST)
+    sizes = found.clump_sizes()
+    return Value(float(count), math.sqrt(float(sizes[sizes > 1].mean())))
 
 
 def _counts(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
@@ -221,11 +241,10 @@ def _hot_pixels(acc: Accumulated) -> np.ndarray:
 
 def _exceedance(acc: Accumulated, centre: float, sigma: float, out: FamilyResult) -> None:
     """Share of F above and below k robust sigma, k from -16 to 256."""
-    k = np.concatenate([-np.geomspace(16, 1, 9), np.geomspace(1, 256, 33)])
     ordered = acc.pattern_ordered
-    above = ordered.count_above(centre + k * sigma)
-    out.curves["exceedance_k"] = k
-    out.curves["exceedance_n"] = np.where(k > 0, above, ordered.sorted.size - above)
+    above = ordered.count_above(centre + EXCEEDANCE * sigma)
+    out.curves["exceedance_k"] = EXCEEDANCE.copy()
+    out.curves["exceedance_n"] = np.where(EXCEEDANCE > 0, above, ordered.sorted.size - above)
 
 
 def _tail_index(acc: Accumulated, out: FamilyResult) -> None:
@@ -274,9 +293,11 @@ def _transients(acc: Accumulated, out: FamilyResult) -> None:
     of that mean where three frames allow, so that a flash does not make the rest look dark."""
     k, maps = acc.frames, acc.maps
     limit = np.float32(TRANSIENT * acc.difference_sigma * math.sqrt(1 + 1 / max(k - 2, 1)))
+    limits = (limit, 0.9 * limit) if acc.plan.errors else (limit,)
     bright = np.empty(acc.plan.shape, bool)
-    rises, falls = np.zeros(2), np.zeros(2)
-    for rows in acc.plan.row_bands:
+    rises, falls = np.zeros(len(limits)), np.zeros(len(limits))
+    for bands in acc.plan.row_parts:
+        rows = acc.plan.rows_of(bands)
         high, low = maps.high[rows], maps.low[rows]
         if k > 2:
             others = (maps.mean[rows] * np.float32(k) - high - low) / np.float32(k - 2)
@@ -284,31 +305,35 @@ def _transients(acc: Accumulated, out: FamilyResult) -> None:
         else:
             rise = fall = high - low
         for counts, change in ((rises, rise), (falls, fall)):
-            counts += [np.count_nonzero(change > cut) for cut in (limit, 0.9 * limit)]
+            counts += [np.count_nonzero(change > cut) for cut in limits]
         np.greater(rise, limit, out=bright[rows])
-    sizes = clump_sizes(bright, maps.high_at)
-    out.values["transient_high"] = _transient_count(acc, rises, limit, sizes)
-    out.values["transient_low"] = _transient_count(acc, falls, limit, np.ones(1))
-    out.values["transient_adjacent"] = _in_clumps(sizes)
+    found = links(bright, maps.high_at)
+    errors = {"transient_high": 0.0, "transient_low": 0.0}
     if acc.plan.errors:
+        sizes = found.clump_sizes()
         pixels = np.bincount(sizes, minlength=1)
         out.curves["transient_clumps"] = pixels / np.maximum(np.arange(pixels.size), 1)
+        errors["transient_high"] = _transient_error(acc, rises, limit, sizes)
+        errors["transient_low"] = _transient_error(acc, falls, limit, np.ones(1))
+    for (name, error), counts in zip(errors.items(), (rises, falls), strict=True):
+        out.values[name] = Value(float(counts[0]), error)
+    out.values["transient_adjacent"] = _in_clumps(found, acc.plan.errors)
 
 
-def _transient_count(
+def _transient_error(
     acc: Accumulated, counts: np.ndarray, limit: np.float32, sizes: np.ndarray
-) -> Value:
-    """Pixels above the limit, from the ``counts`` above it and above .9 of it.
+) -> float:
+    """Error of the number of pixels above the limit, from those above it and above .9 of it.
 
-    Its error is that of the clumps, of these ``sizes``, in which they come, and of drifting
-    frames, which move all pixels.
+    It is that of the clumps, of these ``sizes``, in which they come, and of drifting frames, which
+    move all pixels.
     """
     count, inside = counts.tolist()
     slope = (inside - count) / 0.1  # per relative change of the limit
     relative = acc.drift_error(acc.difference_sigma**2) / 2
     relative = math.hypot(relative, math.sqrt(acc.level_variance) / float(limit))
     together = float(sizes.mean()) if sizes.size else 1.0
-    return Value(count, math.sqrt(together + (slope * relative) ** 2 / (count + 0.375)))
+    return math.sqrt(together + (slope * relative) ** 2 / (count + 0.375))
 
 
 def _dead(acc: Accumulated, out: FamilyResult) -> None:
@@ -319,7 +344,7 @@ def _dead(acc: Accumulated, out: FamilyResult) -> None:
     elif acc.difference_sigma <= DEAD_NOISE:
         out.missing["dead_count"] = f"the temporal noise is below {DEAD_NOISE:g} DN"
     else:
-        count = float(np.sum(noise == 0))
+        count = float(np.count_nonzero(noise == 0))
         # one code in all of K frames: as rare as noise, and what moves them, to the power K - 1
         drifting = math.sqrt(count) * (acc.frames - 1) / 2 * acc.drift_error(acc.temporal_mean)
         out.values["dead_count"] = Value(count, math.hypot(1.0, drifting))

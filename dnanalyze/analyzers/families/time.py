@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -10,7 +11,12 @@ from dnanalyze.analyzers.accumulators.accumulated import Accumulated
 from dnanalyze.analyzers.estimators.groups import groups
 from dnanalyze.analyzers.estimators.photon_transfer import transfer_points
 from dnanalyze.analyzers.estimators.quantiles import Ordered, Tied
-from dnanalyze.analyzers.estimators.uncertainty import QuantileErrors, block_sums, mean_error
+from dnanalyze.analyzers.estimators.uncertainty import (
+    QuantileErrors,
+    block_sums,
+    map_sums,
+    mean_error,
+)
 from dnanalyze.analyzers.families.family import FamilyResult
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
@@ -94,6 +100,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     return out
 
 
+@cache
 def log_spread_error(degrees: int) -> float:
     """Standard error of the log of a Gaussian sample's standard deviation; degrees of freedom."""
     from scipy.special import polygamma
@@ -188,10 +195,11 @@ def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None
         full = f"noise_at_{name}"
         if by_level.pixels(group) < FEWEST:
             out.missing[full] = f"fewer than {FEWEST:g} pixels are that bright"
-        elif by_level.mean(group) <= 0:
+            continue
+        mean = by_level.mean(group)
+        if mean <= 0:
             out.missing[full] = "these pixels do not change between the frames"
         else:
-            mean = by_level.mean(group)
             se = by_level.relative_error(group) if acc.plan.errors else 0.0
             out.values[full] = Value(mean, max(math.hypot(se, acc.drift_error(mean)), 1e-3))
 
@@ -200,7 +208,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
     variance = acc.temporal_variance
     assert variance is not None
     noisy = variance > 0
-    if np.mean(noisy) < 0.5:
+    if np.count_nonzero(noisy) < 0.5 * noisy.size:
         out.missing["temporal_r1"] = "most pixels do not change between the frames"
         return
     k = acc.frames
@@ -212,7 +220,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
     np.clip(r1, -1 / k - reach, -1 / k + reach, out=r1)
     mean = float(np.mean(r1, dtype=np.float64))
     drift = acc.drift_error(acc.temporal_mean) / math.sqrt(2)  # whole frames are one series
-    se = mean_error(acc.plan, block_sums(acc.plan, lambda rows: rows, r1))
+    se = mean_error(acc.plan, map_sums(acc.plan, r1)) if acc.plan.errors else 0.0
     out.values["temporal_r1"] = Value(mean + 1 / k, max(math.hypot(se, drift), 5e-4))
 
 

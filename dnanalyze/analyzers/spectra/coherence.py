@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -60,28 +61,43 @@ def block_amplitudes(image: np.ndarray, u: float, v: float, blocks: int) -> np.n
     from dnanalyze.analyzers.kernels import mode_loops
 
     rows, columns = image.shape
-    turn = 2.0 * math.pi * u * np.arange(columns)
-    across = mode_loops.block_waves(
-        np.asarray(image, np.float32),
-        np.cos(turn).astype(np.float32),
-        np.sin(turn).astype(np.float32),
-        blocks,
-    )
+    across = mode_loops.block_waves(np.asarray(image, np.float32), *_wave(u, columns), blocks)
     height = rows // blocks
     line = across[: height * blocks, :, 0] - 1j * across[: height * blocks, :, 1]
-    down = np.exp(-2j * math.pi * v * np.arange(height * blocks))
+    down = _turning(v, height * blocks)
     return np.asarray((line * down[:, None]).reshape(blocks, height, blocks).sum(axis=1))
+
+
+@lru_cache(maxsize=64)
+def _wave(frequency: float, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Cosine and sine along a line of this size, float32."""
+    turn = 2.0 * math.pi * frequency * np.arange(size)
+    return np.cos(turn).astype(np.float32), np.sin(turn).astype(np.float32)
+
+
+@lru_cache(maxsize=64)
+def _turning(frequency: float, size: int) -> np.ndarray:
+    """e^(-2 pi i f x) along a line of this size."""
+    return np.asarray(np.exp(-2j * math.pi * frequency * np.arange(size)))
 
 
 def _largest(amplitudes: np.ndarray) -> float:
     """Sum over images of |sum of the blocks|^2, phases turned evenly so that it is largest."""
-    at, reach, best = np.zeros(2), _REACH, 0.0
+    down, across, reach, best = 0.0, 0.0, _REACH, 0.0
     for _ in range(_STEPS):
-        tried = np.linspace(-reach, reach, _GRID)
-        turns = [np.exp(-1j * np.outer(centre + tried, np.arange(BLOCKS))) for centre in at]
-        sums = turns[0] @ amplitudes @ turns[1].T
-        power = np.sum(np.abs(sums) ** 2, axis=0)
-        a, b = np.unravel_index(int(np.argmax(power)), power.shape)
-        at, best = at + np.array([tried[a], tried[b]]), float(power[a, b])
+        (rows, by_row), (columns, by_column) = (_turns(at, reach) for at in (down, across))
+        power = np.sum(np.abs(by_row @ amplitudes @ by_column.T) ** 2, axis=0)
+        a, b = divmod(int(np.argmax(power)), _GRID)
+        down, across, best = rows[a], columns[b], float(power[a, b])
         reach *= 2.0 / (_GRID - 1)
     return best
+
+
+@lru_cache(maxsize=1024)
+def _turns(centre: float, reach: float) -> tuple[list[float], np.ndarray]:
+    """Phases tried about a centre, and what they turn each block by, (phases, blocks).
+
+    Each search meets some of the same thousand centres.
+    """
+    tried = centre + np.linspace(-reach, reach, _GRID)
+    return tried.tolist(), np.exp(-1j * np.outer(tried, np.arange(BLOCKS)))

@@ -40,9 +40,9 @@ def good_size(size: int) -> int:
     return even
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
-    """The modes of a frame of one shape.
+    """The modes of a frame of one shape, each object unlike any other.
 
     Parameters
     ----------
@@ -81,6 +81,17 @@ class Modes:
     def v(self) -> np.ndarray:
         """Vertical frequencies above 0, cycles/pixel."""
         return np.arange(1, self.shape[0] // 2 + 1) / self.shape[0]
+
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """Fine bins that hold a mode off the axes."""
+        return self.count > 0
+
+    @cached_property
+    def full_count(self) -> np.ndarray:
+        """As ``count`` with the modes of the two axes."""
+        size = self.count.size
+        return sum((np.bincount(bins, minlength=size) for bins in self.axis_bin), self.count)
 
     def bins(self, low: float, high: float) -> slice:
         """The fine bins from ``low`` to ``high``, both among the edges."""
@@ -208,15 +219,14 @@ class ReducedPower:
 
     def radial_mean(self) -> np.ndarray:
         """Mean off-axis power of each fine bin, DN^2; NaN where a bin is empty."""
-        n = self.modes.count
-        return np.divide(self.radial, n, out=np.full(n.size, np.nan), where=n > 0)
+        n, seen = self.modes.count, self.modes.seen
+        return np.divide(self.radial, n, out=np.full(n.size, np.nan), where=seen)
 
     def radial_mean_full(self) -> np.ndarray:
         """As ``radial_mean`` with the modes of the two axes."""
-        total, n = self.radial.copy(), self.modes.count.copy()
+        total, n = self.radial.copy(), self.modes.full_count
         for where, power in zip(self.modes.axis_bin, (self.columns, self.rows), strict=True):
             total += np.bincount(where, power, minlength=n.size)
-            n += np.bincount(where, minlength=n.size)
         return np.divide(total, n, out=np.full(n.size, np.nan), where=n > 0)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import special
@@ -78,8 +79,8 @@ def largest_peak(
     ratio, i, k, floor, searched = mode_loops.search(power, columns, reach, _GUARD, LOWEST_LINE)
     if not ratio > 0 or searched < 16:
         return None
-    near = np.arange(i - 1, i + 2) % rows, np.arange(max(1, k - 1), min(k + 2, power.shape[1]))
-    around = power[np.ix_(*near)]
+    near = np.arange(i - 1, i + 2)[:, None] % rows
+    around = power[near, np.arange(max(1, k - 1), min(k + 2, power.shape[1]))]
     line = max(float(around.sum()) - around.size * floor, float(power[i, k]) - floor)
     amplitude = 2.0 * math.sqrt(line / (rows * columns))
     v = (i if i <= rows // 2 else i - rows) / rows
@@ -136,16 +137,27 @@ def _peak_error(
     power L above a floor S has the variance (S^2 + 2 L S) / repeats; in the temporal spectrum also
     that of the mean of repeats + 1 random phases.
     """
-    one, other = 2 * repeats, 2 * repeats * cells
-    expected, step = (float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9))
-    # exceeded by one in `searched`, and by .9 of it: ln(1/.9) steps of Gumbel's scale apart
-    chance = _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected
-    if ratio < special.fdtri(one, other, 1 - 1e-3 / searched):
+    chance, least = _by_chance(searched, repeats, cells)
+    if ratio < least:
         return chance, False
     variance = (2 * ratio - 1) / ratio**2 / repeats
     if temporal:
         variance += 1 / (repeats * (repeats + 1))
     return max(chance, math.sqrt(variance)), True
+
+
+@lru_cache(maxsize=256)
+def _by_chance(searched: int, repeats: float, cells: float) -> tuple[float, float]:
+    """Standard error of the log of the largest ratio that chance makes, and what it hardly makes.
+
+    The second is exceeded in one frame of a thousand.
+    """
+    one, other = 2 * repeats, 2 * repeats * cells
+    expected, step, least = (
+        float(special.fdtri(one, other, 1 - p / searched)) for p in (1.0, 0.9, 1e-3)
+    )
+    # exceeded by one in `searched`, and by .9 of it: ln(1/.9) steps of Gumbel's scale apart
+    return _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected, least
 
 
 def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
@@ -168,7 +180,7 @@ def nyquist_ratios(power: np.ndarray, shape: tuple[int, int]) -> dict[str, tuple
     floors = {
         "10": (power[0, last], power[0, last - n : last]),
         "01": (power[middle, 0], power[middle - n : middle, 0]),
-        "11": (power[middle, last], np.delete(corner, n, axis=0)),
+        "11": (power[middle, last], np.concatenate([corner[:n], corner[n + 1 :]])),
     }
     out = {}
     for name, (peak, around) in floors.items():

@@ -42,20 +42,20 @@ def test_hot_and_cold_counts_are_those_put_in():
 def test_neighbours_are_found_in_all_eight_directions():
     mask = np.zeros((12, 12), bool)
     mask[0, 0] = mask[11, 11] = mask[5, 11] = mask[6, 0] = True  # alone, across the edges
-    assert tails.clump_sizes(mask).tolist() == [1] * 4
+    assert tails.links(mask).clump_sizes().tolist() == [1] * 4
     for dr, dc in [(-1, -1), (-1, 0), (-1, 1), (0, 1)]:
         pair = mask.copy()
         pair[4, 5] = pair[4 + dr, 5 + dc] = True
-        assert sorted(tails.clump_sizes(pair)) == [1, 1, 1, 1, 2, 2]
-    assert tails.clump_sizes(np.ones((3, 3), bool)).tolist() == [9] * 9
-    assert tails.clump_sizes(np.zeros((3, 3), bool)).size == 0
+        assert sorted(tails.links(pair).clump_sizes()) == [1, 1, 1, 1, 2, 2]
+    assert tails.links(np.ones((3, 3), bool)).clump_sizes().tolist() == [9] * 9
+    assert tails.links(np.zeros((3, 3), bool)).clump_sizes().size == 0
 
 
 def test_clumps_are_those_of_labelled_regions():
     mask = np.random.default_rng(4).random((200, 300)) < 0.15
     label, _ = ndimage.label(mask, np.ones((3, 3)))
     expected = np.bincount(label.ravel())[label[mask]]
-    np.testing.assert_array_equal(tails.clump_sizes(mask), expected)
+    np.testing.assert_array_equal(tails.links(mask).clump_sizes(), expected)
 
 
 def test_errors_of_counts_are_those_of_the_clumps_in_which_they_come():
