@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,6 +14,7 @@ from dnanalyze.analyzers.statistics import (
     SettingStatistics,
     StatisticInfo,
     Statistics,
+    Value,
 )
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
@@ -89,6 +90,15 @@ class Target:
         """Of each number its place, its statistic and the scale of that."""
         known = infos()
         return [((k.setting, k.plane), k.name, known[k.name].scale) for k in self.keys]
+
+    def coordinates_of(self, seen: Mapping[Place, Mapping[str, Value]]) -> np.ndarray:
+        """Those of other statistics, by place and name, in my order; NaN where one is lacking."""
+        return np.array(
+            [
+                scale.coordinate(seen[place][name].value) if name in seen.get(place, ()) else np.nan
+                for place, name, scale in self.addresses
+            ]
+        )
 
     def bounds(self, overdispersion: float = 1.0) -> np.ndarray | None:
         """How far each number may be off in a fit, in floors; inf: left to the loss.
@@ -181,18 +191,21 @@ def target(statistics: list[Statistics], part: int) -> Target:
     )
 
 
+def places(statistics: Statistics) -> list[Place]:
+    """Of each of the settings; colour planes of one operating point share its number."""
+    numbers: dict[OperatingPoint, int] = {}
+    return [(numbers.setdefault(s.point, len(numbers)), s.plane) for s in statistics.settings]
+
+
 def prediction(statistics: list[Statistics], part: int, held: Target) -> np.ndarray:
     """Simulated coordinates in the order of ``held``; NaN where the simulation lacks one."""
-    halves = zip(*(s.settings for s in statistics), strict=True)
-    seen = {
-        place: pair[part].values | shading_values(*pair, part)
-        for place, pair in zip(_places(statistics[part]), halves, strict=True)
-    }
-    return np.array(
-        [
-            scale.coordinate(seen[place][name].value) if name in seen.get(place, ()) else np.nan
-            for place, name, scale in held.addresses
-        ]
+    upper, lower = (s.settings for s in statistics)
+    triples = zip(places(statistics[part]), upper, lower, strict=True)
+    return held.coordinates_of(
+        {
+            place: (above, below)[part].values | shading_values(above, below, part)
+            for place, above, below in triples
+        }
     )
 
 
@@ -200,8 +213,8 @@ def _numbers(
     statistics: list[Statistics], part: int, known: dict[str, StatisticInfo]
 ) -> dict[Key, tuple[float, float, StatisticInfo]]:
     found = {}
-    pairs = zip(*(s.settings for s in statistics), strict=True)
-    for where, (upper, lower) in zip(_places(statistics[part]), pairs, strict=True):
+    of_upper, of_lower = (s.settings for s in statistics)
+    for where, upper, lower in zip(places(statistics[part]), of_upper, of_lower, strict=True):
         halves = [upper, lower]
         setting = halves[part]
         for name, v in setting.values.items():
@@ -226,12 +239,6 @@ def _shared_error(halves: list[SettingStatistics], name: str, own: float) -> flo
 def _together(errors: Sequence[float]) -> float:
     """Of either of several that are alike, told by all of them."""
     return float(np.sqrt(np.mean(np.square(errors))))
-
-
-def _places(statistics: Statistics) -> list[Place]:
-    """Of each of the settings; colour planes of one operating point share its number."""
-    numbers: dict[OperatingPoint, int] = {}
-    return [(numbers.setdefault(s.point, len(numbers)), s.plane) for s in statistics.settings]
 
 
 def _compared(info: StatisticInfo, setting: SettingStatistics) -> bool:
