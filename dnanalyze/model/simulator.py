@@ -56,13 +56,13 @@ class Simulator:
 
     @cached_property
     def _shot(self) -> Effect | None:
-        return self.model.get("dark_shot_noise")
+        return next((e for e in self.model.effects if e.name == "dark_shot_noise"), None)
 
     @cached_property
     def _roots(self) -> dict[str, Stream]:
         """Random numbers of every effect, by its name."""
         root = Stream.from_seed(self.model.seed)
-        return {name: root.child(name) for name in self.model.names}
+        return {effect.name: root.child(effect.name) for effect in self.model.effects}
 
     def _after(
         self, count: int, chain: list[Effect], point: OperatingPoint, number: int, window: Window
