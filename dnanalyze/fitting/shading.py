@@ -34,15 +34,17 @@ class _Basis:
         Their pseudo-inverse.
     places : ndarray
         Of the blocks among all.
-    low : list of (int, (int, int), list of int)
-        Numbers and orders (across, down) of those below ORDER save the mean; each with the numbers
-        of the next ones that vary along the same axes.
+    low : list of (int, (int, int))
+        Numbers and orders (across, down) of those below ORDER save the mean.
+    following : dict
+        Axes along which surfaces vary, see `_kind`, to the numbers of those from ORDER on.
     """
 
     surfaces: np.ndarray
     inverse: np.ndarray
     places: np.ndarray
-    low: list[tuple[int, tuple[int, int], list[int]]]
+    low: list[tuple[int, tuple[int, int]]]
+    following: dict[str, list[int]]
 
 
 @lru_cache(maxsize=32)
@@ -56,17 +58,13 @@ def _basis(rows: int, cols: int, parity: int) -> _Basis:
     r, c = np.nonzero((np.add.outer(np.arange(rows), np.arange(cols)) % 2) == parity)
     scale = [(np.sqrt(2) if i else 1) * (np.sqrt(2) if j else 1) for i, j in orders]
     design = np.stack([x[c, i] * y[r, j] * s for (i, j), s in zip(orders, scale, strict=True)], 1)
+    low = [(k, order) for k, order in enumerate(orders) if 0 < max(order) < ORDER]
     # Rows and columns that vary at random show along their own axis only.
-    low = [
-        (
-            k,
-            order,
-            [n for n, o in enumerate(orders) if max(o) >= ORDER and _kind(o) == _kind(order)],
-        )
-        for k, order in enumerate(orders)
-        if 0 < max(order) < ORDER
-    ]
-    return _Basis(design, np.linalg.pinv(design), r * cols + c, low)
+    following: dict[str, list[int]] = {_kind(order): [] for _, order in low}
+    for k, order in enumerate(orders):
+        if max(order) >= ORDER:
+            following[_kind(order)].append(k)
+    return _Basis(design, np.linalg.pinv(design), r * cols + c, low, following)
 
 
 def shading_values(
@@ -141,12 +139,11 @@ def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:
     residue = here - basis.surfaces @ coefficient
     freedom = max(1, len(here) - len(coefficient))
     white = residue @ residue / freedom / len(here)
-    found = {}
-    for k, order, alike in basis.low:
+    errors = {}
+    for kind, alike in basis.following.items():
         next_power = np.mean(coefficient[alike] ** 2) if alike else white
-        se = float(np.sqrt(white + 4.0 * max(0.0, next_power - white)))
-        found[order] = Value(float(coefficient[k]), max(se, 1e-4))
-    return found
+        errors[kind] = max(float(np.sqrt(white + 4.0 * max(0.0, next_power - white))), 1e-4)
+    return {order: Value(float(coefficient[k]), errors[_kind(order)]) for k, order in basis.low}
 
 
 def _kind(order: tuple[int, int]) -> str:

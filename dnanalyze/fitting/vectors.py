@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,13 +14,16 @@ from dnanalyze.analyzers.statistics import (
     SettingStatistics,
     StatisticInfo,
     Statistics,
+    Value,
 )
 from dnanalyze.fitting.shading import shading_values
+from dnanalyze.loaders.captures import OperatingPoint
 
 # Misfit, in floors, of a statistic that the simulation lacks: from here on the loss of a fit counts
 # a difference in proportion, no longer squared.
 MISSING = 6.0
 FIT_ERRORS = 2.0  # floors that a level may be off in a fit, see `dnanalyze.fitting.level`
+Place = tuple[int, str]  # number of the operating point, colour plane
 
 
 @dataclass(frozen=True)
@@ -83,13 +86,19 @@ class Target:
         return np.where(z == MISSING, MISSING, z * (self.floor / other.floor))
 
     @cached_property
-    def places(self) -> dict[tuple[int, str], list[tuple[int, str, Scale]]]:
-        """Setting and plane to position, statistic and its scale."""
+    def addresses(self) -> list[tuple[Place, str, Scale]]:
+        """Of each number its place, its statistic and the scale of that."""
         known = infos()
-        found: dict[tuple[int, str], list[tuple[int, str, Scale]]] = {}
-        for i, k in enumerate(self.keys):
-            found.setdefault((k.setting, k.plane), []).append((i, k.name, known[k.name].scale))
-        return found
+        return [((k.setting, k.plane), k.name, known[k.name].scale) for k in self.keys]
+
+    def coordinates_of(self, seen: Mapping[Place, Mapping[str, Value]]) -> np.ndarray:
+        """Those of other statistics, by place and name, in my order; NaN where one is lacking."""
+        return np.array(
+            [
+                scale.coordinate(seen[place][name].value) if name in seen.get(place, ()) else np.nan
+                for place, name, scale in self.addresses
+            ]
+        )
 
     def bounds(self, overdispersion: float = 1.0) -> np.ndarray | None:
         """How far each number may be off in a fit, in floors; inf: left to the loss.
@@ -182,26 +191,32 @@ def target(statistics: list[Statistics], part: int) -> Target:
     )
 
 
+def places(statistics: Statistics) -> list[Place]:
+    """Of each of the settings; colour planes of one operating point share its number."""
+    numbers: dict[OperatingPoint, int] = {}
+    return [(numbers.setdefault(s.point, len(numbers)), s.plane) for s in statistics.settings]
+
+
 def prediction(statistics: list[Statistics], part: int, held: Target) -> np.ndarray:
     """Simulated coordinates in the order of ``held``; NaN where the simulation lacks one."""
-    out = np.full(len(held.keys), np.nan)
-    for index, setting in enumerate(statistics[part].settings):
-        upper, lower = (s.settings[index] for s in statistics)
-        values = setting.values | shading_values(upper, lower, part)
-        where = _order(statistics[part], index), setting.plane
-        for i, name, scale in held.places.get(where, ()):
-            if name in values:
-                out[i] = scale.coordinate(values[name].value)
-    return out
+    upper, lower = (s.settings for s in statistics)
+    triples = zip(places(statistics[part]), upper, lower, strict=True)
+    return held.coordinates_of(
+        {
+            place: (above, below)[part].values | shading_values(above, below, part)
+            for place, above, below in triples
+        }
+    )
 
 
 def _numbers(
     statistics: list[Statistics], part: int, known: dict[str, StatisticInfo]
 ) -> dict[Key, tuple[float, float, StatisticInfo]]:
     found = {}
-    for index, setting in enumerate(statistics[part].settings):
-        where = _order(statistics[part], index), setting.plane
-        upper, lower = halves = [s.settings[index] for s in statistics]
+    of_upper, of_lower = (s.settings for s in statistics)
+    for where, upper, lower in zip(places(statistics[part]), of_upper, of_lower, strict=True):
+        halves = [upper, lower]
+        setting = halves[part]
         for name, v in setting.values.items():
             info = known.get(name)
             if info is not None and _compared(info, setting):
@@ -224,15 +239,6 @@ def _shared_error(halves: list[SettingStatistics], name: str, own: float) -> flo
 def _together(errors: Sequence[float]) -> float:
     """Of either of several that are alike, told by all of them."""
     return float(np.sqrt(np.mean(np.square(errors))))
-
-
-def _order(statistics: Statistics, index: int) -> int:
-    """Number of the operating point: planes of one point share it."""
-    seen: list[object] = []
-    for s in statistics.settings[: index + 1]:
-        if s.point not in seen:
-            seen.append(s.point)
-    return seen.index(statistics.settings[index].point)
 
 
 def _compared(info: StatisticInfo, setting: SettingStatistics) -> bool:

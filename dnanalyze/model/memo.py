@@ -41,10 +41,10 @@ class Memo:
     def find(self, key: object) -> Any | None:
         """What is kept by this key; None where nothing is."""
         with self._lock:
-            if key not in self._held:
-                return None
-            self._held.move_to_end(key)
-            return self._held[key]
+            value = self._held.get(key)
+            if value is not None:
+                self._held.move_to_end(key)
+            return value
 
     def get(self, key: object, make: Callable[[], Any]) -> Any:
         """``make()``, or what it gave last time; threads may at worst make a thing twice."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -87,16 +88,12 @@ def simulate(
         else _drawn_on(device, model, shape)
     )
 
-    def frame(point: OperatingPoint, number: int) -> Frame:
-        return Frame(
-            f"{point.label()} #{number}",
-            point,
-            lambda window: draw(point, number, window),
-        )
+    def setting(point: OperatingPoint, count: int) -> Setting:
+        label = point.label()
+        frames = (Frame(f"{label} #{n}", point, partial(draw, point, n)) for n in range(count))
+        return Setting(point, tuple(frames))
 
-    made = tuple(
-        Setting(point, tuple(frame(point, n) for n in range(count))) for point, count in settings
-    )
+    made = tuple(setting(point, count) for point, count in settings)
     captures = CaptureSet(name, sensor or Sensor(shape), made)
     return captures if model.unit == 1.0 else _in_files(captures, model.unit)
 

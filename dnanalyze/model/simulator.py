@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -47,8 +48,21 @@ class Simulator:
     def frame(self, point: OperatingPoint, number: int, window: Window | None = None) -> np.ndarray:
         """Pixels of a frame, DN, float32; a pure function of its arguments and the model."""
         window = window or Window.whole(self.shape)
-        chain = self.model.chain
-        return self._after(len(chain), chain, point, number, window)
+        return self._after(len(self._chain), self._chain, point, number, window)
+
+    @cached_property
+    def _chain(self) -> list[Effect]:
+        return self.model.chain
+
+    @cached_property
+    def _shot(self) -> Effect | None:
+        return next((e for e in self.model.effects if e.name == "dark_shot_noise"), None)
+
+    @cached_property
+    def _roots(self) -> dict[str, Stream]:
+        """Random numbers of every effect, by its name."""
+        root = Stream.from_seed(self.model.seed)
+        return {effect.name: root.child(effect.name) for effect in self.model.effects}
 
     def _after(
         self, count: int, chain: list[Effect], point: OperatingPoint, number: int, window: Window
@@ -122,7 +136,7 @@ class Simulator:
         window: Window,
         calibration: Callable[[int, float], np.ndarray],
     ) -> Site:
-        root = Stream.from_seed(self.model.seed).child(effect.name)
+        root, reference = self._roots[effect.name], self.model.reference_of(point.channel)
         moment = root.child("moment", repr(point), number)
 
         def draw(stream: Stream, kind: str) -> np.ndarray:
@@ -136,17 +150,15 @@ class Simulator:
             return self._maps.once((effect.name, point, name), make)
 
         return Site(
-            self.shape, window, point, self.model.reference_of(point.channel), number,
-            root.child("silicon"), moment, keep, draw, calibration, share, self._dn_per_e(point),
+            self.shape, window, point, reference, number, root.child("silicon"), moment, keep,
+            draw, calibration, share, self._dn_per_e(point, reference),
         )  # fmt: skip
 
-    def _dn_per_e(self, point: OperatingPoint) -> float | None:
+    def _dn_per_e(self, point: OperatingPoint, reference: OperatingPoint) -> float | None:
         """Conversion gain by which the model counts its charge."""
-        shot = next((e for e in self.model.effects if e.name == "dark_shot_noise"), None)
-        if shot is None:
+        if self._shot is None:
             return None
-        gain = point.gain_over(self.model.reference_of(point.channel))
-        return shot.value("dn_per_e", point) * gain
+        return self._shot.value("dn_per_e", point) * point.gain_over(reference)
 
 
 def room(model: NoiseModel, shape: tuple[int, int]) -> int:

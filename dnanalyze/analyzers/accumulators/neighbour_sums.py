@@ -74,8 +74,8 @@ class Neighbours:
         self._take("lags", lag_products(plan, difference, CLIP * plan.difference_sigma))
         tiles = np.zeros_like(self.tiles)
         reach = TAIL_CLIP * plan.difference_sigma
-        rows, columns = edges_of(plan)
-        neighbour_loops.tile_sums(difference, reach, band_of(rows), band_of(columns), tiles)
+        bands = _bands(plan.shape[0]), _bands(plan.shape[1])
+        neighbour_loops.tile_sums(difference, reach, *bands, tiles)
         self._take("tiles", tiles)
 
     def _take(self, name: str, sums: np.ndarray) -> None:
@@ -107,6 +107,15 @@ def _edges(size: int) -> np.ndarray:
     edges = np.arange(bands + 1, dtype=np.int64) * size // bands
     edges.setflags(write=False)
     return edges
+
+
+@lru_cache(maxsize=64)
+def _bands(size: int) -> np.ndarray:
+    """Number of the band in which each line lies, int64."""
+    edges = _edges(size)
+    bands = np.repeat(np.arange(edges.size - 1), np.diff(edges))
+    bands.setflags(write=False)
+    return bands
 
 
 def grid_of(plan: Plan) -> tuple[int, int]:
@@ -160,8 +169,3 @@ def top_level(frame: np.ndarray) -> tuple[float, float]:
         return float(level), 0.0
     above = sample.size - below - alike
     return float(level), min(1.0, max(0.0, (_TOP_SHARE * sample.size - above) / alike))
-
-
-def band_of(edges: np.ndarray) -> np.ndarray:
-    """Number of the band in which each line lies, int64."""
-    return np.repeat(np.arange(edges.size - 1), np.diff(edges))

@@ -48,7 +48,8 @@ def _rank_row(above, here, below, most, least, high, low, gap):
         alike = np.int32(a[j] == v) + np.int32(b[j] == v) + np.int32(c[j] == v)
         alike += np.int32(d[j] == v) + np.int32(e[j] == v)
         alike += np.int32(f[j] == v) + np.int32(g[j] == v) + np.int32(h[j] == v)
-        share = one / np.float32(np.int32(1) + alike)
+        count = np.int32(1 + alike)  # not 64 bits, which fill no vectors
+        share = one / np.float32(count)
         high[j] = share if v >= top else zero
         low[j] = share if v <= bottom else zero
         gap[j] = v - top

@@ -51,8 +51,8 @@ def _frame_sums(y, past, centre, centre_before, cut, hot, lanes, out):
     above, both = np.int32(0), np.int32(0)
     here_hot, before_hot = centre + hot, centre_before + hot
     for i in range(y.size):
-        above += np.int32(y[i] > here_hot)
-        both += np.int32((y[i] > here_hot) & (past[i] > before_hot))
+        above = np.int32(above + (y[i] > here_hot))
+        both = np.int32(both + ((y[i] > here_hot) & (past[i] > before_hot)))
     out[0] += folded(s1)
     out[1] += folded(s2)
     out[3] += above

@@ -11,7 +11,6 @@ from numba import njit
 
 SIGN = np.uint32(0x80000000)
 DIGITS, DIGIT_BITS = 3, 11
-HALF_BITS = np.uint32(16)
 
 
 @njit(nogil=True, inline="always")
@@ -65,24 +64,40 @@ def radix_sorted(values):
 
 @njit(cache=True, nogil=True)
 def order_statistic(values, place):
-    """The value at a place of the ascending order, and how many are below and equal to it."""
+    """The value at a place of the ascending order, and how many are below and equal to it.
+
+    Bins over the range of what is left tell the one that holds the place, until all in it are
+    alike.
+    """
     keys = np.empty(values.size, np.uint32)
     _into_keys(values, keys)
-    counts = np.zeros(1 << HALF_BITS, np.int64)
+    counts = np.empty(1 << DIGIT_BITS, np.int64)
+    below = 0
+    lowest, highest = _ends(keys)
+    while lowest < highest:
+        shift = np.uint32(0)
+        while (highest - lowest) >> shift >> np.uint32(DIGIT_BITS):
+            shift += np.uint32(1)
+        counts[:] = 0
+        for key in keys:
+            counts[(key - lowest) >> shift] += 1
+        held = np.uint32(0)
+        while below + counts[held] <= place:
+            below += counts[held]
+            held += np.uint32(1)
+        kept = 0
+        for i in range(keys.size):
+            key = keys[i]
+            keys[kept] = key
+            kept += np.uint32((key - lowest) >> shift) == held
+        keys = keys[:kept]
+        lowest, highest = _ends(keys)
+    return _from_keys(keys[:1])[0], below, keys.size
+
+
+@njit(nogil=True, inline="always")
+def _ends(keys):
+    lowest, highest = keys[0], keys[0]
     for key in keys:
-        counts[key >> HALF_BITS] += 1
-    below, high = 0, np.uint32(0)
-    while below + counts[high] <= place:
-        below += counts[high]
-        high += np.uint32(1)
-    counts[:] = 0
-    for key in keys:
-        if key >> HALF_BITS == high:
-            counts[key & np.uint32(0xFFFF)] += 1
-    low = np.uint32(0)
-    while below + counts[low] <= place:
-        below += counts[low]
-        low += np.uint32(1)
-    found = np.empty(1, np.uint32)
-    found[0] = (high << HALF_BITS) | low
-    return _from_keys(found)[0], below, counts[low]
+        lowest, highest = min(lowest, key), max(highest, key)
+    return lowest, highest

@@ -12,7 +12,7 @@ from dnanalyze.analyzers.accumulators.accumulated import Accumulated, Accumulato
 from dnanalyze.analyzers.accumulators.histograms import Histograms
 from dnanalyze.analyzers.accumulators.neighbour_sums import Neighbours
 from dnanalyze.analyzers.accumulators.pixel_maps import PixelMaps
-from dnanalyze.analyzers.estimators.quantiles import Ordered
+from dnanalyze.analyzers.estimators.quantiles import Ordered, median
 from dnanalyze.analyzers.plan import FrameView, Plan
 from dnanalyze.analyzers.spectra.spectral_sums import Spectra
 from dnanalyze.analyzers.streaming.buffers import Buffers
@@ -62,14 +62,19 @@ def make_view(
     before: np.ndarray | None,
     buffers: Buffers | None = None,
 ) -> FrameView:
-    """What the accumulators see of a frame as read; ``before`` is the frame before it, float32."""
+    """What the accumulators see of a frame as read; ``before`` is the frame before it, float32.
+
+    A frame that is float32 already is taken as it is.
+    """
     buffers = buffers or Buffers()
-    frame = buffers.take(raw.shape)
+    ready = raw.dtype == np.float32 and raw.flags.carray
+    frame = raw if ready else buffers.take(raw.shape)
     difference = None if before is None else buffers.take(raw.shape)
     step = max(1, BAND // raw.shape[1])
     for top in range(0, raw.shape[0], step):
         rows = slice(top, top + step)
-        np.copyto(frame[rows], raw[rows], casting="unsafe")
+        if not ready:
+            np.copyto(frame[rows], raw[rows], casting="unsafe")
         if before is not None and difference is not None:
             part = np.subtract(frame[rows], before[rows], out=difference[rows])
             part *= HALF
@@ -79,7 +84,7 @@ def make_view(
 def _shift(plan: Plan, frame: np.ndarray) -> float:
     """See `FrameView`; a cut at 6 sigma loses nothing by a centre that is off by one."""
     rows, columns = (max(1, size // LOOKS) for size in frame.shape)
-    moved = float(np.median(frame[::rows, ::columns])) - plan.centre
+    moved = median(frame[::rows, ::columns]) - plan.centre
     return moved if abs(moved) > plan.sigma else 0.0
 
 
