@@ -329,9 +329,7 @@ def _place(
     return found
 
 
-def _lines(
-    part: _Part, strongest: Sequence[Line], images: tuple[np.ndarray, ...]
-) -> np.ndarray:
+def _lines(part: _Part, strongest: Sequence[Line], images: tuple[np.ndarray, ...]) -> np.ndarray:
     """All lines of the part, as `as_curve` has them: these where they are real, and others.
 
     Of the pattern's others those are left out that are what is left of lines that change in time.

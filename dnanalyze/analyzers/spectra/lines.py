@@ -23,11 +23,12 @@ from dnanalyze.analyzers.spectra.peaks import (
     largest_peak,
 )
 
-MOST = 6  # lines beside the strongest off and on the axes
+MOST = 6  # lines off the axes, and as many on them, beside the strongest
 NUMBERS = 7  # of a line, see `as_curve`
-# Modes on either side that are the line itself, and below the axes' lowest line of noise in time,
-# which has no shading, modes between it and 0.
-_SPAN, _ABOVE = 2, 17
+_SPAN = 2  # modes on either side that are the line itself
+# Mode of the lowest line on the axes of what changes in time, which has no shading: from here on
+# the floor is no lower than a spectrum of 1/f or steeper.
+_LOWEST_MODE = 6
 # Of the power of a mode, the share from which on a line makes it: noise would have to be 20 times
 # as strong as what a line between two modes spreads there.
 _LEAK = 0.05
@@ -75,7 +76,10 @@ def further_lines(
     first: Sequence[Line],
     place: Callable[[Peak], Line],
 ) -> list[Line]:
-    """Up to 6 lines beside the strongest, those of the largest amplitude first.
+    """Lines beside the strongest, up to 6 off the axes and 6 on them.
+
+    Of the strongest peaks off and on the axes that of the larger amplitude is next, for what it
+    spreads may make the other.
 
     Parameters
     ----------
@@ -87,21 +91,24 @@ def further_lines(
         What is measured of the line at a peak.
     """
     left, quiet = power.copy(), _quiet(power)
-    lowest = min(LOWEST_LINE, _ABOVE / min(shape)) if temporal else LOWEST_LINE
-    off_axes = any(line.axis == 0 for line in first)  # else none of them is real
+    lowest = min(LOWEST_LINE, _LOWEST_MODE / min(shape)) if temporal else LOWEST_LINE
     for line in first:
         _take_out(left, shape, line, _floor(power, shape, line.peak), quiet)
+    # where the strongest off the axes is not real no other is
+    wanted = {True: MOST, False: MOST if any(not line.axis for line in first) else 0}
     lines: list[Line] = []
-    while len(lines) < MOST:
-        seen = [largest_axis_peak(left, shape, repeats, temporal, lowest)]
-        if off_axes:
-            seen.append(largest_peak(left, shape, repeats, temporal))
+    while any(wanted.values()):
+        seen = [
+            largest_axis_peak(left, shape, repeats, temporal, lowest) if wanted[True] else None,
+            largest_peak(left, shape, repeats, temporal) if wanted[False] else None,
+        ]
         real = [peak for peak in seen if peak is not None and peak.real]
         if not real:
             break
         line = place(max(real, key=lambda p: p.amplitude))
         _take_out(left, shape, line, _floor(left, shape, line.peak), quiet)
         lines.append(line)
+        wanted[line.axis > 0] -= 1
     return lines
 
 
@@ -136,6 +143,8 @@ def _take_out(
     )
     mode_loops.cut_line(power, whole / _LEAK * down, across, floor, beside)
     i, k = _modes_around(line.peak, shape)
+    if not line.axis:  # next to an axis it leaves the lines there
+        i, k = i[(i > 0) & (k > 0)], k[(i > 0) & (k > 0)]
     power[i, k] = np.minimum(power[i, k], np.where((i == 0) | (k == 0), floor, beside))
 
 
