@@ -151,14 +151,11 @@ def block_waves(image, cosine, sine, blocks):
 
 
 @njit(cache=True, nogil=True)
-def cut_line(power, down, across, on_axis, off_axis):
-    """Cut to a floor, in place, the modes that down[s, i] across[s, k], summed over s, exceeds.
-
-    The floor is ``on_axis`` at u = 0 and v = 0, else ``off_axis``.
-    """
+def exceeds(power, down, across):
+    """Whether down[s, i] across[s, k], summed over s, is more than each power; bool."""
+    out = np.empty(power.shape, np.bool_)
     for i in range(power.shape[0]):
         for k in range(power.shape[1]):
             spread = down[0, i] * across[0, k] + down[1, i] * across[1, k]
-            if spread > power[i, k]:
-                floor = on_axis if i == 0 or k == 0 else off_axis
-                power[i, k] = min(power[i, k], floor)
+            out[i, k] = spread > power[i, k]
+    return out

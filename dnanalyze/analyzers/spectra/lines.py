@@ -10,10 +10,12 @@ Hogbom, Astron. Astrophys. Suppl. 15 (1974) 417.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from dnanalyze.analyzers.spectra.location import Location
 from dnanalyze.analyzers.spectra.peaks import (
@@ -32,6 +34,8 @@ _LOWEST_MODE = 6
 # Of the power of a mode, the share from which on a line makes it: noise would have to be 20 times
 # as strong as what a line between two modes spreads there.
 _LEAK = 0.05
+_REACH = 16  # modes to either side that tell the floor
+_FEWEST = 8  # of them
 _SAMPLED = 256  # modes along each side that tell the quiet power
 
 
@@ -91,9 +95,10 @@ def further_lines(
         What is measured of the line at a peak.
     """
     left, quiet = power.copy(), _quiet(power)
-    lowest = min(LOWEST_LINE, _LOWEST_MODE / min(shape)) if temporal else LOWEST_LINE
+    below = _LOWEST_MODE if temporal else math.inf
+    lowest = min(LOWEST_LINE, below / shape[0]), min(LOWEST_LINE, below / shape[1])
     for line in first:
-        _take_out(left, shape, line, _floor(power, shape, line.peak), quiet)
+        _take_out(left, shape, line, repeats, quiet)
     # where the strongest off the axes is not real no other is
     wanted = {True: MOST, False: MOST if any(not line.axis for line in first) else 0}
     lines: list[Line] = []
@@ -106,16 +111,10 @@ def further_lines(
         if not real:
             break
         line = place(max(real, key=lambda p: p.amplitude))
-        _take_out(left, shape, line, _floor(left, shape, line.peak), quiet)
+        _take_out(left, shape, line, repeats, quiet)
         lines.append(line)
         wanted[line.axis > 0] -= 1
     return lines
-
-
-def _floor(power: np.ndarray, shape: tuple[int, int], peak: Peak) -> float:
-    """Mean power of the modes around a peak."""
-    i, k = round(peak.v * shape[0]) % shape[0], round(peak.u * shape[1])
-    return float(power[i, k]) / peak.ratio
 
 
 def _quiet(power: np.ndarray) -> float:
@@ -125,27 +124,57 @@ def _quiet(power: np.ndarray) -> float:
 
 
 def _take_out(
-    power: np.ndarray, shape: tuple[int, int], line: Line, floor: float, quiet: float
+    power: np.ndarray, shape: tuple[int, int], line: Line, repeats: float, quiet: float
 ) -> None:
-    """Cut a line and what it spreads to its floor, in place.
+    """Cut a line and what it spreads to the noise around, in place.
 
     A line between two modes spreads sinc^2 along both axes. What a line on an axis has beside it is
-    cut to the ``quiet`` power there.
+    cut to the ``quiet`` power there, and one next to an axis leaves the lines there.
     """
+    of_line = _spread_of(power, shape, line)
+    i, k = _modes_around(line.peak, shape)
+    of_line[i, k] |= (line.axis > 0) | ((i > 0) & (k > 0))
+    floor = _floor(power, of_line, _mode(line.peak, shape), repeats, quiet)
+    i, k = np.nonzero(of_line)
+    limit = np.where((i == 0) | (k == 0), floor, min(floor, quiet) if line.axis else floor)
+    power[i, k] = np.minimum(power[i, k], limit)
+
+
+def _mode(peak: Peak, shape: tuple[int, int]) -> tuple[int, int]:
+    """Row and column of a peak's mode."""
+    return round(peak.v * shape[0]) % shape[0], round(peak.u * shape[1])
+
+
+def _spread_of(power: np.ndarray, shape: tuple[int, int], line: Line) -> np.ndarray:
+    """Modes whose power may well be of a line that lies between others."""
     from dnanalyze.analyzers.kernels import mode_loops
 
     rows, columns = shape
-    beside = min(floor, quiet) if line.axis else floor
     whole = line.amplitude**2 / 4.0 * rows * columns
     down, across = (
         np.array([_spread(sign * f * size, np.arange(count), size) for sign in (1, -1)])
         for f, size, count in ((line.at.v, rows, rows), (line.at.u, columns, power.shape[1]))
     )
-    mode_loops.cut_line(power, whole / _LEAK * down, across, floor, beside)
-    i, k = _modes_around(line.peak, shape)
-    if not line.axis:  # next to an axis it leaves the lines there
-        i, k = i[(i > 0) & (k > 0)], k[(i > 0) & (k > 0)]
-    power[i, k] = np.minimum(power[i, k], np.where((i == 0) | (k == 0), floor, beside))
+    return np.asarray(mode_loops.exceeds(power, whole / _LEAK * down, across))
+
+
+def _floor(
+    power: np.ndarray, of_line: np.ndarray, at: tuple[int, int], repeats: float, quiet: float
+) -> float:
+    """Power of the noise around a mode by the median of what is not ``of_line``.
+
+    The ``quiet`` power where the line spreads over nearly all.
+    """
+    (rows, half), (i, k) = power.shape, at
+    reach = np.arange(-_REACH, _REACH + 1)
+    down = (i + reach) % rows if i else np.array([0])
+    wide = reach if i == 0 else reach[abs(reach) <= _SPAN] if k else np.array([0])
+    across = np.clip(k + wide, min(k, 1), half - 1)
+    around = np.ix_(down, across)
+    left = power[around][~of_line[around]]
+    if left.size < _FEWEST:
+        return quiet
+    return float(np.median(left) / special.gammaincinv(repeats, 0.5) * repeats)
 
 
 def _spread(at: float, modes: np.ndarray, size: int) -> np.ndarray:
@@ -159,9 +188,9 @@ def _modes_around(peak: Peak, shape: tuple[int, int]) -> tuple[np.ndarray, np.nd
     rows, columns = shape
     near = np.arange(-_SPAN, _SPAN + 1)
     down, across = (part.ravel() for part in np.meshgrid(near, near))
-    i = round(peak.v * rows) + np.concatenate([down, down])
-    k = round(peak.u * columns) + np.concatenate([across, across])
+    at = _mode(peak, shape)
     sign = np.repeat([1, -1], down.size)
-    i, k = sign * i % rows, sign * k % columns
+    i = sign * np.tile(at[0] + down, 2) % rows
+    k = sign * np.tile(at[1] + across, 2) % columns
     stored = k <= columns // 2
     return i[stored], k[stored]
