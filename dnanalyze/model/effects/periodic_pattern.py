@@ -46,7 +46,7 @@ class PeriodicPattern(Effect):
     )
     formula: ClassVar[str] = (
         "y_ij += A sum_n a_n sin(2 pi (u_n j + v_n i) + phase_n);  a_0 = 1, (u_0, v_0) = (u, v), "
-        "the others from `more`;  variance A^2 / 2 sum_n a_n^2"
+        "the others from more;  variance A^2 / 2 sum_n a_n^2"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA 1288 release 4.0 (horizontal and vertical spectrograms)",
