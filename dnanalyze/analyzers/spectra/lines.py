@@ -94,7 +94,7 @@ def further_lines(
     place : callable
         What is measured of the line at a peak.
     """
-    left, quiet = power.copy(), _quiet(power)
+    left, quiet = _Left(power.copy(), np.zeros(power.shape, bool)), _quiet(power)
     below = _LOWEST_MODE if temporal else math.inf
     lowest = min(LOWEST_LINE, below / shape[0]), min(LOWEST_LINE, below / shape[1])
     for line in first:
@@ -104,8 +104,10 @@ def further_lines(
     lines: list[Line] = []
     while any(wanted.values()):
         seen = [
-            largest_axis_peak(left, shape, repeats, temporal, lowest) if wanted[True] else None,
-            largest_peak(left, shape, repeats, temporal) if wanted[False] else None,
+            largest_axis_peak(left.power, shape, repeats, temporal, lowest)
+            if wanted[True]
+            else None,
+            largest_peak(left.power, shape, repeats, temporal) if wanted[False] else None,
         ]
         real = [peak for peak in seen if peak is not None and peak.real]
         if not real:
@@ -123,21 +125,39 @@ def _quiet(power: np.ndarray) -> float:
     return float(np.median(power[1 :: steps[0], 1 :: steps[1]]))
 
 
+@dataclass(frozen=True)
+class _Left:
+    """Power with lines taken out, changed in place, and the modes that were of one."""
+
+    power: np.ndarray
+    taken: np.ndarray
+
+
 def _take_out(
-    power: np.ndarray, shape: tuple[int, int], line: Line, repeats: float, quiet: float
+    left: _Left, shape: tuple[int, int], line: Line, repeats: float, quiet: float
 ) -> None:
-    """Cut a line and what it spreads to the noise around, in place.
+    """Cut a line and what it spreads to the noise around.
 
     A line between two modes spreads sinc^2 along both axes. What a line on an axis has beside it is
-    cut to the ``quiet`` power there, and one next to an axis leaves the lines there.
+    cut to the ``quiet`` power there, and one next to an axis leaves the lines there. Where the
+    noise is that of the floor the modes are set to it: cut at their mean, they would have a lower.
     """
-    of_line = _spread_of(power, shape, line)
+    of_line = _spread_of(left.power, shape, line)
     i, k = _modes_around(line.peak, shape)
     of_line[i, k] |= (line.axis > 0) | ((i > 0) & (k > 0))
-    floor = _floor(power, of_line, _mode(line.peak, shape), repeats, quiet)
+    left.taken[of_line] = True
+    mode = _mode(line.peak, shape)
+    otherwise = float(left.power[mode]) / line.peak.ratio if line.axis else quiet
+    floor = _floor(left, mode, repeats, otherwise)
     i, k = np.nonzero(of_line)
     limit = np.where((i == 0) | (k == 0), floor, min(floor, quiet) if line.axis else floor)
-    power[i, k] = np.minimum(power[i, k], limit)
+    near = [
+        (np.abs((i - s * mode[0] + shape[0] // 2) % shape[0] - shape[0] // 2) <= _REACH)
+        & (np.abs(k - s * mode[1]) <= _REACH)
+        for s in (1, -1)
+    ]
+    cut = np.minimum(left.power[i, k], limit)
+    left.power[i, k] = np.where(near[0] | near[1], limit, cut)
 
 
 def _mode(peak: Peak, shape: tuple[int, int]) -> tuple[int, int]:
@@ -158,23 +178,17 @@ def _spread_of(power: np.ndarray, shape: tuple[int, int], line: Line) -> np.ndar
     return np.asarray(mode_loops.exceeds(power, whole / _LEAK * down, across))
 
 
-def _floor(
-    power: np.ndarray, of_line: np.ndarray, at: tuple[int, int], repeats: float, quiet: float
-) -> float:
-    """Power of the noise around a mode by the median of what is not ``of_line``.
-
-    The ``quiet`` power where the line spreads over nearly all.
-    """
-    (rows, half), (i, k) = power.shape, at
+def _floor(left: _Left, at: tuple[int, int], repeats: float, otherwise: float) -> float:
+    """Power of the noise around a mode by the median of what is of no line; too few: otherwise."""
+    (rows, half), (i, k) = left.power.shape, at
     reach = np.arange(-_REACH, _REACH + 1)
     down = (i + reach) % rows if i else np.array([0])
     wide = reach if i == 0 else reach[abs(reach) <= _SPAN] if k else np.array([0])
-    across = np.clip(k + wide, min(k, 1), half - 1)
-    around = np.ix_(down, across)
-    left = power[around][~of_line[around]]
-    if left.size < _FEWEST:
-        return quiet
-    return float(np.median(left) / special.gammaincinv(repeats, 0.5) * repeats)
+    around = np.ix_(down, np.clip(k + wide, min(k, 1), half - 1))
+    noise = left.power[around][~left.taken[around]]
+    if noise.size < _FEWEST:
+        return otherwise
+    return float(np.median(noise) / special.gammaincinv(repeats, 0.5) * repeats)
 
 
 def _spread(at: float, modes: np.ndarray, size: int) -> np.ndarray:
