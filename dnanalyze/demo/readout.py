@@ -97,13 +97,26 @@ def _heavy_tailed_read_noise(scene: Scene, rng: Generator, excess_kurtosis: floa
 
 def _periodic_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
     fy, fx = rng.uniform(0.03, 0.45, 2)
-    return of_noise(sensor, amount, rng) | {"fy": float(fy), "fx": float(fx * rng.choice([-1, 1]))}
+    fx *= rng.choice([-1, 1])
+    return of_noise(sensor, amount, rng) | {"fy": float(fy), "fx": float(fx), "harmonic": 0.0}
 
 
-def _periodic_pattern(scene: Scene, rng: Generator, e: float, fy: float, fx: float) -> Step:
-    """A sin(2 pi (fx x + fy y) + phase), the phase new in each frame: variance A^2/2."""
+def _periodic_pattern(
+    scene: Scene, rng: Generator, e: float, fy: float, fx: float, harmonic: float = 0.0
+) -> Step:
+    """A sin(2 pi (fx x + fy y) + phase), the phase new in each frame: variance A^2/2.
+
+    With a second harmonic of ``harmonic`` A and a phase of its own, where there is one.
+    """
     angle = 2 * np.pi * (fy * scene.row + fx * scene.column)
-    return Step("line", lambda y, now: y + e * np.sin(angle + now.rng.uniform(0, 2 * np.pi)))
+
+    def apply(y: np.ndarray, now: Moment) -> np.ndarray:
+        y = y + e * np.sin(angle + now.rng.uniform(0, 2 * np.pi))
+        if harmonic:
+            y = y + harmonic * e * np.sin(2 * angle + now.rng.uniform(0, 2 * np.pi))
+        return y
+
+    return Step("line", apply)
 
 
 def _offset_drift(scene: Scene, rng: Generator, e: float) -> Step:

@@ -12,6 +12,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.wave import Wave
 
 MOSAIC = 2  # rows and columns of a block of colours
+SHARED = ("", "rows", "columns")  # by a line, as in `analyzers.spectra.lines.Line.axis`
 CHANCE = 0.1  # c/px; the frequency of a peak that chance made is told no better
 
 
@@ -80,31 +81,14 @@ class Readings:
         A colour of a mosaic sees every second pixel: of the frequencies in the frame that look
         alike to it, the lowest.
         """
-        found, planes = [], self.planes[setting]
-        for plane in planes:
-            for line in (f"{part}_line", f"{part}_axis_line"):
-                ratio, u, v, amplitude = (
-                    plane.values.get(f"{line}{what}") for what in ("", "_u", "_v", "_amplitude")
-                )
-                if ratio is None or u is None or v is None or amplitude is None:
-                    continue
-                if u.se > CHANCE:
-                    continue
-                scale = 1.0 if len(planes) == 1 else 1.0 / MOSAIC
-                alone = abs(u.value) < abs(v.value)
-                shared = "" if line == f"{part}_line" else "rows" if alone else "columns"
-                found.append(
-                    Wave(
-                        scale * u.value,
-                        scale * v.value,
-                        scale * u.se,
-                        scale * v.se,
-                        amplitude.value,
-                        ratio.value,
-                        shared,
-                    )
-                )
-        return found
+        planes = self.planes[setting]
+        scale = 1.0 if len(planes) == 1 else 1.0 / MOSAIC
+        return [
+            _wave(row, scale)
+            for p in planes
+            for row in _lines(p, part).tolist()
+            if row[2] <= CHANCE
+        ]
 
     def defects(self, axis: str, setting: int) -> np.ndarray:
         """The "columns" or "rows" of one point that stand out, (n, 4), as `line_defects` has them.
@@ -120,6 +104,32 @@ class Readings:
                 seen[:, 2:] *= MOSAIC
             found.append(seen)
         return np.concatenate(found)
+
+
+def _wave(row: list[float], scale: float) -> Wave:
+    """A line of a spectrum, its frequencies times ``scale``."""
+    u, v, u_error, v_error = (scale * number for number in row[:4])
+    return Wave(u, v, u_error, v_error, row[4], row[5], SHARED[int(row[6])])
+
+
+def _lines(plane: SettingStatistics, part: str) -> np.ndarray:
+    """All lines of a spectrum, or the strongest off and on the axes where these alone are known."""
+    known = plane.curves.get(f"{part}_lines")
+    return known if known is not None else _strongest_lines(plane, part)
+
+
+def _strongest_lines(plane: SettingStatistics, part: str) -> np.ndarray:
+    """As the curve of all lines."""
+    found = []
+    for name, on_axis in ((f"{part}_line", False), (f"{part}_axis_line", True)):
+        ratio, u, v, amplitude = (
+            plane.values.get(f"{name}{what}") for what in ("", "_u", "_v", "_amplitude")
+        )
+        if ratio is None or u is None or v is None or amplitude is None:
+            continue
+        axis = 0 if not on_axis else 1 if abs(u.value) < abs(v.value) else 2
+        found.append((u.value, v.value, u.se, v.se, amplitude.value, ratio.value, axis))
+    return np.array(found, float).reshape(-1, 7)
 
 
 def _mean(values: list[float]) -> float:

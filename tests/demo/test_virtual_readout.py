@@ -105,6 +105,17 @@ def test_periodic_pattern_is_one_line_of_random_phase():
     assert np.ptp(np.angle(line)) > 1.0
 
 
+def test_a_periodic_pattern_may_have_a_harmonic():
+    fy, fx, e = 12 / ROWS, 40 / COLUMNS, 0.8
+    given = {"e": e, "fy": fy, "fx": fx}
+    d = added({"periodic_pattern": given | {"harmonic": 0.5}}, frames=8)
+    spectrum = np.fft.fft2(d) / d[0].size
+    for n, amplitude in ((1, e), (2, 0.5 * e)):
+        line = spectrum[:, n * 12 % ROWS, n * 40 % COLUMNS]
+        np.testing.assert_allclose(np.abs(line), amplitude / 2, rtol=0.04)
+        assert np.ptp(np.angle(line)) > 1.0
+
+
 def test_offset_drift_walks():
     d = added({"offset_drift": {"e": 0.5}}, frames=120)
     level = d.mean(axis=(1, 2))

@@ -1,13 +1,20 @@
 """A pattern's line in frames made without the package's simulator: read off, held, reported."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start
+from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.located import located, told
 from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.residual import Residual
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders import load
 from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
 
@@ -44,6 +51,40 @@ def test_an_added_pattern_stays_at_the_line_that_stands_highest(tmp_path):
         assert getattr(pattern, axis) == pytest.approx(number.value)
         assert abs(sign * number.value - truth) < 4 * number.se
         assert number.se < 0.05 / min(SHAPE)
+
+
+def guessed(captures):
+    """First guesses beside the model of the first fit."""
+    held = bench(design(captures))
+    model = paper_start(held)
+    return PeriodicPattern.guess(Residual(held, start(held, model, knobs_of(model))))
+
+
+def test_a_guess_has_both_lines_of_the_captures_or_the_stronger(tmp_path):
+    """Harmonics 1 and 2 of a band, of .8 and .4 DN, in 1.5 DN of noise."""
+    captures = frames_in(tmp_path, [(0.0, 0.2131), (0.0, 0.4262)], 3, (0.8, 0.4))
+    several, alone = (g for g in guessed(captures) if g.phase == "random")
+    ((u, v, relative),) = several.further
+    assert np.abs([several.u, u]).max() < 2e-3
+    assert (abs(several.v), abs(v)) == pytest.approx((0.2131, 0.4262), abs=2e-3)
+    # medians of four places, each a mean power over 4 random phases: 29 % of the power
+    assert relative == pytest.approx(0.5, rel=0.4)
+    assert (several.u, several.v) == (alone.u, alone.v)
+    assert alone.more == ()
+
+
+def test_captures_of_one_line_are_guessed_no_other(tmp_path):
+    captures = frames_in(tmp_path, [(0.0931, 0.4021)], 4, (0.8,))
+    assert [g.more for g in guessed(captures)] == [()] * len(guessed(captures))
+
+
+def test_lines_are_the_strongest_where_the_curve_of_all_is_not_kept(tmp_path):
+    captures = frames_in(tmp_path, [(0.0931, 0.4021), (0.0, 0.2131)], 5, (0.8, 0.6))
+    found = analyze(captures)
+    settings = tuple(replace(s, curves={}) for s in found.settings)
+    both = [Readings(s).waves("temporal", 0) for s in (found, replace(found, settings=settings))]
+    assert both[0] == both[1]
+    assert [wave.shared for wave in both[0]] == ["", "rows"]
 
 
 def test_a_fit_begins_at_the_measured_line_and_reports_its_error(tmp_path):

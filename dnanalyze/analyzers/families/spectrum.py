@@ -8,8 +8,9 @@ that vanishes off the axes.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from scipy import special
@@ -20,6 +21,7 @@ from dnanalyze.analyzers.families.family import FamilyResult
 from dnanalyze.analyzers.families.spectrum_infos import INFOS, band_names, profile_names
 from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.spectra.coherence import in_step
+from dnanalyze.analyzers.spectra.lines import Line, as_curve, further_lines
 from dnanalyze.analyzers.spectra.location import UNIFORM, Location, located, seen_share
 from dnanalyze.analyzers.spectra.modes import (
     FIRST_MODES,
@@ -57,6 +59,7 @@ PATTERN_ALONE = "pattern_spectrum"  # of the family, what the mean frame alone t
 
 _COARSE = 0.16  # c/px; waves longer than this take a hit on several pixels for one
 QUIET = 3.0  # robust sigmas beyond which a pixel counts as hit
+_LEFT = 0.2  # a line of random phase leaves 5 times its mean power in one of e^5 patterns
 
 
 @dataclass(frozen=True)
@@ -293,7 +296,7 @@ def _images(part: _Part, acc: Accumulated) -> tuple[np.ndarray, ...]:
 def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) -> None:
     shape = part.reduced.modes.shape
     peak = largest_peak(part.power, shape, part.repeats, part.name == "temporal")
-    name = f"{part.name}_line"
+    name, strongest = f"{part.name}_line", list[Line]()
     if peak is None:
         why = "the frame is too small, or has no power, to search for lines"
         for what in ("", "_in_step", "_u", "_v", "_amplitude"):
@@ -306,18 +309,19 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
             result.values[f"{name}_in_step"] = share
         else:
             result.missing[f"{name}_in_step"] = "the frames at the ends of the series are equal"
-        _place(part, peak, error, images, result)
+        strongest.append(_place(part, peak, error, images, result))
     if part.errors:
         axis = largest_axis_peak(part.power, shape, part.repeats, part.name == "temporal")
         if axis is not None and axis.real:
             name = f"{part.name}_axis_line"
             error = math.hypot(axis.log_error, _residue(part, axis))
             result.values[name] = Value(axis.ratio, error)
-            _place(part, axis, error, images, result, name)
+            strongest.append(_place(part, axis, error, images, result, name))
         else:
             for what in ("", "_u", "_v", "_amplitude"):
                 why = "no peak of whole rows or columns is significant"
                 result.missing[f"{part.name}_axis_line{what}"] = why
+        result.curves[f"{part.name}_lines"] = _lines(part, strongest, images)
     if part.name == "pattern":
         ratios = nyquist_ratios(part.power, shape)
         for label in ("10", "01", "11"):
@@ -335,10 +339,31 @@ def _place(
     images: tuple[np.ndarray, ...],
     result: FamilyResult,
     name: str = "",
-) -> None:
+) -> Line:
     """Frequency and amplitude of a line: between the modes, where it is one."""
-    rows, columns = part.reduced.modes.shape
     name = name or f"{part.name}_line"
+    found = _line(part, peak, images)
+    result.values[f"{name}_u"] = Value(found.at.u, found.at.u_error)
+    result.values[f"{name}_v"] = Value(found.at.v, found.at.v_error)
+    result.values[f"{name}_amplitude"] = Value(found.amplitude, found.amplitude * error / 2)
+    return found
+
+
+def _lines(part: _Part, strongest: Sequence[Line], images: tuple[np.ndarray, ...]) -> np.ndarray:
+    """All lines of the part, as `as_curve` has them: these where they are real, and others.
+
+    Of the pattern's others those are left out that are what is left of lines that change in time.
+    """
+    first = [line for line in strongest if line.peak.real]
+    shape, temporal = part.reduced.modes.shape, part.name == "temporal"
+    place = partial(_line, part, images=images)
+    others = further_lines(part.power, shape, part.repeats, temporal, first, place)
+    return as_curve([*first, *(k for k in others if _residue(part, k.peak) < _LEFT)])
+
+
+def _line(part: _Part, peak: Peak, images: tuple[np.ndarray, ...]) -> Line:
+    """Where the line at a peak lies, and its amplitude."""
+    rows, columns = part.reduced.modes.shape
     amplitude = peak.amplitude
     # chance puts its peak anywhere
     line = Location(peak.u, peak.v, 0.5 * UNIFORM, UNIFORM)
@@ -349,9 +374,7 @@ def _place(
         amplitude /= math.sqrt(_seen(peak, line, (rows, columns)))
     elif peak.real:
         line = Location(peak.u, peak.v, UNIFORM / columns, UNIFORM / rows)
-    result.values[f"{name}_u"] = Value(line.u, line.u_error)
-    result.values[f"{name}_v"] = Value(line.v, line.v_error)
-    result.values[f"{name}_amplitude"] = Value(amplitude, amplitude * error / 2)
+    return Line(peak, line, amplitude)
 
 
 def _seen(peak: Peak, line: Location, shape: tuple[int, int]) -> float:

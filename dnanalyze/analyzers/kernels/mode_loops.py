@@ -148,3 +148,14 @@ def block_waves(image, cosine, sine, blocks):
             out[i, b, 0] = folded(even)
             out[i, b, 1] = folded(odd)
     return out
+
+
+@njit(cache=True, nogil=True)
+def exceeds(power, down, across):
+    """Whether down[s, i] across[s, k], summed over s, is more than each power; bool."""
+    out = np.empty(power.shape, np.bool_)
+    for i in range(power.shape[0]):
+        for k in range(power.shape[1]):
+            spread = down[0, i] * across[0, k] + down[1, i] * across[1, k]
+            out[i, k] = spread > power[i, k]
+    return out

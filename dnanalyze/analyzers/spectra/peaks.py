@@ -90,11 +90,16 @@ def largest_peak(
 
 
 def largest_axis_peak(
-    power: np.ndarray, shape: tuple[int, int], repeats: float, temporal: bool = False
+    power: np.ndarray,
+    shape: tuple[int, int],
+    repeats: float,
+    temporal: bool = False,
+    lowest: tuple[float, float] = (LOWEST_LINE, LOWEST_LINE),
 ) -> Peak | None:
     """As `largest_peak` of the modes that whole rows (u = 0) or whole columns (v = 0) share.
 
-    The floor is the mean of the modes around along the axis. The Nyquist modes are left out.
+    The floor is the mean of the modes around along the axis. The Nyquist modes are left out, and
+    those below ``lowest`` along v and along u, cycles/pixel.
     """
     rows, columns = shape
     best: Peak | None = None
@@ -106,7 +111,7 @@ def largest_axis_peak(
             continue
         floor = _floor_along(line, reach)
         f = np.arange(1, line.size + 1) / shape[axis]
-        ratios = np.where((f >= LOWEST_LINE) & (floor > 0), line / np.maximum(floor, 1e-300), 0.0)
+        ratios = np.where((f >= lowest[axis]) & (floor > 0), line / np.maximum(floor, 1e-300), 0.0)
         at = int(np.argmax(ratios))
         ratio = float(ratios[at])
         if not ratio > (best.ratio if best else 0.0):

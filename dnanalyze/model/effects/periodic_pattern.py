@@ -8,25 +8,28 @@ from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.clues import Located
 from dnanalyze.model.effect import Effect, Site, Stage, Told, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
-from dnanalyze.model.wave import strongest_wave
+from dnanalyze.model.wave import Wave, strongest_wave
 
 PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line
+MOST = 8  # lines, the first among them
+RELATIVE = (1e-3, 10.0)  # amplitudes of further lines over the first's
 PARTS = {"temporal": "random", "pattern": "fixed"}  # of the spectrum, and the phase there
 
 
 @dataclass(frozen=True)
 class PeriodicPattern(Effect):
-    """y += A sin(2 pi (u x + v y) + phase)."""
+    """y += A sin(2 pi (u x + v y) + phase), and further lines of their own frequency and phase."""
 
     name: ClassVar[str] = "periodic_pattern"
     stage: ClassVar[Stage] = Stage.LINE_READ
     varies: ClassVar[str] = "both"
     summary: ClassVar[str] = (
-        "A sine wave across the frame (hum, clock pick-up, switching regulator)."
+        "Sine waves across the frame (hum, clock pick-up, switching regulator)."
     )
     physics: ClassVar[str] = (
         "An interfering oscillation - mains hum, a switching regulator, a radio link, a clock - "
@@ -34,12 +37,17 @@ class PeriodicPattern(Effect):
         "raster, any frequency in time becomes one point (u, v) of the image's spectrum: slow ones "
         "give horizontal bands (u = 0), fast ones slanted stripes. An interferer that is not "
         "locked to the frame clock has a new phase in every frame; one that is locked stands "
-        "still. It does not depend on exposure or temperature; the analog gain raises it where it "
-        "enters before the gain. Remedy: find the source by its frequency f = (v + u x columns) x "
-        "line rate, then shield, filter or synchronise it; a notch in the spectrum repairs images "
-        "already taken."
+        "still. An oscillation that is no pure sine has harmonics at 2, 3, ... times its "
+        "frequency, folded into +-1/2, and a camera may have several sources: `more` holds these "
+        "further lines. It does not depend on exposure or temperature; the analog gain raises it "
+        "where it enters before the gain. Remedy: find the source by its frequency "
+        "f = (v + u x columns) x line rate, then shield, filter or synchronise it; a notch in the "
+        "spectrum repairs images already taken."
     )
-    formula: ClassVar[str] = "y_ij += A sin(2 pi (u j + v i) + phase);  variance A^2 / 2"
+    formula: ClassVar[str] = (
+        "y_ij += A sum_n a_n sin(2 pi (u_n j + v_n i) + phase_n);  a_0 = 1, (u_0, v_0) = (u, v), "
+        "the others from more;  variance A^2 / 2 sum_n a_n^2"
+    )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA 1288 release 4.0 (horizontal and vertical spectrograms)",
     )
@@ -60,37 +68,75 @@ class PeriodicPattern(Effect):
     u: float = parameter(0.05, "cycles/pixel", -0.5, 0.5, "frequency along a row", "held")
     v: float = parameter(0.17, "cycles/pixel", -0.5, 0.5, "frequency along a column", "held")
     phase: str = choice("random", "new in every frame, or the same", "random", "fixed")
+    more: tuple[float, ...] = choice(
+        (), "u, v and amplitude over A of each further line, as measured; each has its own phase"
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        lines, rest = divmod(len(self.more), 3)
+        if rest or lines >= MOST:
+            raise InputError(
+                f"periodic_pattern.more: {len(self.more)} numbers; give u, v and relative "
+                f"amplitude of each further line, {MOST - 1} lines at most"
+            )
+        for u, v, relative in self.further:
+            if abs(u) > 0.5 or abs(v) > 0.5:
+                raise InputError(
+                    f"periodic_pattern.more: frequency ({u:g}, {v:g}) cycles/pixel; valid: -1/2 "
+                    "to 1/2"
+                )
+            if not RELATIVE[0] <= relative <= RELATIVE[1]:
+                raise InputError(
+                    f"periodic_pattern.more: amplitude {relative:g} over the first's; valid: "
+                    f"{RELATIVE[0]:g} to {RELATIVE[1]:g}"
+                )
+
+    @property
+    def further(self) -> list[tuple[float, float, float]]:
+        """Frequencies u, v and relative amplitude of each line of ``more``."""
+        return list(zip(self.more[::3], self.more[1::3], self.more[2::3], strict=True))
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
-        """Add the wave; sin(a + b) is made of one sine a column and one a row."""
+        """Add the waves; sin(a + b) is made of one sine a column and one a row."""
         stream = site.silicon if self.phase == "fixed" else site.moment
-        start = 2.0 * math.pi * float(stream.child("phase").generator().random())
-        along = 2.0 * math.pi * self.value("u", site.point) * site.column_index
-        down = 2.0 * math.pi * self.value("v", site.point) * site.row_index + start
         amplitude = self.value("amplitude", site.point) * site.gain_ratio
-        signal += np.outer(amplitude * np.sin(down), np.cos(along)).astype(np.float32)
-        signal += np.outer(amplitude * np.cos(down), np.sin(along)).astype(np.float32)
+        first = self.value("u", site.point), self.value("v", site.point), 1.0
+        for n, (u, v, relative) in enumerate([first, *self.further]):
+            own = stream.child("phase", n) if n else stream.child("phase")
+            start = 2.0 * math.pi * float(own.generator().random())
+            along = 2.0 * math.pi * u * site.column_index
+            down = 2.0 * math.pi * v * site.row_index + start
+            size = amplitude * relative
+            signal += np.outer(size * np.sin(down), np.cos(along)).astype(np.float32)
+            signal += np.outer(size * np.cos(down), np.sin(along)).astype(np.float32)
         return signal
 
     def variance(self, point: OperatingPoint) -> float:
-        """A^2 / 2, DN^2."""
-        return self.value("amplitude", point) ** 2 / 2.0
+        """A^2 / 2 times the sum of the squared relative amplitudes, DN^2."""
+        relative = 1.0 + sum(a**2 for _, _, a in self.further)
+        return self.value("amplitude", point) ** 2 / 2.0 * relative
 
     def told(self, measured: Located) -> dict[str, Told]:
         """The frequency of the line within a mode of its own, or else of the strongest."""
         if not (isinstance(self.u, (int, float)) and isinstance(self.v, (int, float))):
             return {}
         part = next(part for part, phase in PARTS.items() if phase == self.phase)
-        rows, columns = measured.shape
+        field = measured.shape
         seen = [w.turned(self.u, self.v) for w in measured.waves(part)]
-        near = [
-            w for w in seen if abs(w.u - self.u) < 1.0 / columns and abs(w.v - self.v) < 1.0 / rows
-        ]
-        patterns = [w for w in seen if beats(w.v, w.u, measured.shape) >= PERIODS]
+        near = [w for w in seen if lies_at(w, self.u, self.v, field)]
+        others = [w for w in seen if not any(lies_at(w, u, v, field) for u, v, _ in self.further)]
+        patterns = [w for w in others if beats(w.v, w.u, field) >= PERIODS]
         line = strongest_wave(near or patterns)
         if line is None:
             return {}
         return {"u": Told(line.u, line.u_error), "v": Told(line.v, line.v_error)}
+
+
+def lies_at(wave: Wave, u: float, v: float, field: tuple[int, int]) -> bool:
+    """Whether a wave lies within a mode of a frequency."""
+    here = wave.turned(u, v)
+    return abs(here.u - u) < 1.0 / field[1] and abs(here.v - v) < 1.0 / field[0]
 
 
 def beats(v: float, u: float, field: tuple[int, int]) -> float:

@@ -1,11 +1,14 @@
 import numpy as np
 import pytest
-from readout_bench import POINT, Given, added
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from readout_bench import POINT, Given, added, frames
 
+from dnanalyze.errors import InputError
 from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
-from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.noise_model import NoiseModel, load_model
 from dnanalyze.model.wave import Wave
 
 WAVE = PeriodicPattern(1.5, 5 / 128, 22 / 128)
@@ -95,3 +98,143 @@ def test_guess_from_a_line_on_an_axis():
 def test_no_guess_where_there_is_no_line():
     off = {"temporal_line": 9.0, "temporal_rows_0.1_0.3": 9.0}
     assert PeriodicPattern.guess(Given(off=off)) == []
+
+
+SEVERAL = PeriodicPattern(
+    1.5, 5 / 128, 22 / 128, more=(10 / 128, 44 / 128, 0.5, 0.0, -37 / 128, 0.25)
+)
+
+
+def test_further_lines_hold_their_share_of_the_variance():
+    assert SEVERAL.variance(POINT) == pytest.approx(1.5**2 / 2 * (1 + 0.5**2 + 0.25**2))
+    for frame in added(SEVERAL, count=3):
+        power = np.abs(np.fft.fft2(frame)) ** 2 / frame.size**2
+        for i, k, relative in ((22, 5, 1.0), (44, 10, 0.5), (-37, 0, 0.25)):
+            assert power[i, k] == pytest.approx((1.5 * relative) ** 2 / 4, rel=1e-4)
+        assert power.sum() == pytest.approx(SEVERAL.variance(POINT), rel=1e-4)
+
+
+def test_every_line_has_a_phase_of_its_own():
+    spectra = np.fft.fft2(added(SEVERAL, count=40))
+    turns = [spectra[:, i, k] / np.abs(spectra[:, i, k]) for i, k in ((22, 5), (44, 10), (-37, 0))]
+    for n, one in enumerate(turns):
+        assert abs(one.mean()) < 3 / np.sqrt(40)  # Rayleigh: exp(-9) by chance
+        for other in turns[n + 1 :]:
+            assert abs((one * other.conj()).mean()) < 3 / np.sqrt(40)
+    fixed = PeriodicPattern(1.5, 0.11, 0.07, "fixed", (0.2, 0.3, 0.4))
+    first, second = added(fixed, count=2)
+    np.testing.assert_allclose(first, second, atol=1e-4)
+
+
+def test_a_part_of_the_frame_has_the_same_waves():
+    window = Window(20, 90, 30, 110)
+    whole, part = (frames(SEVERAL, window=w)[0] for w in (None, window))
+    np.testing.assert_allclose(part, whole[window.slices], atol=1e-4)
+
+
+class OneSine(PeriodicPattern):
+    """The effect as it was before it had further lines."""
+
+    def apply(self, signal, site):
+        stream = site.silicon if self.phase == "fixed" else site.moment
+        start = 2.0 * np.pi * float(stream.child("phase").generator().random())
+        along = 2.0 * np.pi * self.u * site.column_index
+        down = 2.0 * np.pi * self.v * site.row_index + start
+        signal += np.outer(self.amplitude * np.sin(down), np.cos(along)).astype(np.float32)
+        signal += np.outer(self.amplitude * np.cos(down), np.sin(along)).astype(np.float32)
+        return signal
+
+
+@pytest.mark.parametrize("phase", ["random", "fixed"])
+def test_frames_of_one_line_are_what_they_were(phase):
+    given = (1.5, 0.11, -0.07, phase)
+    was, now = (frames(kind(*given)) for kind in (OneSine, PeriodicPattern))
+    np.testing.assert_array_equal(was, now)
+
+
+def test_a_model_file_keeps_the_lines(tmp_path):
+    NoiseModel((SEVERAL,), 64.0).save(tmp_path / "model.yaml")
+    assert load_model(tmp_path / "model.yaml").get("periodic_pattern") == SEVERAL
+    assert "more" not in [k.name for k in knobs_of(NoiseModel((SEVERAL,), 64.0))]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        (0.1, 0.2),
+        (0.1, 0.2, 0.5) * 8,
+        (0.51, 0.2, 0.5),
+        (0.1, -0.7, 0.5),
+        (0.1, 0.2, 1e-4),
+        (0.1, 0.2, 11.0),
+        (0.1, 0.2, float("nan")),
+        ("a", 0.2, 0.5),
+        0.5,
+    ],
+)
+def test_what_is_no_further_line_is_refused(more):
+    with pytest.raises(InputError, match=r"periodic_pattern\.more"):
+        PeriodicPattern(more=more)
+
+
+FREQUENCY = st.integers(-31, 31)
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    modes=st.lists(
+        st.tuples(st.integers(1, 31), FREQUENCY, st.floats(0.01, 10.0)),
+        min_size=1,
+        max_size=7,
+        unique_by=lambda line: line[:2],
+    ),
+    amplitude=st.floats(0.1, 5.0),
+)
+def test_power_of_any_lines_is_the_closed_form(modes, amplitude):
+    more = tuple(x for u, v, a in modes for x in (u / 64, v / 64, a))
+    effect = PeriodicPattern(amplitude, 0.0, 0.25, more=more)
+    (frame,) = added(effect, count=1, shape=(64, 64))
+    assert frame.var() == pytest.approx(effect.variance(POINT), rel=1e-3)
+
+
+def seen_at(places, **given):
+    return Given(spectral={"temporal": places}, off={"temporal_line": 12.0}, **given)
+
+
+def test_guess_has_the_further_lines_and_the_first_alone():
+    first, harmonic = (0.05, -0.17), (0.1, -0.34)
+    places = [line(*first), line(*first), line(*harmonic, 0.3, ratio=9.0)]
+    several, alone = PeriodicPattern.guess(seen_at(places))
+    assert several.further == [(*harmonic, 0.5)]
+    assert (several.u, several.v) == (alone.u, alone.v) == first
+    assert several.amplitude == alone.amplitude
+    assert alone.more == ()
+
+
+def test_guess_leaves_out_what_is_weak_or_seldom_or_beside_the_first():
+    first = (0.05, -0.17)
+    weak, seldom = line(0.1, -0.34, 0.05, ratio=9.0), line(0.3, 0.2, 0.5, ratio=9.0)
+    beside = line(0.05 + 0.7 / 256, -0.17, 0.5, 1e-5, ratio=9.0)
+    places = [line(*first, error=1e-5)] * 3 + [weak, weak, seldom, beside]
+    (alone,) = PeriodicPattern.guess(seen_at(places))
+    assert alone.more == ()
+    (alone,) = PeriodicPattern.guess(seen_at([*places, line(0.3, 1 / 256, 0.5)]))
+    assert alone.more == ()  # less than a period and a half beside what every line repeats
+
+
+def test_fixed_lines_of_taps_are_no_further_ones():
+    first = line(0.05, -0.17)
+    taps, other = line(0.125, 0.0, shared="columns"), line(0.1453, 0.0, shared="columns")
+    clues = Given(
+        spectral={"pattern": [first, taps, other]},
+        off={"pattern_line": 12.0, "pattern_columns_0.1_0.3": 12.0},
+    )
+    several, _ = PeriodicPattern.guess(clues)
+    assert several.further == [(other.u, other.v, 1.0)]
+
+
+def test_the_first_line_is_told_beside_the_further_ones():
+    waves = [line(0.3, 0.1, ratio=50.0), line(0.1005, -0.2, error=1e-4, ratio=20.0)]
+    clues = Given(spectral={"temporal": waves})
+    told = PeriodicPattern(u=0.4, v=0.4, more=(0.3, 0.1, 0.5)).told(clues)
+    assert (told["u"].value, told["v"].value) == (pytest.approx(0.1005), pytest.approx(-0.2))
