@@ -1,9 +1,7 @@
 """Derivatives of what a model predicts, by one simulation a group of knobs.
 
 What is everywhere in the field moves a part of it as it moves the whole. Its knobs are turned on
-the part, at about a third of the time; those of few pixels on the whole, and all of a model in
-which anything has a place: beside a glow, levels and noise of the middle rows are not the field's,
-and a fit with their derivatives ended 30 above its optimum.
+the part, at about a third of the time; those of what has a place, or few pixels, on the whole.
 """
 
 from __future__ import annotations
@@ -46,12 +44,11 @@ def derive(
     jacobian = state.jacobian.copy()
     near: list[list[int]] = []
     far: list[list[int]] = []
-    on_part = bench.part is not None and state.model.placing < Placing.SOMEWHERE
     for members in wanted.values():
         knob = state.knobs[members[0]]
         if not _told(bench, state.model, knob):
             jacobian[:, members] = 0.0
-        elif on_part and placing_of(state.model, knob) is Placing.EVERYWHERE:
+        elif bench.part is not None and placing_of(state.model, knob) is Placing.EVERYWHERE:
             near.append(members)
         else:
             far.append(members)
