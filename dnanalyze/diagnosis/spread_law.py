@@ -18,7 +18,7 @@ from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import Null
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.from_part import STEPS
+from dnanalyze.fitting.from_part import STEPS, converge
 from dnanalyze.fitting.knobs import Knob, knobs_of
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
@@ -44,7 +44,10 @@ def spread_law(null: Null, wanted: float = math.inf) -> Trial | None:
     begun = derive(held, _begun(state, larger), only=_is_slope)
     if score(begun) < chi2.isf(1e-3, 1):
         return None
-    found = judged(null, BASE, minimise(held, begun, STEPS, below=wanted))
+    ended = minimise(held, begun, STEPS, below=wanted)
+    if ended.loss <= wanted:
+        ended = converge(held, ended, rounds=1, last=False)
+    found = judged(null, BASE, ended)
     return found if significant(found) else None
 
 

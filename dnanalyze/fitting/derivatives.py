@@ -57,9 +57,8 @@ def derive(
         seen = _differences(bench.part, there, near, smallest)
         columns = bench.part.train.derivatives_of(bench.train, np.stack(list(seen.values()), 1))
         jacobian[:, list(seen)] = columns
-    if len(far) > SEVERAL:
-        bench, state = evened(bench, state)
-    for i, column in _differences(bench, state, far, smallest).items():
+    alone, begun = evened(bench, state) if len(far) > SEVERAL else (bench, state)
+    for i, column in _differences(alone, begun, far, smallest).items():
         jacobian[:, i] = column
     return replace(state, jacobian=jacobian)
 

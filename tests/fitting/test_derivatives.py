@@ -53,7 +53,9 @@ def test_many_derivatives_are_taken_on_half_of_the_field_where_that_tells_them(e
 
     monkeypatch.setattr(Bench, "several", seen)
     monkeypatch.setattr(derivatives, "_rescaled", lambda size, _: np.ones_like(size))
-    together = derive(held, begun).jacobian
+    derived = derive(held, begun)
+    np.testing.assert_array_equal(derived.train, begun.train)
+    together = derived.jacobian
     assert {even for even, count in benches if count > SEVERAL} == {extra != "row_fpn"}
     benches.clear()
     groups = {k.group for k in begun.knobs}
