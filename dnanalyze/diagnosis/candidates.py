@@ -71,39 +71,66 @@ def trials(
     known: dict[str, type[Effect]],
     tell: Callable[[str], None] = ignored,
     so_far: SoFar | None = None,
-    plain: bool = False,
 ) -> list[Trial]:
     """Refit the candidates with the largest promise; the most probable first.
 
     ``null``: the model without them. ``tell``: called with each name. ``so_far``: takes what is
-    found, as it is found. ``plain``: only one refit of each, and none where that of the largest
-    promise has a place or few pixels.
+    found, as it is found.
     """
     so_far = so_far or SoFar()
+    guesses = _screened(null, known, tell)
+    so_far.screened[:] = guesses
+    found = _refits(null, guesses, tell, so_far)
+    promises = {name: own[0].promise for name, own in guesses.items()}
+    made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
+    tested = by_standing([_tested(null.held, t, made) for t in made])
+    return by_standing(told_apart(null.held, tested))
+
+
+def refitted_once(
+    null: Null, known: dict[str, type[Effect]], tell: Callable[[str], None] = ignored
+) -> tuple[list[str], list[Trial]]:
+    """The effects of the largest promise, and one refit of each, that of most evidence first.
+
+    None is refitted where the first of them has a place or few pixels: a part of the field does not
+    show it as the whole does. Arguments are those of `trials`.
+    """
+    guesses = _screened(null, known, tell)
+    names = list(guesses)[:REFITS]
+    if not names or known[names[0]].placing is not Placing.EVERYWHERE:
+        return names, []
+    found = _refits(null, guesses, tell, SoFar())
+    return names, sorted(found, key=lambda t: -t.evidence)
+
+
+def _screened(
+    null: Null, known: dict[str, type[Effect]], tell: Callable[[str], None]
+) -> dict[str, list[Guess]]:
+    """Guesses of each effect, the largest promise first."""
     guesses: dict[str, list[Guess]] = {}
     for guess in score_tests(null.held, null.state, known, tell):
         guesses.setdefault(guess.effect, []).append(guess)
-    so_far.screened[:] = guesses
+    return guesses
+
+
+def _refits(
+    null: Null, guesses: dict[str, list[Guess]], tell: Callable[[str], None], so_far: SoFar
+) -> list[Trial]:
+    """The first effects, each refitted from its best guess while it may reach the best of them."""
     found: list[Trial] = []
-    if plain and guesses and known[next(iter(guesses))].placing is not Placing.EVERYWHERE:
-        return found
     wanted, reach = null.state.loss, REACH
     for name, own in list(guesses.items())[:REFITS]:
         if own[0].promise < LEAST or reach * own[0].promise < null.state.loss - wanted:
             break
         tell(name)
         ended = refitted(null.held, own[0], null.state, wanted)
-        reach = max(reach, (null.state.loss - ended.loss) / own[0].promise)
-        wanted = min(wanted, null.state.loss - ALIKE * (null.state.loss - ended.loss))
+        gained = null.state.loss - ended.loss
+        reach = max(reach, gained / own[0].promise)
+        wanted = min(wanted, null.state.loss - ALIKE * gained)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         so_far.trials.append(found[-1])
         so_far.told()
-    if plain:
-        return sorted(found, key=lambda t: -t.evidence)
-    promises = {name: own[0].promise for name, own in guesses.items()}
-    made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
-    tested = by_standing([_tested(null.held, t, made) for t in made])
-    return by_standing(told_apart(null.held, tested))
+    return found
 
 
 def _tested(bench: Bench, found: Trial, trials: Sequence[Trial]) -> Trial:

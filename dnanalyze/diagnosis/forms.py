@@ -30,21 +30,20 @@ def completed(held: Bench, found: Trial) -> State:
     Where the model error is above 1, so that a better model can be told from the present one, other
     forms are tried until none of them is better.
     """
-    state = found.state
-    while not found.formed and error_of(held, state) > 1.0:
+    while not found.formed and error_of(held, found.state) > 1.0:
         better = in_best_form(held, found)
-        if better is state:
+        if better is found.state:
             break
-        state, found = better, replace(found, state=better, others=())
-    return state
+        found = replace(found, state=better, others=())
+    return found.state
 
 
 def in_best_form(held: Bench, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
-    Other choices of the effect, other strengths, and its other first guesses are simulated once.
-    Those are refitted of which the derivatives of the state promise that they may be better, the
-    lowest first.
+    Other choices of the effect, other strengths, and its other first guesses are simulated once;
+    of those that may be better by the derivatives of the state, the ones with the lowest loss are
+    refitted.
     """
     state = found.state
     known = {found.effect, *state.model.names}

@@ -29,7 +29,7 @@ PLAIN = 300.0  # exceeds the variation between sensors of one design
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete
 ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
-REFITS = 4  # candidates, and forms of one effect, that are refitted at most
+REFITS = 4  # candidates that are refitted at most
 # Of 160 effects that were named with a weight of 0.99 or more and left nothing, on sensors of five
 # generators, 9 were wrong: nearly all reproduced an effect that is in no catalogue.
 OUTSIDE = 0.05

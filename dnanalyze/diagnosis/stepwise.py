@@ -22,7 +22,7 @@ from dnanalyze.diagnosis.baseline import (
     lacks_baseline,
     new_in,
 )
-from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
+from dnanalyze.diagnosis.candidates import SoFar, candidates_of, refitted_once, trials
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
@@ -33,7 +33,6 @@ from dnanalyze.diagnosis.selection import (
     DEFLATION,
     NOTHING,
     PLAIN,
-    REFITS,
     Trial,
     apart,
     beyond_doubt,
@@ -269,11 +268,10 @@ class Search:
             null = Null.of(self.held, path.state)
             if null.adequate:
                 break
-            tested = self._tested(path, null, plain=not far_off(path.state))
-            if tested.best is None or self._full(tested):
-                names = tested.open or [t.effect for t in tested.tried]
-                return replace(path, open=tuple(names))
-            path = self._with(tested, null, tested.best, path.error)
+            path = self._tested(path, null) if far_off(path.state) else self._plain(path, null)
+            if path.best is None or self._full(path):
+                return replace(path, open=tuple(t.effect for t in path.tried) or path.open)
+            path = self._with(path, null, path.best, path.error)
         return path
 
     def _searched(self, path: Path) -> Path:
@@ -288,11 +286,8 @@ class Search:
                     continue  # what is left may be another effect
                 return path
             if best is None and not null.adequate:
-                open_to = candidates_of(
-                    path.state, self.known, [BASE, *path.dropped, *path.refused]
-                )
                 added = self._added(path.state)
-                found = swapped(self.held, path.state, added, open_to, self.trying)
+                found = swapped(self.held, path.state, added, self._open(path), self.trying)
                 if found is not None:
                     gone, null, best = found
                     path = replace(path, tried=(best,))
@@ -303,25 +298,25 @@ class Search:
             path = self._with(path, null, best, math.inf if gone is not None else path.error)
         return self._converged(replace(path, tried=(), best=None))
 
-    def _tested(self, path: Path, null: Null, plain: bool = False) -> Path:
-        """The candidates tested: those first that were significant beside the last one.
-
-        ``plain``: by one refit of each; the best is one that leaves no doubt.
-        """
-        open_to = self._open(path)
-        first = {name: e for name, e in open_to.items() if name in path.open}
-        known = first or open_to
-        if plain:
-            so_far = SoFar()
-            tried = trials(null, known, self.trying, so_far, plain=True)
-            best = supported(null, tried)
-            if best is None or not beyond_doubt(best, tried):
-                return replace(path, open=tuple(so_far.screened[:REFITS]), best=None)
-        else:
-            tried, best = choose(null, known, self.trying)
-        if best is None and first:
+    def _tested(self, path: Path, null: Null) -> Path:
+        """The candidates tested: those first that were significant beside the last one."""
+        tried, best = choose(null, self._first(path) or self._open(path), self.trying)
+        if best is None and self._first(path):
             return self._tested(replace(path, open=()), null)
         return replace(path, tried=tuple(tried), best=best)
+
+    def _plain(self, path: Path, null: Null) -> Path:
+        """The candidate of which one refit leaves no doubt; without one the first are left open."""
+        known = self._first(path) or self._open(path)
+        names, tried = refitted_once(null, known, self.trying)
+        best = supported(null, tried)
+        if best is None or not beyond_doubt(best, tried):
+            return replace(path, tried=(), best=None, open=tuple(names))
+        return replace(path, tried=tuple(tried), best=best)
+
+    def _first(self, path: Path) -> dict[str, type[Effect]]:
+        """Candidates that are tested before all others."""
+        return {name: e for name, e in self._open(path).items() if name in path.open}
 
     def _open(self, path: Path) -> dict[str, type[Effect]]:
         return candidates_of(path.state, self.known, [BASE, *path.dropped, *path.refused])

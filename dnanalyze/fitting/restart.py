@@ -20,6 +20,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.predictor import Bench
 from dnanalyze.fitting.state import State, start, weights
 from dnanalyze.model.effect import Placing
+from dnanalyze.model.noise_model import NoiseModel
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
@@ -58,27 +59,27 @@ def restarted(bench: Bench, state: State, iterations: int) -> State:
 def _lost(bench: Bench, state: State) -> list[int]:
     """Knobs that move an amplitude by its logarithm, without which the statistics are the same."""
     here = positions(state.model, state.knobs)
-    groups = _groups(
-        state, [i for i, k in enumerate(state.knobs) if _may_be_lost(bench, k, here[i])]
-    )
-    without = []
-    for members in groups:
-        lowered = here.copy()
-        for i in members:
-            lowered[i] = state.knobs[i].inside(here[i] - RISE)
-        without.append(turned(state.model, state.knobs, lowered))
+    may = [i for i, k in enumerate(state.knobs) if _may_be_lost(bench, k, here[i])]
+    placed: dict[Placing, list[list[int]]] = {}
+    for members in _groups(state, may):
+        placing = placing_of(state.model, state.knobs[members[0]])
+        placed.setdefault(placing, []).append(members)
     found = []
-    for placing in Placing:
-        here_alone = [placing_of(state.model, state.knobs[m[0]]) is placing for m in groups]
-        some = [m for m, here in zip(groups, here_alone, strict=True) if here]
-        if not some:
-            continue
-        models = [m for m, here in zip(without, here_alone, strict=True) if here]
+    for placing, groups in placed.items():
         changes = Changes.of(bench, state.model, placing)
-        for members, change in zip(some, changes.by(models), strict=True):
-            own = {i: np.linalg.norm(_own(bench, state, i, change)) for i in members}
-            found += [i for i, size in own.items() if size < SMALLEST]
+        models = [_lowered(state, here, members) for members in groups]
+        for members, change in zip(groups, changes.by(models), strict=True):
+            sizes = [np.linalg.norm(_own(bench, state, i, change)) for i in members]
+            found += [i for i, size in zip(members, sizes, strict=True) if size < SMALLEST]
     return sorted(found)
+
+
+def _lowered(state: State, here: np.ndarray, members: Sequence[int]) -> NoiseModel:
+    """The model with some amplitudes an eighth of what they are."""
+    there = here.copy()
+    for i in members:
+        there[i] = state.knobs[i].inside(here[i] - RISE)
+    return turned(state.model, state.knobs, there)
 
 
 def _may_be_lost(bench: Bench, knob: Knob, position: float) -> bool:

@@ -8,7 +8,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
-from dnanalyze.diagnosis.candidates import SoFar, candidates_of, trials
+from dnanalyze.diagnosis.candidates import SoFar, candidates_of, refitted_once, trials
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import Null
@@ -51,14 +51,14 @@ def test_both_hidden_effects_are_refitted_and_significant(null):
 
 
 def test_plain_cases_are_settled_by_one_refit_of_what_is_everywhere(null):
-    so_far = SoFar()
-    found = trials(null, of(*ROWS), so_far=so_far, plain=True)
+    names, found = refitted_once(null, of(*ROWS))
+    assert {t.effect for t in found} <= set(names) <= set(ROWS)
     assert [t.evidence for t in found] == sorted((t.evidence for t in found), reverse=True)
-    assert not any(t.formed for t in found)
-    placed = SoFar()
-    # the largest promise is that of an effect with a place: a part does not settle it
-    assert trials(null, of("row_fpn", "column_taps"), so_far=placed, plain=True) == []
-    assert placed.screened
+    assert significant(found[0])
+    # the largest promise is that of an effect with a place, which a part does not settle
+    names, found = refitted_once(null, of("row_fpn"))
+    assert names == ["row_fpn"]
+    assert found == []
 
 
 def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null, monkeypatch):

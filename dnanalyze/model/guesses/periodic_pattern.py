@@ -9,6 +9,7 @@ import numpy as np
 from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.column_taps import ColumnTaps
 from dnanalyze.model.effects.periodic_pattern import (
     MOST,
     PARTS,
@@ -24,7 +25,7 @@ from dnanalyze.model.wave import SAME, Wave, strongest_wave, together
 
 SEEN = 0.5  # share of the places with the first line at which a further one shows
 WEAKEST = 0.1  # amplitude of a further line over the first's
-TAPS = (3, 16)  # periods of whole columns or rows; fixed lines at their fractions are taps
+TAPS = ColumnTaps.parameters()["taps"].choices  # fixed lines at fractions of these are taps
 
 
 def guess(effect: type[PeriodicPattern], clues: Clues) -> list[Effect]:
