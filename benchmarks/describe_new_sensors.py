@@ -157,15 +157,15 @@ ORDINARY = "ordinary"
 
 def sensor(name: str, seed: int) -> tuple[list[np.ndarray], Case | None]:
     """Frames at each temperature, (frames, rows, columns) of codes, and what is in them."""
-    silicon = np.random.default_rng([seed, *name.encode()])
+    fixed = np.random.default_rng([seed, *name.encode()])
     of, _, own = name.rpartition(":")
     known: dict[str, Callable[[Rng], Any]] = describe_blind.EFFECTS if of else EFFECTS
-    case = known[own](silicon) if own in known else None
+    case = known[own](fixed) if own in known else None
     read, spread = READ_E, SPREAD
     if case is None:  # ordinary sensors differ among themselves
-        read, spread = silicon.uniform(1.2, 3.0), silicon.uniform(0.2, 0.5)
-    rate = DARK_E * np.exp(spread * silicon.standard_normal(SHAPE))
-    offset = OFFSET_E * silicon.standard_normal(SHAPE)
+        read, spread = fixed.uniform(1.2, 3.0), fixed.uniform(0.2, 0.5)
+    rate = DARK_E * np.exp(spread * fixed.standard_normal(SHAPE))
+    offset = OFFSET_E * fixed.standard_normal(SHAPE)
     made = []
     for number, celsius in enumerate(TEMPERATURES):
         stack = []

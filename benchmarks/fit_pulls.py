@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from dnanalyze.fitting.fit import Fit, fit
-from dnanalyze.fitting.knobs import knobs_of, positions, turned
+from dnanalyze.fitting.free_parameters import free_parameters, positions, with_values
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.laws import TableLaw
@@ -54,24 +54,26 @@ def captures(model: NoiseModel, shape: tuple[int, int] = SHAPE, frames: int = FR
 def begin(model: NoiseModel, number: int, frozen: Sequence[str] = ()) -> NoiseModel:
     """A model up to 20 % off (mu by as much in level, the pedestal by 1 DN), with another seed."""
     rng = np.random.default_rng([number, 1])
-    knobs = knobs_of(model, frozen)
-    here = positions(model, knobs)
-    off = rng.uniform(-OFF, OFF, len(knobs))
+    free = free_parameters(model, frozen)
+    here = positions(model, free)
+    off = rng.uniform(-OFF, OFF, len(free))
     reach = [1.0 if k.log or k.parameter == "mu" else 5.0 if k.effect == "pedestal" else x
-             for k, x in zip(knobs, here, strict=True)]  # fmt: skip
-    return replace(turned(model, knobs, here + off * np.array(reach)), seed=10**6 + 1000 * number)
+             for k, x in zip(free, here, strict=True)]  # fmt: skip
+    return replace(
+        with_values(model, free, here + off * np.array(reach)), seed=10**6 + 1000 * number
+    )
 
 
 def pulls(fitted: Fit, true: NoiseModel, frozen: Sequence[str] = ()) -> dict[str, float]:
     """(fitted - true) / se of each parameter on its own scale."""
-    knobs = knobs_of(true, frozen)
-    there, here = positions(fitted.model, knobs), positions(true, knobs)
+    free = free_parameters(true, frozen)
+    there, here = positions(fitted.model, free), positions(true, free)
     told = {p.name: p for p in fitted.parameters}
     out = {}
-    for knob, a, b in zip(knobs, there, here, strict=True):
-        p = told[knob.name]
-        se = p.se / p.value if knob.log else p.se
-        out[knob.name] = float((a - b) / se)
+    for parameter, a, b in zip(free, there, here, strict=True):
+        p = told[parameter.name]
+        se = p.se / p.value if parameter.log else p.se
+        out[parameter.name] = float((a - b) / se)
     return out
 
 

@@ -25,10 +25,10 @@ from dnanalyze.demo.sensor import arrhenius
 from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start, uncertain
+from dnanalyze.fitting.fit import baseline_model, uncertain
+from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.from_part import converge, fitted
-from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 from dnanalyze.model.laws import value_at
 from dnanalyze.thermal import KELVIN
@@ -105,20 +105,24 @@ def one(task: tuple[str, int]) -> list[Found]:
         HIDDEN if layout == "series" else READOUT, rng.integers(1, 3), replace=False
     ).tolist()
     captures = captured(sensor, dict.fromkeys(names, "middling"), layout, seed)
-    held = bench(design(captures))
-    begun = ordinary_start(held)
+    problem = fit_problem(design(captures))
+    begun = baseline_model(problem)
     shot = begun.get("dark_shot_noise")
     assert shot is not None
     off = float(np.exp(rng.uniform(-1.0, 1.0) * np.log(FACTOR)))
     low, high = 1e-4, 100.0
     gain = float(np.clip(shot.value("dn_per_e", begun.reference) * off, low, high))
-    state = fitted(held, begun.with_effect(replace(shot, dn_per_e=gain)), converge)
+    state = fitted(problem, begun.with_effect(replace(shot, dn_per_e=gain)), converge)
     for name in names[1:]:
-        state = add_on(captures, name, state.model, held=held).state
+        state = add_on(captures, name, state.model, problem=problem).state
     model = state.model
-    found = [*_noises(model, sensor), *_gains(held, model, sensor), *_signals(held, state, sensor)]
-    knobs = knobs_of(model)
-    for k, x in zip(knobs, positions(model, knobs), strict=True):
+    found = [
+        *_noises(model, sensor),
+        *_gains(problem, model, sensor),
+        *_signals(problem, state, sensor),
+    ]
+    free = free_parameters(model)
+    for k, x in zip(free, positions(model, free), strict=True):
         if k.name == "dark_shot_noise.dn_per_e" and k.plain(x) in (k.lower, k.upper):
             found.append(Found("at a bound", 0.0, 1.0))
     return found
@@ -129,26 +133,26 @@ def _noises(model, sensor: VirtualSensor) -> list[Found]:
     return [Found("read noise", sensor.gain_dn_e * sensor.read_noise_e, noise)]
 
 
-def _gains(held, model, sensor: VirtualSensor) -> list[Found]:
+def _gains(problem, model, sensor: VirtualSensor) -> list[Found]:
     """Where photon transfer determines it."""
-    told = [g for _, g in held.direct.gains if g.source == "photon transfer"]
+    told = [g for _, g in problem.direct.gains if g.source == "photon transfer"]
     gain = model.get("dark_shot_noise").value("dn_per_e", model.reference)
     return [Found("gain", sensor.gain_dn_e, gain, told[0].error)] if told else []
 
 
-def _signals(held, state, sensor: VirtualSensor) -> list[Found]:
+def _signals(problem, state, sensor: VirtualSensor) -> list[Found]:
     """Median dark signal of the ordinary pixels, and its energy.
 
     Its error holds that of the direct measurement, and what the fit states of the row of ``mu``:
     without bias frames or other exposures the black level is known no better.
     """
     base = state.model.get("convolved_lognormal")
-    errors = {a.point: a.error for a in agreements(held, state) if a.quantity == "dark signal"}
-    stated = uncertain(held, state).parameters
+    errors = {a.point: a.error for a in agreements(problem, state) if a.quantity == "dark signal"}
+    stated = uncertain(problem, state).parameters
     spread = {p.temperature_c: stated[f"convolved_lognormal.mu[{k}]"].se
               for k, p in enumerate(base.mu.points)}  # fmt: skip
     found, series = [], []
-    for point, _ in held.plan.settings:
+    for point, _ in problem.plan.settings:
         if not point.exposure_s or point.temperature_c is None:
             continue
         rate = sensor.dark_e_s * arrhenius(point.temperature_c, sensor.activation_ev)

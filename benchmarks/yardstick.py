@@ -38,9 +38,9 @@ from dnanalyze.demo.hidden import Scene
 from dnanalyze.demo.virtual_sensor import resolve
 from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.from_part import converge, fitted
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 from dnanalyze.model.noise_model import NoiseModel
@@ -137,10 +137,10 @@ def _added(frame: Frame, added: np.ndarray, light: bool, key: tuple[int, int]) -
 
 def model_of(of: Design, captures: CaptureSet) -> NoiseModel:
     """The baseline with the effects of a design, fitted."""
-    held = bench(design(captures))
-    model = fitted(held, ordinary_start(held), converge).model
+    problem = fit_problem(design(captures))
+    model = fitted(problem, baseline_model(problem), converge).model
     for name in of.effects:
-        model = add_on(captures, name, model, held=held).model
+        model = add_on(captures, name, model, problem=problem).model
     return model
 
 
@@ -150,12 +150,12 @@ Row = dict[Key, tuple[float, float]]  # coordinate and stated error
 
 def halves(captures: CaptureSet) -> Row:
     """Statistics as they are fitted and judged, on either half of the field."""
-    held = bench(design(captures))
-    points = [p for p, _ in held.plan.settings]
+    problem = fit_problem(design(captures))
+    points = [p for p, _ in problem.plan.settings]
     return {
         (half, points[k.setting].temperature_c or 0.0, k.name): (c, f / np.sqrt(2.0))
-        for half, target in (("fitted", held.train), ("judged", held.test))
-        for k, c, f in zip(target.keys, target.coordinates, target.floor, strict=True)
+        for half, target in (("fitted", problem.train), ("judged", problem.test))
+        for k, c, f in zip(target.keys, target.coordinates, target.reproducibility_sd, strict=True)
     }
 
 
@@ -184,12 +184,12 @@ def capture(task: tuple[str, int]) -> Row:
 def yardstick(name: str) -> dict[Key, float]:
     """Standard deviations between sensors by a model fitted to one of them."""
     captures = captured(DESIGNS[name], 1, 0)
-    held = by_design(bench(design(captures)), model_of(DESIGNS[name], captures))
-    points = [p for p, _ in held.plan.settings]
+    problem = by_design(fit_problem(design(captures)), model_of(DESIGNS[name], captures))
+    points = [p for p, _ in problem.plan.settings]
     return {
         (half, points[k.setting].temperature_c or 0.0, k.name): f / np.sqrt(2.0)
-        for half, target in (("fitted", held.train), ("judged", held.test))
-        for k, f in zip(target.keys, target.floor, strict=True)
+        for half, target in (("fitted", problem.train), ("judged", problem.test))
+        for k, f in zip(target.keys, target.reproducibility_sd, strict=True)
     }
 
 
@@ -198,15 +198,17 @@ def moved(name: str) -> dict[str, float]:
     of = DESIGNS[name]
     captures = captured(of, 1, 0)
     model = model_of(of, captures)
-    held = by_design(bench(design(captures)), model)
+    problem = by_design(fit_problem(design(captures)), model)
     effect = model.get(of.effects[0])
     assert effect is not None
     change = {p: MOVED * effect.value(p, model.reference) for p in of.placed.split()}
     other = model.with_effect(replace(effect, **change))
-    right, wrong = held.coordinates(model), held.coordinates(other)
-    z = np.concatenate([t.z(w) for t, w in zip((held.train, held.test), wrong, strict=True)])
-    own = np.concatenate([t.z(w) for t, w in zip((held.train, held.test), right, strict=True)])
-    shaped = np.isin(np.concatenate([held.train.families, held.test.families]), SHAPES)
+    right, wrong = problem.coordinates(model), problem.coordinates(other)
+    z = np.concatenate([t.z(w) for t, w in zip((problem.train, problem.test), wrong, strict=True)])
+    own = np.concatenate(
+        [t.z(w) for t, w in zip((problem.train, problem.test), right, strict=True)]
+    )
+    shaped = np.isin(np.concatenate([problem.train.families, problem.test.families]), SHAPES)
     return {"right": float(np.abs(own[shaped]).max()), "moved": float(np.abs(z[shaped]).max())}
 
 

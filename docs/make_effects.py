@@ -18,7 +18,7 @@ from dnanalyze.digits import is_number, number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, ParameterInfo, Stage
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+from dnanalyze.model.registry import BASE, BASELINE, built_in
 from dnanalyze.model.simulate import simulate
 
 HERE = Path(__file__).resolve().parent
@@ -139,7 +139,7 @@ ALSO = {
 }
 GROUPS = {
     "Base": (BASE,),
-    "Baseline effects": EVERYDAY,
+    "Baseline effects": BASELINE,
     "Charge": (Stage.CHARGE, Stage.COUPLING, Stage.REGISTER),
     "Readout": (Stage.PIXEL_READ, Stage.LINE_READ),
     "Digital": (

@@ -25,7 +25,7 @@ class SharedAmplifier(Effect):
         """The signal with the shared noise, DN."""
         w = site.window  # any part of the frame: the numbers belong to the cell, not to the window
         cells = Window(w.top // 2, (w.bottom + 1) // 2, w.left // 2, (w.right + 1) // 2)
-        noise = site.moment.child("cells").normal(cells, site.shape[1] // 2 + 1)
+        noise = site.frame_stream.child("cells").normal(cells, site.shape[1] // 2 + 1)
         rows, columns = site.row_index[:, None], site.column_index[None, :]
         paired = (rows + columns) % 2 == 0
         shared = noise[rows // 2 - cells.top, columns // 2 - cells.left] * paired

@@ -49,7 +49,7 @@ def diagnose(
     from dnanalyze.report.terminal import head
 
     with session.progress("Reading frames") as progress:
-        made = diagnose_channels(found, model, budget=budget, known=known, tell=progress.now)
+        made = diagnose_channels(found, model, budget=budget, known=known, on_progress=progress.now)
     verdict = worst_verdict(d.verdict for d in made.values())
     head(session.console, found, report.diagnoses_headline(made, verdict))
     session.print(report.diagnoses_sections(made))

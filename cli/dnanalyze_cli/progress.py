@@ -13,7 +13,7 @@ from rich.text import Text
 from dnanalyze.loaders.captures import CaptureSet, Window
 
 if TYPE_CHECKING:
-    from dnanalyze.fitting.predictor import Bench
+    from dnanalyze.fitting.problem import FitProblem
     from dnanalyze.fitting.state import State
 
 LEAST_S, LEAST_SHARE = 3.0, 0.1  # of a phase, before which no estimate is fair
@@ -108,10 +108,10 @@ class Progress:
 
         return lambda effects: self.note(first_answer(effects)) if effects else None
 
-    def bench(self, captures: CaptureSet) -> Bench:
+    def fit_problem(self, captures: CaptureSet) -> FitProblem:
         """The captures read once, frame by frame in sight."""
         from dnanalyze.fitting.design import design
-        from dnanalyze.fitting.predictor import bench
+        from dnanalyze.fitting.problem import fit_problem
         from dnanalyze.fitting.processes import helpers_for
 
         plan = design(captures)
@@ -119,17 +119,17 @@ class Progress:
         if self.bars:
             self.now("Reading frames")
             plan = replace(plan, captures=watched(plan.captures, self))
-        held = bench(plan, helpers)
+        problem = fit_problem(plan, helpers)
         self.now("Fitting")
-        return held
+        return problem
 
-    def fitting(self, held: Bench) -> Callable[[State], None]:
+    def fitting(self, problem: FitProblem) -> Callable[[State], None]:
         """What a fit calls with every better state: the model error on the fitted data."""
         from dnanalyze.comparator.error import pooled
         from dnanalyze.digits import number
 
         def tell(state: State) -> None:
-            error = pooled(state.train, held.train.families)
+            error = pooled(state.train, problem.train.families)
             self.doing(f"Fitting, model error {number(error)}")
 
         return tell

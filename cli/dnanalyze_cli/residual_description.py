@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from dnanalyze.fitting.predictor import Bench
+    from dnanalyze.fitting.problem import FitProblem
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.effect import Effect
     from dnanalyze_cli.session import Session
@@ -16,7 +16,7 @@ MOST = 30.0  # s for its refits; the search itself is bounded by the pixels that
 def describe_residual(
     session: Session,
     captures: CaptureSet,
-    held: Bench,
+    problem: FitProblem,
     result: Any,
     known: dict[str, type[Effect]],
     budget: float | None,
@@ -27,7 +27,7 @@ def describe_residual(
     ----------
     session : Session
     captures : CaptureSet
-    held : Bench
+    held : FitProblem
         The statistics that the model was fitted to.
     result : Diagnosis or Refinement
         Only a finished one whose verdict is "unexplained" is described.
@@ -43,7 +43,7 @@ def describe_residual(
     if not done or result.model.get(CompositeEffect.name) is not None:
         return {}
     from dnanalyze.description.describe import described
-    from dnanalyze.fitting.knobs import knobs_of
+    from dnanalyze.fitting.free_parameters import free_parameters
     from dnanalyze.fitting.state import start
     from dnanalyze.fitting.time_limit import TimeLimit
     from dnanalyze.report.results.description import in_short
@@ -51,8 +51,8 @@ def describe_residual(
     left = min(MOST, session.remaining(budget) or MOST)
     with session.progress("Describing the unexplained residual") as progress:
         state = getattr(result, "state", None)
-        state = state or start(held, result.model, knobs_of(result.model))
+        state = state or start(problem, result.model, free_parameters(result.model))
         limit = TimeLimit.after(left)
-        found = described(captures, held, state, known, limit, progress.now, rivals=False)
+        found = described(captures, problem, state, known, limit, progress.now, rivals=False)
     session.print(in_short(found))
     return {"description": found.to_dict()}

@@ -79,7 +79,7 @@ def command_line(
         Of the whole run; what was added already is taken off.
     so_far : Refinement or None
     """
-    from dnanalyze.model.registry import EVERYDAY
+    from dnanalyze.model.registry import BASELINE
     from dnanalyze.report.words import net_additions
 
     if output is None or str(output) == "-" or so_far is None:
@@ -90,6 +90,6 @@ def command_line(
             if one is not None:
                 line += [name] if one is True else [name, str(one)]
     if max_effects is not None:
-        added = [n for n in net_additions([s.added for s in so_far.steps]) if n not in EVERYDAY]
+        added = [n for n in net_additions([s.added for s in so_far.steps]) if n not in BASELINE]
         line += ["--max-effects", str(max(max_effects - len(added), 0))]
     return line

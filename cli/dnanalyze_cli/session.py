@@ -127,9 +127,9 @@ class Session:
         if model is None:
             from dnanalyze.fitting.design import design
             from dnanalyze.fitting.fit import paper_start
-            from dnanalyze.fitting.predictor import bench
+            from dnanalyze.fitting.problem import fit_problem
 
-            model = paper_start(bench(design(captures)))
+            model = paper_start(fit_problem(design(captures)))
         return replace(model, seed=seed)
 
     def remaining(self, budget: float | None) -> float | None:

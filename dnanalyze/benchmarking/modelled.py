@@ -67,7 +67,7 @@ class Modelled:
     notes: list[str] = field(default_factory=list)
 
 
-def modelled(captures: CaptureSet, quick: bool, tell: Callable[[str], None]) -> Modelled:
+def modelled(captures: CaptureSet, quick: bool, on_progress: Callable[[str], None]) -> Modelled:
     """Compare, refine and detect; what was found before of the same files is read again.
 
     Parameters
@@ -82,19 +82,19 @@ def modelled(captures: CaptureSet, quick: bool, tell: Callable[[str], None]) -> 
     known = None if entry is None else entry.read(lambda plain, _: _read(plain))
     if known is not None:
         return known
-    made = _modelled(captures, quick, tell)
+    made = _modelled(captures, quick, on_progress)
     if entry is not None:
         entry.write(_plain(made), {})
     return made
 
 
-def _modelled(captures: CaptureSet, quick: bool, tell: Callable[[str], None]) -> Modelled:
+def _modelled(captures: CaptureSet, quick: bool, on_progress: Callable[[str], None]) -> Modelled:
     notes: list[str] = []
-    errors, result = _refined(captures, quick, tell, notes)
-    filtered, kind = _filtered(captures, tell, notes)
+    errors, result = _refined(captures, quick, on_progress, notes)
+    filtered, kind = _filtered(captures, on_progress, notes)
     if result is None:
         return Modelled(errors, filtered=filtered, filter_kind=kind, notes=notes)
-    tell("standard error of the gain")
+    on_progress("standard error of the gain")
     return Modelled(
         errors, _gain(result), strengths(result.model), result.verdict,
         result.model.reference.label(), filtered, kind, notes,
@@ -102,7 +102,7 @@ def _modelled(captures: CaptureSet, quick: bool, tell: Callable[[str], None]) ->
 
 
 def _refined(
-    captures: CaptureSet, quick: bool, tell: Callable[[str], None], notes: list[str]
+    captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], notes: list[str]
 ) -> tuple[dict[str, float], Any]:
     """Errors of the Gaussian, the paper's and the refined model; the refinement, or None.
 
@@ -111,14 +111,14 @@ def _refined(
     from dnanalyze.comparator.compare import compare_on
     from dnanalyze.diagnosis.refine import refine_on
     from dnanalyze.fitting.design import design
-    from dnanalyze.fitting.predictor import bench
+    from dnanalyze.fitting.problem import fit_problem
     from dnanalyze.fitting.processes import helpers_for
 
-    tell("Wang 2025 model")
+    on_progress("Wang 2025 model")
     try:
         plan = design(captures)
-        held = bench(plan, helpers_for(plan.pixels))
-        comparison = compare_on(captures, held=held)
+        problem = fit_problem(plan, helpers_for(plan.pixels))
+        comparison = compare_on(captures, problem=problem)
     except InputError as error:
         notes.append(f"no model could be compared with it: {error}")
         return {}, None
@@ -126,7 +126,10 @@ def _refined(
     if quick:
         return errors, None
     result = refine_on(
-        captures, comparison.model, held=held, trying=lambda effect: tell(f"trying {effect}")
+        captures,
+        comparison.model,
+        problem=problem,
+        on_progress=lambda effect: on_progress(f"trying {effect}"),
     )
     return errors | {"refined": result.steps[-1].error}, result
 
@@ -151,7 +154,7 @@ def _gain(result: Any) -> Figure:
         return ABSENT
     from dnanalyze.fitting.fit import with_uncertainties
 
-    fitted = with_uncertainties(result.bench, result.state, REPLICATES)
+    fitted = with_uncertainties(result.problem, result.state, REPLICATES)
     estimates = {p.name: p for p in fitted.parameters}
     gain = estimates.get("dark_shot_noise.dn_per_e")
     if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
@@ -160,11 +163,11 @@ def _gain(result: Any) -> Figure:
 
 
 def _filtered(
-    captures: CaptureSet, tell: Callable[[str], None], notes: list[str]
+    captures: CaptureSet, on_progress: Callable[[str], None], notes: list[str]
 ) -> tuple[bool | None, str]:
     from dnanalyze.detection import detect
 
-    tell("hidden filters")
+    on_progress("hidden filters")
     try:
         detection = detect(captures)
     except InputError as error:

@@ -88,7 +88,7 @@ def record(
     captures: CaptureSet,
     *,
     quick: bool = False,
-    tell: Callable[[str], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
 ) -> SensorRecord:
     """Analyze, compare, refine and detect one sensor.
 
@@ -107,9 +107,9 @@ def record(
     from dnanalyze.analyzers.analyze import analyze
     from dnanalyze.analyzers.families.trends import law_doubts
 
-    tell(f"{name}: statistics")
+    on_progress(f"{name}: statistics")
     statistics = analyze(captures)
-    found = modelled(captures, quick, lambda what: tell(f"{name}: {what}"))
+    found = modelled(captures, quick, lambda what: on_progress(f"{name}: {what}"))
     return SensorRecord(
         name, folder, captures, statistics, readings_of(statistics), single_of(statistics),
         found.gain if found.gain.known else gain_of(statistics), found.errors, found.effects,

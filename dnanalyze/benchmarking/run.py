@@ -143,13 +143,13 @@ def benchmark(
     if len(parts) < 2:
         raise InputError("benchmark: name two capture folders or more, or one of several channels")
     names = unique_names([c.name for c in parts])
-    tell = reporter(progress)
+    on_progress = reporter(progress)
 
     def of(place: int) -> Callable[[str], None]:
-        return lambda what: tell(f"Sensor {place} of {len(parts)}, {what}")
+        return lambda what: on_progress(f"Sensor {place} of {len(parts)}, {what}")
 
     made = [
-        record(name, c.name, c, quick=quick, tell=of(n))
+        record(name, c.name, c, quick=quick, on_progress=of(n))
         for n, (name, c) in enumerate(zip(names, parts, strict=True), 1)
     ]
     return side_by_side(made, at)

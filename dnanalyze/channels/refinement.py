@@ -17,15 +17,15 @@ from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import Parameters, fit_on, standard_errors
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import channel_model, merged, of_pixel
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, catalogue, known_effects
+from dnanalyze.model.registry import BASE, BASELINE, catalogue, known_effects
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
@@ -62,7 +62,7 @@ class ChannelRefinement(Result):
         channels.
     model : NoiseModel
         Of all channels; see `dnanalyze.model.channel_models.merged`.
-    bench : Bench
+    problem : FitProblem
         The statistics of all channels that were fitted, and the simulations of them.
     state : State
         The last step of the fit of one model.
@@ -75,7 +75,7 @@ class ChannelRefinement(Result):
     findings: list[str]
     steps: list[ChannelStep]
     model: NoiseModel
-    bench: Bench
+    problem: FitProblem
     state: State
 
     def _brief(self) -> str:
@@ -100,7 +100,7 @@ class ChannelRefinement(Result):
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers of the model of all channels, with their standard errors."""
-        return standard_errors(self.bench, self.state)
+        return standard_errors(self.problem, self.state)
 
     @property
     def error(self) -> float:
@@ -179,7 +179,7 @@ def refine_channels(
     >>> captures = dnanalyze.load("captures/")                # doctest: +SKIP
     >>> dnanalyze.refine_channels(captures).save("m.yaml")    # doctest: +SKIP
     """
-    known, tell = known_effects(effects), reporter(progress)
+    known, on_progress = known_effects(effects), reporter(progress)
 
     def one(channel: str, part: CaptureSet) -> Refinement:
         return refine_on(
@@ -190,10 +190,10 @@ def refine_channels(
             until_error=until_error,
             budget=None if budget is None else budget / len(captures.channels),
             known=known,
-            trying=partial(_trying, tell, channel),
+            on_progress=partial(_trying, on_progress, channel),
         )
 
-    return _over(captures, one, known, tell)
+    return _over(captures, one, known, on_progress)
 
 
 def add_channels(
@@ -205,17 +205,17 @@ def add_channels(
     progress: Progress | None = None,
 ) -> ChannelRefinement:
     """Put one effect into the model of every channel; see `refine_channels`."""
-    tell = reporter(progress)
+    on_progress = reporter(progress)
 
     def one(channel: str, part: CaptureSet) -> Refinement:
-        held = bench(design(part))
+        problem = fit_problem(design(part))
         if model is None:
-            begun = fit_on(part, held=held, replicates=0).model
+            begun = fit_on(part, problem=problem, replicates=0).model
         else:
             begun = channel_model(model, channel)
-        return add_on(part, name, begun, known=known, held=held)
+        return add_on(part, name, begun, known=known, problem=problem)
 
-    return _over(captures, one, known, tell)
+    return _over(captures, one, known, on_progress)
 
 
 def diagnose_channels(
@@ -224,50 +224,52 @@ def diagnose_channels(
     *,
     budget: float | None = None,
     known: dict[str, type[Effect]] | None = None,
-    tell: Callable[[str], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
 ) -> dict[str, Diagnosis]:
     """What is missing in the model of each channel; see `diagnose`."""
     made = {}
     for channel, part in by_channel(captures).items():
         own = channel_model(model, channel) if model is not None else None
-        tell(f"{channel}: reading")
+        on_progress(f"{channel}: reading")
         share = None if budget is None else budget / len(captures.channels)
-        trying = partial(_trying, tell, channel)
-        made[channel] = diagnose_on(part, own, budget=share, known=known, tell=trying)
+        on_progress = partial(_trying, on_progress, channel)
+        made[channel] = diagnose_on(part, own, budget=share, known=known, on_progress=on_progress)
     return made
 
 
-def _trying(tell: Callable[[str], None], channel: str, effect: str) -> None:
-    tell(f"{channel}: trying {effect}")
+def _trying(on_progress: Callable[[str], None], channel: str, effect: str) -> None:
+    on_progress(f"{channel}: trying {effect}")
 
 
 def _over(
     captures: CaptureSet,
     one: Callable[[str, CaptureSet], Refinement],
     known: dict[str, type[Effect]] | None,
-    tell: Callable[[str], None],
+    on_progress: Callable[[str], None],
 ) -> ChannelRefinement:
     """Each channel by itself, then all together."""
     made: dict[str, Refinement] = {}
     for channel, part in by_channel(captures).items():
-        tell(f"{channel}: reading")
+        on_progress(f"{channel}: reading")
         made[channel] = one(channel, part)
     shared, own, findings = belonging(
         {c: r.model for c, r in made.items()}, catalogue() if known is None else known
     )
-    tell("All channels together")
-    held = bench(design(captures, most_settings=len(captures.settings)))
-    state = _joint(held, {c: r.model for c, r in made.items()})
-    steps = [*_steps(made), ChannelStep(None, error_of(held, state))]
-    return ChannelRefinement(captures, made, shared, own, findings, steps, state.model, held, state)
+    on_progress("All channels together")
+    problem = fit_problem(design(captures, most_settings=len(captures.settings)))
+    state = _joint(problem, {c: r.model for c, r in made.items()})
+    steps = [*_steps(made), ChannelStep(None, error_of(problem, state))]
+    return ChannelRefinement(
+        captures, made, shared, own, findings, steps, state.model, problem, state
+    )
 
 
-def _joint(held: Bench, models: Mapping[str, NoiseModel]) -> State:
+def _joint(problem: FitProblem, models: Mapping[str, NoiseModel]) -> State:
     """One model of all channels, refitted: what is shared moves with all of them."""
-    points = [p for p, _ in held.plan.settings]
+    points = [p for p, _ in problem.plan.settings]
     celsius = sorted({p.temperature_c for p in points if p.temperature_c is not None})
     model = merged(models, celsius)
-    return minimise(held, start(held, model, knobs_of(model)), JOINT_ITERATIONS)
+    return minimise(problem, start(problem, model, free_parameters(model)), JOINT_ITERATIONS)
 
 
 def _steps(made: Mapping[str, Refinement]) -> list[ChannelStep]:
@@ -302,7 +304,7 @@ def belonging(
     shared, own, findings
         See `ChannelRefinement`.
     """
-    added = {c: [n for n in m.names if n not in (BASE, *EVERYDAY)] for c, m in models.items()}
+    added = {c: [n for n in m.names if n not in (BASE, *BASELINE)] for c, m in models.items()}
     every = list(dict.fromkeys(chain(*added.values())))
     seen = {name: [c for c, names in added.items() if name in names] for name in every}
     pixel = [n for n in every if of_pixel(known[n])]

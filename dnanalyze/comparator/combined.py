@@ -10,7 +10,7 @@ from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.vectors import prediction
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.hdr import Combination, simulate_combined
@@ -67,10 +67,10 @@ def compare_combined(
             f"{captures.name}: frames of channel {channels[0]!r} are no combined frames; "
             "select those without a channel"
         )
-    held = bench(design(captures))
-    made = simulate_combined(model, how, held.plan.shape, held.plan.settings, light=light)
-    simulated = analyze_windows(made, held.plan.windows)
-    z = held.test.z(prediction(simulated, 1, held.test))
-    rows = table(held, simulated)
-    families = held.test.families
+    problem = fit_problem(design(captures))
+    made = simulate_combined(model, how, problem.plan.shape, problem.plan.settings, light=light)
+    simulated = analyze_windows(made, problem.plan.windows)
+    z = problem.test.z(prediction(simulated, 1, problem.test))
+    rows = table(problem, simulated)
+    families = problem.test.families
     return CombinedComparison(pooled(z, families), family_errors(z, families), rows, failures(rows))

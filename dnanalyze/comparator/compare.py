@@ -16,7 +16,7 @@ from dnanalyze.digits import number
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import as_captured, at_a_glance, fit_on, with_seed
 from dnanalyze.fitting.level import Level
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.vectors import prediction
@@ -115,7 +115,7 @@ def compare(
     >>> sorted(comparison.baselines)
     ['gaussian', 'paper']
     """
-    return compare_on(captures, model, seed=seed, tell=reporter(progress))
+    return compare_on(captures, model, seed=seed, on_state=reporter(progress))
 
 
 def compare_on(
@@ -123,61 +123,61 @@ def compare_on(
     model: NoiseModel | None = None,
     *,
     seed: int | None = None,
-    held: Bench | None = None,
-    tell: Callable[[State], None] = ignored,
+    problem: FitProblem | None = None,
+    on_state: Callable[[State], None] = ignored,
 ) -> Comparison:
     """`compare` with statistics taken earlier.
 
-    ``tell`` is called with every better state of the fit of the Wang 2025 model.
+    ``on_state`` is called with every better state of the fit of the Wang 2025 model.
     """
-    held = held or bench(design(captures, unit=None if model is None else model.unit))
-    begun = None if model is not None else with_seed(held, None, seed)
-    model = None if model is None else with_seed(held, model, seed)
-    paper = fit_on(captures, begun, held=held, replicates=0, tell=tell).state
-    held = by_design(held, model or paper.model)
-    m = at_a_glance(held)
-    plain = held.statistics(as_captured(held, gaussian_model(m)), errors=True)
-    made = held.statistics(model or paper.model, errors=True)
-    z = held.test.z(prediction(made, 1, held.test))
+    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    begun = None if model is not None else with_seed(problem, None, seed)
+    model = None if model is None else with_seed(problem, model, seed)
+    paper = fit_on(captures, begun, problem=problem, replicates=0, on_state=on_state).state
+    problem = by_design(problem, model or paper.model)
+    m = at_a_glance(problem)
+    plain = problem.statistics(as_captured(problem, gaussian_model(m)), errors=True)
+    made = problem.statistics(model or paper.model, errors=True)
+    z = problem.test.z(prediction(made, 1, problem.test))
     baselines = {
-        "gaussian": error_of(held, plain),
-        "paper": error_of(held, made if model is None else held.statistics(paper.model)),
+        "gaussian": error_of(problem, plain),
+        "paper": error_of(problem, made if model is None else problem.statistics(paper.model)),
     }
-    rows = table(held, made)
+    rows = table(problem, made)
     return Comparison(
         captures,
         model or paper.model,
-        pooled(z, held.test.families),
+        pooled(z, problem.test.families),
         baselines,
-        family_errors(z, held.test.families),
+        family_errors(z, problem.test.families),
         rows,
         failures(rows),
-        held.measured[1],
+        problem.measured[1],
         made[1],
         plain[1],
-        held.level(held.train.z(prediction(made, 0, held.train)), z),
-        coverage(held.plan, model or paper.model),
+        problem.level(problem.train.z(prediction(made, 0, problem.train)), z),
+        coverage(problem.plan, model or paper.model),
     )
 
 
-def error_of(held: Bench, made: list[Statistics]) -> float:
+def error_of(problem: FitProblem, made: list[Statistics]) -> float:
     """Error of simulated statistics on the judged half."""
-    return pooled(held.test.z(prediction(made, 1, held.test)), held.test.families)
+    return pooled(problem.test.z(prediction(made, 1, problem.test)), problem.test.families)
 
 
-def table(held: Bench, made: list[Statistics]) -> list[dict[str, Any]]:
+def table(problem: FitProblem, made: list[Statistics]) -> list[dict[str, Any]]:
     """One row a number: measured, simulated, floor and discrepancy, in the contract's keys."""
-    return rows_of(held, prediction(made, 1, held.test))
+    return rows_of(problem, prediction(made, 1, problem.test))
 
 
-def rows_of(held: Bench, simulated: np.ndarray) -> list[dict[str, Any]]:
+def rows_of(problem: FitProblem, simulated: np.ndarray) -> list[dict[str, Any]]:
     """The rows of `table` from the coordinates predicted for the judged half."""
     known = infos()
-    target = held.test
+    target = problem.test
     z = target.z(simulated)
     rows = []
     for i, key in enumerate(target.keys):
-        point = held.plan.settings[key.setting][0]
+        point = problem.plan.settings[key.setting][0]
         info = known[key.name]
         value = info.scale.plain(float(simulated[i]))
         rows.append(
@@ -193,7 +193,7 @@ def rows_of(held: Bench, simulated: np.ndarray) -> list[dict[str, Any]]:
                 "scale": str(info.scale),
                 "measured": float(target.values[i]),
                 "simulated": value,
-                "floor": float(target.floor[i]),
+                "floor": float(target.reproducibility_sd[i]),
                 "discrepancy": float(z[i]),
                 "relative": _relative(float(target.values[i]), value),
             }

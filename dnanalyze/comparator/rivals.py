@@ -9,7 +9,7 @@ from typing import Any
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.compare import table
 from dnanalyze.diagnosis.results import Diagnosis, Step
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.model.noise_model import NoiseModel
 
 FILTERS = ("dpc", "denoise", "temporal_denoise")  # processing of the frames, no noise of a sensor
@@ -53,44 +53,44 @@ class Rivals:
     raw: Rival | None = None
 
 
-def rival(held: Bench, model: NoiseModel | None) -> Rival | None:
+def rival(problem: FitProblem, model: NoiseModel | None) -> Rival | None:
     """A model on the held-out half of these captures."""
     if model is None:
         return None
-    made = held.statistics(model, errors=True)
-    return Rival(model, made[1], table(held, made))
+    made = problem.statistics(model, errors=True)
+    return Rival(model, made[1], table(problem, made))
 
 
-def unfiltered(held: Bench, model: NoiseModel | None) -> Rival | None:
+def unfiltered(problem: FitProblem, model: NoiseModel | None) -> Rival | None:
     """The model without defect correction and denoise; None where it has none."""
     filters = [n for n in FILTERS if model is not None and model.get(n) is not None]
     if model is None or not filters:
         return None
     for name in filters:
         model = model.without(name)
-    return rival(held, model)
+    return rival(problem, model)
 
 
-def of_steps(held: Bench, steps: Sequence[Step], named: Sequence[str]) -> Rivals:
+def of_steps(problem: FitProblem, steps: Sequence[Step], named: Sequence[str]) -> Rivals:
     """Of a refinement: the named effect with the largest fall of the error, before and after it."""
     places = [n for n, s in enumerate(steps) if n and s.added in named and steps[n - 1].model]
     model = steps[-1].model
     if not places:
-        return Rivals(raw=unfiltered(held, model))
+        return Rivals(raw=unfiltered(problem, model))
     place = max(places, key=lambda n: steps[n - 1].error - steps[n].error)
     return Rivals(
         str(steps[place].added),
-        rival(held, steps[place - 1].model),
-        rival(held, steps[place].model),
-        unfiltered(held, model),
+        rival(problem, steps[place - 1].model),
+        rival(problem, steps[place].model),
+        unfiltered(problem, model),
     )
 
 
-def of_diagnosis(held: Bench, found: Diagnosis) -> Rivals:
+def of_diagnosis(problem: FitProblem, found: Diagnosis) -> Rivals:
     """Of a diagnosis: the model, and with the leading candidate."""
     effect = found.candidates[0].effect if found.candidates else ""
     trial = next((t for t in found.trials if t.effect == effect), None)
-    raw = unfiltered(held, found.model)
+    raw = unfiltered(problem, found.model)
     if trial is None:
         return Rivals(raw=raw)
-    return Rivals(effect, rival(held, found.model), rival(held, trial.state.model), raw)
+    return Rivals(effect, rival(problem, found.model), rival(problem, trial.state.model), raw)

@@ -19,18 +19,18 @@ from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.gains import judged
-from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import with_seed
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import fitted_in_time
-from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.located import located
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.measured_parameters import at_measured_parameters
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.whole_field import departures
@@ -39,7 +39,7 @@ from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.composite.source import own_effect
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, known_effects
+from dnanalyze.model.registry import BASE, BASELINE, known_effects
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
@@ -196,7 +196,7 @@ def describe(
     """
     known = known_effects(effects)
     return describe_on(
-        captures, model, budget=budget, known=known, seed=seed, tell=reporter(progress)
+        captures, model, budget=budget, known=known, seed=seed, on_progress=reporter(progress)
     )
 
 
@@ -207,8 +207,8 @@ def describe_on(
     budget: float | None = None,
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[str], None] = ignored,
+    problem: FitProblem | None = None,
+    on_progress: Callable[[str], None] = ignored,
 ) -> Description:
     """`describe` on statistics taken earlier, beside the effects of ``known``."""
     limit = TimeLimit.after(budget)
@@ -216,26 +216,30 @@ def describe_on(
         raise InputError(
             "model: it already has the effect 'composite'; describe requires a model without it"
         )
-    held = held or bench(design(captures, unit=None if model is None else model.unit))
+    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
     if model is None:
-        from dnanalyze.fitting.fit import ordinary_start
+        from dnanalyze.fitting.fit import baseline_model
 
-        model = ordinary_start(held)
-    begun = located(held, with_seed(held, model, seed) or model)
-    tell("fitting the model")
-    state = fitted_in_time(held.within(limit), begun)
+        model = baseline_model(problem)
+    begun = at_measured_parameters(problem, with_seed(problem, model, seed) or model)
+    on_progress("fitting the model")
+    state = fitted_in_time(problem.within(limit), begun)
     found = described(
-        captures, held, state, known_effects(() if known is None else known), limit, tell
+        captures, problem, state, known_effects(() if known is None else known), limit, on_progress
     )
     if limit.over:
         return found
-    tell("training a classifier")
+    on_progress("training a classifier")
     final = found.model
-    told = classify(captures, final, seed=final.seed, limit=limit, helpers=held.helpers)
+    told = classify(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
     found = replace(found, classification=told)
     if found.effect is not None:
         return replace(found, after="unexplained") if told.tells else found
-    if told.tells or not Null.of(held, state).adequate or departures(held.plan, state.model):
+    if (
+        told.tells
+        or not FittedModel.of(problem, state).adequate
+        or departures(problem.plan, state.model)
+    ):
         return found
     text = "Nothing to describe: no residual of the model exceeds chance in these captures."
     return replace(found, verdict="adequate", text=text, after="adequate")
@@ -243,59 +247,59 @@ def describe_on(
 
 def described(
     captures: CaptureSet,
-    held: Bench,
+    problem: FitProblem,
     state: State,
     known: Mapping[str, type[Effect]],
     limit: TimeLimit,
-    tell: Callable[[str], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
     rivals: bool = True,
 ) -> Description:
     """The description of what a fitted model leaves.
 
     ``rivals``: whether the nearest effects of the catalogue are refitted instead.
     """
-    tell("residual layers")
-    seen = layers(held.plan, state.model)
-    base = tuple(e for e in state.model.effects if e.name in (BASE, *EVERYDAY))
-    simulated = chance(held.plan, replace(state.model, effects=base))
-    tell("structures in the layers")
+    on_progress("residual layers")
+    seen = layers(problem.plan, state.model)
+    base = tuple(e for e in state.model.effects if e.name in (BASE, *BASELINE))
+    simulated = chance(problem.plan, replace(state.model, effects=base))
+    on_progress("structures in the layers")
     found = searched(seen, by_chance(simulated), state.model.reference)
     if not found:
         text = (
             "No structure in the residual layers exceeds chance: the statistics not explained "
             "have none of the geometries that describe tests."
         )
-        return _without(captures, held, state, "nothing", text)
+        return _without(captures, problem, state, "nothing", text)
     near = known if rivals else {}
-    return _judged(captures, held, state, near, limit, tell, seen, found)
+    return _judged(captures, problem, state, near, limit, on_progress, seen, found)
 
 
 def _judged(
     captures: CaptureSet,
-    held: Bench,
+    problem: FitProblem,
     state: State,
     known: Mapping[str, type[Effect]],
     limit: TimeLimit,
-    tell: Callable[[str], None],
+    on_progress: Callable[[str], None],
     seen: Layers,
     found: list[Estimate],
 ) -> Description:
     """The structures put in and refitted, the best of them described."""
-    null, finished = Null.of(held, state), True
-    held, state, limited = null.held, null.state, null.held.within(limit)
+    null, finished = FittedModel.of(problem, state), True
+    problem, state, limited = null.problem, null.state, null.problem.within(limit)
     tried: list[tuple[Estimate, Trial]] = []
     try:
         for one in _best_of_layers(found)[:MOST]:
-            tell(f"refitting with {one.effect.where}")
+            on_progress(f"refitting with {one.effect.where}")
             larger = state.model.with_effect(one.effect)
-            begun = start(limited, larger, knobs_of(larger), like=state)
+            begun = start(limited, larger, free_parameters(larger), like=state)
             ended = minimise(limited, begun, STEPS)
             tried.append((one, judged(null, CompositeEffect.name, ended)))
     except TimeUp:
         finished = False
     if not tried:
         told = _without(
-            captures, held, state, "possible", sentence(found[0], seen, state.model.reference)
+            captures, problem, state, "possible", sentence(found[0], seen, state.model.reference)
         )
         return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
     best, trial = max(tried, key=lambda pair: pair[1].evidence)
@@ -307,22 +311,22 @@ def _judged(
     if not certain:
         sure *= STANDS_IN
     elif not limit.over:
-        tell("testing which effects are still needed")
-        ended, removed = reduced(held, ended)
+        on_progress("testing which effects are still needed")
+        ended, removed = reduced(problem, ended)
         removed = [name for name in removed if name != CompositeEffect.name]
         if ended.model.get(CompositeEffect.name) is None:
             ended, removed = trial.state, []
-    why = evidence_for(held, state, ended, CompositeEffect)
+    why = evidence_for(problem, state, ended, CompositeEffect)
     near: list[Nearest] = []
     if not limit.over:
-        tell("nearest effects of the catalogue")
-        near = nearest(held, state, ended, best.effect, known)
+        on_progress("nearest effects of the catalogue")
+        near = nearest(problem, state, ended, best.effect, known)
     text = sentence(best, seen, state.model.reference)
-    rival = as_good(near, error_of(held, ended))
+    rival = as_good(near, error_of(problem, ended))
     if rival is not None:
         certain, verdict, sure = False, "possible", min(sure, STANDS_IN)
         text = f"{text[:-1]}; the catalogue effect {rival} explains as much: add it first."
-    left = Null.of(held, ended)
+    left = FittedModel.of(problem, ended)
     return Description(
         captures,
         verdict,
@@ -375,10 +379,10 @@ def _numbers(found: Estimate, model: NoiseModel) -> list[Number]:
 
 
 def _without(
-    captures: CaptureSet, held: Bench, state: State, verdict: str, text: str
+    captures: CaptureSet, problem: FitProblem, state: State, verdict: str, text: str
 ) -> Description:
     """A description without a structure in the model."""
-    error, nan = error_of(held, state), float("nan")
+    error, nan = error_of(problem, state), float("nan")
     return Description(
         captures, verdict, text, error, nan, nan, "unexplained", None, [], [], [], [], [], [],
         state.model,

@@ -11,9 +11,9 @@ from dnanalyze.diagnosis.explain import evidence_against
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.digits import number
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.state import start as begun_at
 from dnanalyze.model.composite.effect import CompositeEffect
@@ -68,7 +68,7 @@ def as_good(near: Sequence[Nearest], error: float) -> str | None:
 
 
 def nearest(
-    held: Bench,
+    problem: FitProblem,
     state: State,
     ended: State,
     effect: CompositeEffect,
@@ -86,21 +86,21 @@ def nearest(
     )
     open_to = candidates_of(state, dict(known), [BASE])
     guesses: dict[str, Guess] = {}
-    for guess in score_tests(held, state, open_to):  # the largest first
+    for guess in score_tests(problem, state, open_to):  # the largest first
         guesses.setdefault(guess.effect, guess)
     nan = float("nan")
     found = []
     for name in dict.fromkeys([*(n for n in alike if n in known), *list(guesses)[:PROMISING]]):
         if state.model.get(name) is not None:
-            error = error_of(held, state)
+            error = error_of(problem, state)
             found.append(Nearest(name, nan, f"already in the model, model error {number(error)}"))
             continue
         if name not in guesses:
             found.append(Nearest(name, nan, "not indicated by the statistics"))
             continue
         larger = guesses[name].model
-        begun = begun_at(held, larger, knobs_of(larger), like=state)
-        rival = minimise(held, begun, STEPS)
-        why = evidence_against(held, rival, ended, name, CompositeEffect.name)
-        found.append(Nearest(name, error_of(held, rival), why or "explains nearly as much"))
+        begun = begun_at(problem, larger, free_parameters(larger), like=state)
+        rival = minimise(problem, begun, STEPS)
+        why = evidence_against(problem, rival, ended, name, CompositeEffect.name)
+        found.append(Nearest(name, error_of(problem, rival), why or "explains nearly as much"))
     return found

@@ -15,7 +15,7 @@ from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.learned.field_map import FieldMap
@@ -186,15 +186,15 @@ def learn_pattern(
     (64, 64)
     """
     check_pattern(captures, model)
-    tell = reporter(progress)
+    on_progress = reporter(progress)
     captures, model = _repeated(captures), _without_structure(model)
-    tell("mean frames")
+    on_progress("mean frames")
     seen = halves(captures)
-    tell("simulated sensors")
+    on_progress("simulated sensors")
     chance = [halves(_other(captures, model, r)) for r in range(REPLICATES)]
     points = [s.point for s in captures.settings]
     make = partial(_learned, points=points, reference=model.reference)
-    tell("the map")
+    on_progress("the map")
     whole, sizes, errors = make([h.mean for h in seen], [[h.mean for h in c] for c in chance], seen)
     even, _, _ = make([h.even for h in seen], [[h.even for h in c] for c in chance], seen)
     left_out = [
@@ -213,7 +213,7 @@ def learn_pattern(
         for n in range(len(seen))
         if len(seen) > 2
     ]
-    tell("unseen frames")
+    on_progress("unseen frames")
     before, after = _unseen_error(captures, model, even)
     return LearnedPattern(
         captures,
@@ -429,7 +429,7 @@ def _unseen_error(captures: CaptureSet, model: NoiseModel, even: PatternMap) -> 
     if min(len(s.frames) for s in captures.settings) < 4:
         return float("nan"), float("nan")
     odd = tuple(replace(s, frames=s.frames[1::2]) for s in captures.settings)
-    held = bench(design(replace(captures, settings=odd)))
-    found = [held.judged_z(m) for m in (model, model.with_effect(even))]
-    before, after = (pooled(z, held.test.families) for z in found)
+    problem = fit_problem(design(replace(captures, settings=odd)))
+    found = [problem.judged_z(m) for m in (model, model.with_effect(even))]
+    before, after = (pooled(z, problem.test.families) for z in found)
     return before, after

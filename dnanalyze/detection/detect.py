@@ -15,7 +15,7 @@ from dnanalyze.detection.reasons import reason
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
-from dnanalyze.detection.verdict import Answer, ask, decide
+from dnanalyze.detection.verdict import TestResult, ask, decide
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.progress import Progress
 
@@ -133,7 +133,7 @@ def _with_lists(evidence: list[ViewEvidence], series: Group | None) -> list[View
 
 
 def _finding(
-    answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha: float
+    answer: TestResult, kind: str, speaks: bool, also: tuple[str, ...], alpha: float
 ) -> Finding:
     a = answer.asked
     return Finding(
@@ -150,7 +150,7 @@ def _finding(
     )
 
 
-def _confidence(flags: list[Answer], evidence: list[ViewEvidence]) -> float:
+def _confidence(flags: list[TestResult], evidence: list[ViewEvidence]) -> float:
     """One minus the corrected p-value; for "none", the share of settings fit for the tests."""
     if flags:
         return float(np.clip(1 - min(a.holm for a in flags), 0.0, 0.9999))
@@ -158,7 +158,7 @@ def _confidence(flags: list[Answer], evidence: list[ViewEvidence]) -> float:
     return float(np.mean(fit)) if fit else 0.0
 
 
-def _also(kind: str, answers: list[Answer]) -> tuple[str, ...]:
+def _also(kind: str, answers: list[TestResult]) -> tuple[str, ...]:
     """Other kinds with flags; denoise brings those of a correction with it, so they are not
     named.
     """
@@ -168,9 +168,9 @@ def _also(kind: str, answers: list[Answer]) -> tuple[str, ...]:
     return tuple(sorted({a.asked.kind for a in answers if a.flagged} - hidden))
 
 
-def _words(flags: list[Answer]) -> tuple[str, ...]:
+def _words(flags: list[TestResult]) -> tuple[str, ...]:
     """The strongest finding of each test, in words."""
-    seen: dict[str, Answer] = {}
+    seen: dict[str, TestResult] = {}
     for a in sorted(flags, key=lambda a: (-min(a.asked.effect / a.asked.limit, 1e3), a.holm)):
         seen.setdefault(a.asked.test, a)
     said = []
@@ -183,7 +183,7 @@ def _words(flags: list[Answer]) -> tuple[str, ...]:
 
 
 def _ambiguous(
-    kind: str, answers: list[Answer], evidence: list[ViewEvidence], alpha: float
+    kind: str, answers: list[TestResult], evidence: list[ViewEvidence], alpha: float
 ) -> tuple[str, ...]:
     said = []
     tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")

@@ -10,17 +10,17 @@ import numpy as np
 from dnanalyze.detection.edge import tightest_line
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
-from dnanalyze.detection.questions import LEAST_SITES, Asked
 from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.results import FilterEstimate, TailBound
-from dnanalyze.detection.verdict import CAUSES, Answer
+from dnanalyze.detection.tests import LEAST_SITES, FilterTest
+from dnanalyze.detection.verdict import CAUSES, TestResult
 
 REPLACEMENTS = {"mean": "mean", "median": "midpoint", "fifth": "median"}  # of 8 values
 LEAST_THRESHOLD = 2.5  # in units of the noise
 QUIET = 4.0  # neighbours' maximum above the base, in units of the noise, where none is hot
 
 
-def estimate(kind: str, flags: list[Answer], evidence: list[ViewEvidence]) -> FilterEstimate:
+def estimate(kind: str, flags: list[TestResult], evidence: list[ViewEvidence]) -> FilterEstimate:
     """From the answers that speak for the kind (at least one)."""
     at = [a.asked.evidence.point.temperature_c for a in flags]
     known = [t for t in at if t is not None]
@@ -34,7 +34,7 @@ def estimate(kind: str, flags: list[Answer], evidence: list[ViewEvidence]) -> Fi
     return FilterEstimate("recursive", view, strength=memory, from_temperature_c=coldest)
 
 
-def _view(flags: list[Answer]) -> str:
+def _view(flags: list[TestResult]) -> str:
     """Where it is stronger: in the frame, or within the colours.
 
     Neighbours of one colour are among the 24 of the frame, so a cap to these caps some of those.
@@ -48,7 +48,7 @@ def _view(flags: list[Answer]) -> str:
 
 
 def _correction(
-    flags: list[Answer], view: str, coldest: float | None, evidence: list[ViewEvidence]
+    flags: list[TestResult], view: str, coldest: float | None, evidence: list[ViewEvidence]
 ) -> FilterEstimate:
     mine = [a for a in flags if a.asked.evidence.view == view and a.asked.test in CAUSES] or flags
     tests = {t: [a.asked for a in mine if a.asked.test == t] for t in CAUSES}
@@ -83,7 +83,7 @@ def _correction(
 
 def _cut(
     base: FilterEstimate, lines: list[tuple[tuple[float, float], float, StandingOut]],
-    dynamic: list[Asked],
+    dynamic: list[FilterTest],
 ) -> FilterEstimate:  # fmt: skip
     """The line x = slope max + bound that (almost) nothing crosses, both above the base level."""
     slopes = [a for (a, _), _, _ in lines]
@@ -152,7 +152,7 @@ def _grows(replaced: list[Any], rule: str | None) -> bool:
 
 
 def _denoise(
-    flags: list[Answer], coldest: float | None, evidence: list[ViewEvidence]
+    flags: list[TestResult], coldest: float | None, evidence: list[ViewEvidence]
 ) -> FilterEstimate:
     """From the quietest flagged setting, in the view whose next neighbours share more noise."""
     tests = {a.asked.test for a in flags}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dnanalyze.detection.verdict import Answer
+from dnanalyze.detection.verdict import TestResult
 from dnanalyze.digits import number
 
 NOT_SIGNIFICANT = "not significant after Holm's correction"
@@ -15,12 +15,12 @@ KINDS = {
 }
 
 
-def reason(answer: Answer, kind: str, speaks: bool, also: tuple[str, ...], alpha: float) -> str:
+def reason(answer: TestResult, kind: str, speaks: bool, also: tuple[str, ...], alpha: float) -> str:
     """Why an answer does not count; empty for one that speaks for the verdict.
 
     Parameters
     ----------
-    answer : Answer
+    answer : TestResult
     kind : str
         Of the verdict.
     speaks : bool

@@ -13,7 +13,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.result import Result
 
 if TYPE_CHECKING:
-    from dnanalyze.detection.verdict import Answer
+    from dnanalyze.detection.verdict import TestResult
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class Detection(Result):
         empty for none.
     series : SuppressionSeries, optional
         Suppression of high frequencies over temperature, for the figure.
-    answers : tuple of Answer
+    answers : tuple of TestResult
         The questions with the evidence behind them, for the figures; findings are their summary.
     """
 
@@ -182,7 +182,7 @@ class Detection(Result):
     tail: tuple[TailBound, ...] = ()
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
-    answers: tuple[Answer, ...] = field(default=(), compare=False)
+    answers: tuple[TestResult, ...] = field(default=(), compare=False)
 
     def _brief(self) -> str:
         what = self.kind if self.filtered else "no filter found"

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.detection import questions
+from dnanalyze.detection import tests
 from dnanalyze.detection.evidence import ViewEvidence
-from dnanalyze.detection.questions import Asked
+from dnanalyze.detection.tests import FilterTest
 from dnanalyze.loaders.captures import OperatingPoint
 
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
@@ -27,26 +27,26 @@ CAUSES = (
 
 
 @dataclass(frozen=True)
-class Answer:
+class TestResult:
     """A question with its corrected p-value.
 
     Parameters
     ----------
-    asked : Asked
+    asked : FilterTest
     holm : float
-        p-value after Holm's correction over all questions.
+        p-value after Holm's correction over all tests.
     flagged : bool
     judge : bool
-        Asked where its answer counts; elsewhere it is given for information.
+        FilterTest where its answer counts; elsewhere it is given for information.
     """
 
-    asked: Asked
+    asked: FilterTest
     holm: float
     flagged: bool
     judge: bool = True
 
 
-def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
+def ask(evidence: list[ViewEvidence], alpha: float) -> list[TestResult]:
     """Put every question to every view, and correct for their number.
 
     None to settings most of whose pixels are clipped or saturated.
@@ -55,7 +55,7 @@ def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
     coloured = _coloured(evidence)
     unfit = {id(e) for e in evidence if e.point in coloured and not _round(e)}
     judges = _quietest(evidence) - unfit
-    asked: list[tuple[Asked, bool]] = []
+    asked: list[tuple[FilterTest, bool]] = []
     for e in evidence:
         warmer = [
             (o.correlation.variance, o.point.temperature_c)
@@ -63,13 +63,13 @@ def ask(evidence: list[ViewEvidence], alpha: float) -> list[Answer]:
             if o.view == e.view and o.clipped < 0.005 and replace(o.point, temperature_c=None)
             == replace(e.point, temperature_c=None)
         ]  # fmt: skip
-        asked += [(a, id(e) in judges) for a in questions.smoothing(e, warmer)]
-        rest = questions.standing_out(e) + questions.sites(e) + questions.memory(e)
+        asked += [(a, id(e) in judges) for a in tests.smoothing(e, warmer)]
+        rest = tests.standing_out(e) + tests.sites(e) + tests.memory(e)
         asked += [(a, True) for a in rest]
-        asked += [(a, id(e) in judges) for a in questions.row_phases(e)]
+        asked += [(a, id(e) in judges) for a in tests.row_phases(e)]
     adjusted = holm(np.array([a.p for a, _ in asked]))
     return [
-        Answer(a, float(p), bool(judge and p < alpha and a.effect > a.limit), judge)
+        TestResult(a, float(p), bool(judge and p < alpha and a.effect > a.limit), judge)
         for (a, judge), p in zip(asked, adjusted, strict=True)
     ]
 
@@ -122,7 +122,7 @@ def _quietest(evidence: list[ViewEvidence]) -> set[int]:
     return chosen
 
 
-def decide(answers: list[Answer]) -> tuple[str, list[Answer]]:
+def decide(answers: list[TestResult]) -> tuple[str, list[TestResult]]:
     """The kind ("none" for no flag) and the flagged answers that speak for it."""
     flagged = [a for a in answers if a.flagged]
     capped = _of(flagged, "cap_to_neighbours")
@@ -141,11 +141,11 @@ def decide(answers: list[Answer]) -> tuple[str, list[Answer]]:
     return "none", []
 
 
-def _of(answers: list[Answer], *tests: str) -> list[Answer]:
+def _of(answers: list[TestResult], *tests: str) -> list[TestResult]:
     return [a for a in answers if a.asked.test in tests]
 
 
-def _memory(answers: list[Answer]) -> list[Answer]:
+def _memory(answers: list[TestResult]) -> list[TestResult]:
     """Flags of at least half of the settings in which rounding could not hide a memory."""
     able = [
         a for a in _of(answers, "temporal_autocorrelation")
@@ -155,7 +155,7 @@ def _memory(answers: list[Answer]) -> list[Answer]:
     return flagged if 2 * len(flagged) >= max(1, len(able)) else []
 
 
-def _explained(smoothed: list[Answer], corrected: list[Answer]) -> bool:
+def _explained(smoothed: list[TestResult], corrected: list[TestResult]) -> bool:
     """The correction alone makes the noise look smoothed: it touched hot pixels alone, or its sites
     are plain and the smoothing is slight, as where a low threshold replaces a few per cent.
     """
@@ -164,11 +164,11 @@ def _explained(smoothed: list[Answer], corrected: list[Answer]) -> bool:
     return _only_maxima(smoothed + corrected) or (slight and plain)
 
 
-def _score(answer: Answer) -> float:
+def _score(answer: TestResult) -> float:
     return answer.asked.effect / answer.asked.limit
 
 
-def _only_maxima(answers: list[Answer]) -> bool:
+def _only_maxima(answers: list[TestResult]) -> bool:
     """Maxima of the frames as recorded are rarer and minima are not: hot pixels alone were
     touched.
     """

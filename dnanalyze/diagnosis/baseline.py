@@ -7,14 +7,14 @@ from dataclasses import replace
 from functools import partial
 
 from dnanalyze.diagnosis.selection import DEFLATION
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.from_part import converge, fitted
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import EVERYDAY, WANG
+from dnanalyze.model.registry import BASELINE, WANG
 
-EVERY_SENSOR = (
+BASELINE_REASON = (
     "baseline effect, present in every sensor: added with the other baseline effects, untested"
 )
 FAR_OFF = 5.0  # loss per statistic beyond which the next effect moves all that is fitted here
@@ -27,24 +27,24 @@ def far_off(state: State) -> bool:
 
 def lacks_baseline(model: NoiseModel, exclude: Sequence[str] = ()) -> bool:
     """Whether a model has none of the baseline effects that are not excluded, but the converter."""
-    wanted = any(name not in exclude and model.get(name) is None for name in EVERYDAY)
-    return wanted and all(name in WANG or model.get(name) is None for name in EVERYDAY)
+    wanted = any(name not in exclude and model.get(name) is None for name in BASELINE)
+    return wanted and all(name in WANG or model.get(name) is None for name in BASELINE)
 
 
-def baseline_start(bench: Bench, exclude: Sequence[str] = (), seed: int = 0) -> NoiseModel:
+def baseline_start(problem: FitProblem, exclude: Sequence[str] = (), seed: int = 0) -> NoiseModel:
     """The model with the baseline effects that are not excluded, from moments of the frames."""
-    begun = ordinary_start(bench)
+    begun = baseline_model(problem)
     for name in exclude:
         begun = begun.without(name)
     return replace(begun, seed=seed)
 
 
-def baseline_fitted(bench: Bench, begun: NoiseModel) -> State:
+def baseline_fitted(problem: FitProblem, begun: NoiseModel) -> State:
     """All baseline effects fitted together: without one of them the others take its share."""
     fit = partial(converge, hopeless=FAR_OFF, settled=DEFLATION, last=False)
-    return fitted(bench, begun, fit)
+    return fitted(problem, begun, fit)
 
 
 def new_in(model: NoiseModel, before: NoiseModel) -> list[str]:
     """Baseline effects of a model that another one has not."""
-    return [n for n in EVERYDAY if model.get(n) is not None and before.get(n) is None]
+    return [n for n in BASELINE if model.get(n) is not None and before.get(n) is None]

@@ -13,13 +13,13 @@ from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied, without_de
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
     ALIKE,
+    EVIDENCE_DECISIVE,
+    EVIDENCE_NULL,
     LEAST,
-    NOTHING,
-    PLAIN,
     REFITS,
     Trial,
     competitors,
@@ -29,10 +29,10 @@ from dnanalyze.diagnosis.selection import (
 )
 from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.derivatives import derive
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import STEPS
-from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start, with_derivatives_of
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.progress import ignored
@@ -67,54 +67,57 @@ def by_standing(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def trials(
-    null: Null,
+    null: FittedModel,
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
     so_far: SoFar | None = None,
 ) -> list[Trial]:
     """Refit the candidates with the largest promise; the most probable first.
 
-    ``null``: the model without them. ``tell``: called with each name. ``so_far``: takes what is
-    found, as it is found.
+    ``null``: the model without them. ``on_progress``: called with each name. ``so_far``: takes what
+    is found, as it is found.
     """
     so_far = so_far or SoFar()
-    guesses = _screened(null, known, tell)
+    guesses = _screened(null, known, on_progress)
     so_far.screened[:] = guesses
-    found = _refits(null, guesses, tell, so_far)
+    found = _refits(null, guesses, on_progress, so_far)
     promises = {name: own[0].promise for name, own in guesses.items()}
-    made = [t for t in _at_their_optima(null, found, promises) if _shown(null.held, t)]
-    tested = by_standing([_tested(null.held, t, made) for t in made])
-    return by_standing(told_apart(null.held, tested))
+    made = [t for t in _at_their_optima(null, found, promises) if _shown(null.problem, t)]
+    tested = by_standing([_tested(null.problem, t, made) for t in made])
+    return by_standing(told_apart(null.problem, tested))
 
 
 def refitted_once(
-    null: Null, known: dict[str, type[Effect]], tell: Callable[[str], None] = ignored
+    null: FittedModel, known: dict[str, type[Effect]], on_progress: Callable[[str], None] = ignored
 ) -> tuple[list[str], list[Trial]]:
     """The effects of the largest promise, and one refit of each, that of most evidence first.
 
     None is refitted where the first of them has a place or few pixels: a part of the field does not
     show it as the whole does. Arguments are those of `trials`.
     """
-    guesses = _screened(null, known, tell)
+    guesses = _screened(null, known, on_progress)
     names = list(guesses)[:REFITS]
     if not names or known[names[0]].placing is not Placing.EVERYWHERE:
         return names, []
-    found = _refits(null, guesses, tell, SoFar())
+    found = _refits(null, guesses, on_progress, SoFar())
     return names, sorted(found, key=lambda t: -t.evidence)
 
 
 def _screened(
-    null: Null, known: dict[str, type[Effect]], tell: Callable[[str], None]
+    null: FittedModel, known: dict[str, type[Effect]], on_progress: Callable[[str], None]
 ) -> dict[str, list[Guess]]:
     """Guesses of each effect, the largest promise first."""
     guesses: dict[str, list[Guess]] = {}
-    for guess in score_tests(null.held, null.state, known, tell):
+    for guess in score_tests(null.problem, null.state, known, on_progress):
         guesses.setdefault(guess.effect, []).append(guess)
     return guesses
 
 
 def _refits(
-    null: Null, guesses: dict[str, list[Guess]], tell: Callable[[str], None], so_far: SoFar
+    null: FittedModel,
+    guesses: dict[str, list[Guess]],
+    on_progress: Callable[[str], None],
+    so_far: SoFar,
 ) -> list[Trial]:
     """The first effects, each refitted from its best guess while it may reach the best of them."""
     found: list[Trial] = []
@@ -122,8 +125,8 @@ def _refits(
     for name, own in list(guesses.items())[:REFITS]:
         if own[0].promise < LEAST or reach * own[0].promise < null.state.loss - wanted:
             break
-        tell(name)
-        ended = refitted(null.held, own[0], null.state, wanted)
+        on_progress(name)
+        ended = refitted(null.problem, own[0], null.state, wanted)
         gained = null.state.loss - ended.loss
         reach = max(reach, gained / own[0].promise)
         wanted = min(wanted, null.state.loss - ALIKE * gained)
@@ -133,21 +136,21 @@ def _refits(
     return found
 
 
-def _tested(bench: Bench, found: Trial, trials: Sequence[Trial]) -> Trial:
+def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial:
     """A filter that would be named is first held against the tests for filters."""
-    if found.effect not in FILTERS or not significant(found, NOTHING):
+    if found.effect not in FILTERS or not significant(found, EVIDENCE_NULL):
         return found
     rivals = [t for t in trials if t.effect in competitors(found, trials)]
     other = any(t.effect not in FILTERS and significant(t) for t in rivals)
-    against = denied(bench, found.state.model, other)
+    against = denied(problem, found.state.model, other)
     return replace(found, denied=DENIED if against else "")
 
 
-def _shown(bench: Bench, found: Trial) -> bool:
+def _shown(problem: FitProblem, found: Trial) -> bool:
     """Whether a refit ended where the captures tell the effect from a constant one."""
     effect = found.state.model.get(found.effect)
     assert effect is not None
-    return effect.shows_in(max(n for _, n in bench.plan.settings))
+    return effect.shows_in(max(n for _, n in problem.plan.settings))
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
@@ -156,7 +159,9 @@ def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:
     return tuple(g for g in guesses[1:] if g is guesses[1] or first[g.kind] is g)
 
 
-def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float]) -> list[Trial]:
+def _at_their_optima(
+    null: FittedModel, found: list[Trial], promises: dict[str, float]
+) -> list[Trial]:
     """The leader and its contenders at their optima, where the choice is open.
 
     Contenders are in their best forms, and take the derivatives of what they share from the leader.
@@ -167,41 +172,41 @@ def _at_their_optima(null: Null, found: list[Trial], promises: dict[str, float])
     leader = max(found, key=lambda t: t.evidence)
     if leader.fitted_gain < LEAST:
         return found
-    near = without_denied(null.held, leader, found, contenders(leader, found, promises))
-    if leader.evidence > PLAIN * leader.spread and len(near) == 1:
+    near = without_denied(null.problem, leader, found, contenders(leader, found, promises))
+    if leader.evidence > EVIDENCE_DECISIVE * leader.overdispersion and len(near) == 1:
         return found
-    like = derive(null.held, leader.state, anew=True)
+    like = derive(null.problem, leader.state, anew=True)
     made = []
     for t in found:
         if t.effect in near:
             begun = best = like if t is leader else with_derivatives_of(t.state, like)
             if len(near) > 1:
-                best = in_best_form(null.held, replace(t, state=begun))
-            ended = judged(null, t.effect, minimise(null.held, best, STEPS))
+                best = in_best_form(null.problem, replace(t, state=begun))
+            ended = judged(null, t.effect, minimise(null.problem, best, STEPS))
             formed = len(near) > 1 and best is begun
             t = judged_by_prediction(null, replace(ended, others=t.others, formed=formed))
         made.append(t)
     return made
 
 
-def refitted(bench: Bench, guess: Guess, like: State, wanted: float = math.inf) -> State:
+def refitted(problem: FitProblem, guess: Guess, like: State, wanted: float = math.inf) -> State:
     """A guess refitted, on a part of the field first where that may be.
 
     ``like``: the model without the effect. ``wanted``: loss that must come within reach; else the
     refit is given up.
     """
-    part = part_for(bench, guess.model)
+    part = part_for(problem, guess.model)
     if part is None:
-        return _from_guess(bench, guess, like, wanted)
-    there = carried(like, bench, part)
+        return _from_guess(problem, guess, like, wanted)
+    there = carried(like, problem, part)
     near = _from_guess(part, guess, there, wanted * there.loss / like.loss)
-    return minimise(bench, carried(near, part, bench), STEPS, below=wanted)
+    return minimise(problem, carried(near, part, problem), STEPS, below=wanted)
 
 
-def _from_guess(bench: Bench, guess: Guess, like: State, wanted: float) -> State:
+def _from_guess(problem: FitProblem, guess: Guess, like: State, wanted: float) -> State:
     """A refit on one field, with the derivatives of the model without where these carry over.
 
     They do not for the parameters that the effect has biased.
     """
-    begun = start(bench, guess.model, knobs_of(guess.model), like=like)
-    return minimise(bench, without_biased(bench, begun, guess.effect), STEPS, below=wanted)
+    begun = start(problem, guess.model, free_parameters(guess.model), like=like)
+    return minimise(problem, without_biased(problem, begun, guess.effect), STEPS, below=wanted)

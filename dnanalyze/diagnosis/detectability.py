@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.selection import CERTAIN, LEAST
+from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10, LEAST
 from dnanalyze.digits import number, unit_text
 from dnanalyze.estimate import Estimated
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.state import State, loss
 from dnanalyze.model.effect import Effect, ParameterInfo, Placing
@@ -55,7 +55,7 @@ class DetectionLimit(Estimated):
 
 
 def detection_limits(
-    held: Bench, state: State, known: dict[str, type[Effect]]
+    problem: FitProblem, state: State, known: dict[str, type[Effect]]
 ) -> dict[str, DetectionLimit]:
     """Detection limit of every effect that is not in the model.
 
@@ -63,7 +63,7 @@ def detection_limits(
     absorb, by what `significant` asks for: at the operating point with the least noise, and for
     effects that are not stated in DN also at the one with the largest dark signal.
     """
-    seen = Readings(held.measured[0])
+    seen = Readings(problem.measured[0])
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
     calm, warm = int(np.nanargmin(noise)), int(np.nanargmax(level))
     asked = {}
@@ -78,7 +78,7 @@ def detection_limits(
         }
         if alike:
             where = {calm} if readout else {calm, warm}
-            view = _View.of(held, state, sorted(where), placing)
+            view = _View.of(problem, state, sorted(where), placing)
             least |= _least_shown(view, state.model, alike)
     return {
         name: DetectionLimit(name, a.parameter, least[name], a.info.unit)
@@ -109,7 +109,7 @@ class _Asked:
     def limit(self, strength: float, gain: float) -> float:
         """Where the gain would be what is asked of an effect."""
         power = 4.0 if self.readout else 2.0
-        return float(min(strength * (CERTAIN / gain) ** (1.0 / power), self.info.upper))
+        return float(min(strength * (EVIDENCE_ODDS_10 / gain) ** (1.0 / power), self.info.upper))
 
 
 def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) -> dict[str, float]:
@@ -136,11 +136,11 @@ class _View:
     free: list[np.ndarray]
 
     @classmethod
-    def of(cls, held: Bench, state: State, settings: list[int], placing: Placing) -> _View:
-        parts = [state.jacobian[held.train.setting == s] for s in settings]
+    def of(cls, problem: FitProblem, state: State, settings: list[int], placing: Placing) -> _View:
+        parts = [state.jacobian[problem.train.setting == s] for s in settings]
         usable = [part[:, np.linalg.norm(part, axis=0) > 1e-6] for part in parts]
         free = [np.linalg.qr(part)[0] for part in usable]
-        return cls(Changes.of(held.only(settings), state.model, placing), free)
+        return cls(Changes.of(problem.only(settings), state.model, placing), free)
 
     def gains(self, models: Sequence[NoiseModel]) -> list[float]:
         """Loss of the model without the effect, were each the truth; where it is largest."""

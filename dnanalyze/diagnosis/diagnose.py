@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dnanalyze.diagnosis.baseline import (
-    EVERY_SENSOR,
+    BASELINE_REASON,
     baseline_fitted,
     baseline_start,
     lacks_baseline,
@@ -19,7 +19,7 @@ from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Candidate, Diagnosis
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.selection import (
@@ -38,8 +38,8 @@ from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
-from dnanalyze.fitting.located import located
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.measured_parameters import at_measured_parameters
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.whole_field import coverage
@@ -106,7 +106,7 @@ def diagnose(
     known = known_effects(effects)
     return diagnose_on(
         captures, model, exclude=exclude, budget=budget, known=known, seed=seed,
-        tell=reporter(progress),
+        on_progress=reporter(progress),
     )  # fmt: skip
 
 
@@ -118,24 +118,26 @@ def diagnose_on(
     budget: float | None = None,
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[str], None] = ignored,
+    problem: FitProblem | None = None,
+    on_progress: Callable[[str], None] = ignored,
     first: Callable[[list[str]], None] | None = None,
-    keep: Callable[[Diagnosis], None] = ignored,
+    on_result: Callable[[Diagnosis], None] = ignored,
     afterwards: TimeLimit | None = None,
 ) -> Diagnosis:
     """`diagnose` on statistics taken earlier, among the effects of ``known``.
 
-    ``tell`` is called with the name of every candidate; ``first``, before the search, with a first
-    answer: the effects in the order of the fall of the error that first-order screening of a
+    ``on_progress`` is called with the name of every candidate; ``first``, before the search, with a
+    first answer: the effects in the order of the fall of the error that first-order screening of a
     quarter of the field expects, none where the captures are small or nothing is expected.
-    ``keep`` is called after each candidate with what is known so far, and with the whole diagnosis
-    before the detection limits; ``afterwards`` limits their time, they are then left out.
+    ``on_result`` is called after each candidate with what is known so far, and with the whole
+    diagnosis before the detection limits; ``afterwards`` limits their time, they are then left out.
     """
     limit = TimeLimit.after(budget)
-    held = held or bench(design(captures, unit=None if model is None else model.unit))
-    limited = held.within(limit)
-    model = located(held, with_seed(held, model, seed) or paper_start(held, exclude))
+    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    limited = problem.within(limit)
+    model = at_measured_parameters(
+        problem, with_seed(problem, model, seed) or paper_start(problem, exclude)
+    )
     known = known_effects(() if known is None else known)
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     so_far = SoFar()
@@ -148,38 +150,41 @@ def diagnose_on(
     baseline: State | None = None
 
     def whole(found: Diagnosis) -> Diagnosis:
-        return found if baseline is None else _with_baseline_listed(held, asked, baseline, found)
+        return found if baseline is None else _with_baseline_listed(problem, asked, baseline, found)
 
     def kept(found: Diagnosis) -> None:
-        keep(whole(found) if found.finished else found)
+        on_result(whole(found) if found.finished else found)
 
     try:
         if lacks_baseline(asked.model, exclude):
-            tell("baseline effects")
+            on_progress("baseline effects")
             baseline = baseline_fitted(limited, baseline_start(limited, exclude, asked.model.seed))
         found = _in_full(
-            captures, limited, baseline or asked, open_to, so_far, tell, kept, afterwards
+            captures, limited, baseline or asked, open_to, so_far, on_progress, kept, afterwards
         )
     except TimeUp:
-        found = unfinished(captures, Null.of(held, baseline or asked), so_far, open_to)
+        found = unfinished(captures, FittedModel.of(problem, baseline or asked), so_far, open_to)
     return whole(found)
 
 
 def first_answer(
-    held: Bench, model: NoiseModel, known: dict[str, type[Effect]], exclude: Sequence[str] = ()
+    problem: FitProblem,
+    model: NoiseModel,
+    known: dict[str, type[Effect]],
+    exclude: Sequence[str] = (),
 ) -> list[str]:
     """Effects in the order of their score tests on the middle quarter of the field.
 
     No refit has confirmed them. Empty where nothing is expected, or where the captures are so small
     that the whole field takes no longer.
     """
-    part = held.part
+    part = problem.part
     if part is None:
         return []
     baseline = lacks_baseline(model, exclude)
     # the fits of the whole field begin with these, and do not simulate them again
     state = (
-        baseline_fitted(part, baseline_start(held, exclude, model.seed))
+        baseline_fitted(part, baseline_start(problem, exclude, model.seed))
         if baseline
         else fitted(part, model)
     )
@@ -189,37 +194,37 @@ def first_answer(
 
 def _in_full(
     captures: CaptureSet,
-    held: Bench,
+    problem: FitProblem,
     state: State,
     open_to: dict[str, type[Effect]],
     so_far: SoFar,
-    tell: Callable[[str], None],
-    keep: Callable[[Diagnosis], None],
+    on_progress: Callable[[str], None],
+    on_result: Callable[[Diagnosis], None],
     afterwards: TimeLimit | None,
 ) -> Diagnosis:
     """The whole of a diagnosis of a fitted model that has its baseline effects."""
-    null, law = Null.of(held, state), ""
-    so_far.told = lambda: keep(unfinished(captures, null, so_far, open_to))
-    tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell, so_far)
+    null, law = FittedModel.of(problem, state), ""
+    so_far.told = lambda: on_result(unfinished(captures, null, so_far, open_to))
+    tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), on_progress, so_far)
     if best is not None and best.effect == BASE:
-        null = Null.of(null.held, converge(null.held, best.state))
-        law = in_words(held, null.state.model)
-        tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), tell)
-    tell("what the leading candidate leaves")
+        null = FittedModel.of(null.problem, converge(null.problem, best.state))
+        law = in_words(problem, null.state.model)
+        tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), on_progress)
+    on_progress("what the leading candidate leaves")
     found = replace(judge(captures, null, tried, best, open_to, follow_up=True), law=law)
-    keep(found)
-    tell("detection limits")
+    on_result(found)
+    on_progress("detection limits")
     if afterwards is None:
-        return replace(found, detection_limits=detection_limits(null.held, null.state, open_to))
+        return replace(found, detection_limits=detection_limits(null.problem, null.state, open_to))
     with suppress(TimeUp):
-        limits = detection_limits(null.held.within(afterwards), null.state, open_to)
+        limits = detection_limits(null.problem.within(afterwards), null.state, open_to)
         found = replace(found, detection_limits=limits)
     return found
 
 
 def judge(
     captures: CaptureSet,
-    null: Null,
+    null: FittedModel,
     tried: Sequence[Trial],
     best: Trial | None,
     known: dict[str, type[Effect]],
@@ -231,7 +236,7 @@ def judge(
     ``follow_up``: whether what it leaves is tested for further effects, which takes simulations.
     ``elsewhere``: whether a model fitted to a window is compared with the rest of the field.
     """
-    held, state, error = null.held, null.state, null.error
+    problem, state, error = null.problem, null.state, null.error
     open_yet = null.unexplained
     if best is not None:
         first, open_yet = _leader(null, best, tried, known, follow_up)
@@ -249,8 +254,8 @@ def judge(
         )
     else:
         candidates = []
-    direct = agreements(held, state)
-    seen = coverage(held.plan, state.model if elsewhere and best is None else None)
+    direct = agreements(problem, state)
+    seen = coverage(problem.plan, state.model if elsewhere and best is None else None)
     right = not open_yet and all(a.kept for a in direct) and not seen.departs
     verdict = "missing" if best is not None else "adequate" if right else "unexplained"
     return Diagnosis(
@@ -259,19 +264,19 @@ def judge(
         verdict,
         candidates,
         open_yet,
-        next_capture=next_capture(held, verdict, candidates),
+        next_capture=next_capture(problem, verdict, candidates),
         model=state.model,
         trials=[best, *(t for t in tried if t is not best)] if best is not None else list(tried),
-        level=held.level(state.train, state.test),
+        level=problem.level(state.train, state.test),
         direct=direct,
         coverage=seen,
     )
 
 
 def _candidate(
-    null: Null, found: Trial, tried: Sequence[Trial], known: dict[str, type[Effect]]
+    null: FittedModel, found: Trial, tried: Sequence[Trial], known: dict[str, type[Effect]]
 ) -> Candidate:
-    why = evidence_for(null.held, null.state, found.state, known[found.effect])
+    why = evidence_for(null.problem, null.state, found.state, known[found.effect])
     return Candidate(
         found.effect,
         found.error,
@@ -283,7 +288,7 @@ def _candidate(
 
 
 def _leader(
-    null: Null,
+    null: FittedModel,
     best: Trial,
     tried: Sequence[Trial],
     known: dict[str, type[Effect]],
@@ -293,17 +298,17 @@ def _leader(
 
     Where none does, the effect may stand in for one that is in no catalogue.
     """
-    told, held = _candidate(null, best, tried, known), null.held
+    told, problem = _candidate(null, best, tried, known), null.problem
     rival = next((t for t in tried if t is not best and not apart(best, t)), None)
     if rival is not None:
-        against = evidence_against(held, rival.state, best.state, rival.effect, best.effect)
+        against = evidence_against(problem, rival.state, best.state, rival.effect, best.effect)
         told.evidence.extend([against] if against else [])
-    left = Null.of(held, best.state).unexplained
+    left = FittedModel.of(problem, best.state).unexplained
     others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
-        ended = converge(held, completed(held, best), rounds=1, settled=DEFLATION, last=False)
-        after = Null.of(held, ended)
+        ended = converge(problem, completed(problem, best), rounds=1, settled=DEFLATION, last=False)
+        after = FittedModel.of(problem, ended)
         left = after.unexplained
         told = replace(told, error_after=after.error, explained=_explained(null.error, after.error))
         open_to = candidates_of(after.state, known, [BASE])
@@ -325,7 +330,7 @@ def _leader(
 
 
 def unfinished(
-    captures: CaptureSet, null: Null, so_far: SoFar, known: dict[str, type[Effect]]
+    captures: CaptureSet, null: FittedModel, so_far: SoFar, known: dict[str, type[Effect]]
 ) -> Diagnosis:
     """What is known of a model when the time is up: the candidates refitted by then.
 
@@ -342,31 +347,31 @@ def unfinished(
         [],
         model=null.state.model,
         trials=tried,
-        level=null.held.level(null.state.train, null.state.test),
+        level=null.problem.level(null.state.train, null.state.test),
         finished=False,
         screened=so_far.screened,
     )
 
 
 def _with_baseline_listed(
-    held: Bench, asked: State, baseline: State, found: Diagnosis
+    problem: FitProblem, asked: State, baseline: State, found: Diagnosis
 ) -> Diagnosis:
     """A diagnosis of the model with the baseline effects, as one of the model without (``asked``).
 
     The effects are fitted together, so each is stated with the error and the confidence of all.
     """
-    null = Null.of(held, baseline)
-    before, ended = Null(null.held, expressed(asked, held, null.held)), null.state
+    null = FittedModel.of(problem, baseline)
+    before, ended = FittedModel(null.problem, expressed(asked, problem, null.problem)), null.state
     if found.verdict == "missing":  # beside what is missing too
-        ended = start(null.held, found.trials[0].state.model, [])
+        ended = start(null.problem, found.trials[0].state.model, [])
     new = new_in(baseline.model, asked.model)
     chance = float(confidences([judged(before, new[0], ended)])[0])
-    error = Null.of(held, asked).error
+    error = FittedModel.of(problem, asked).error
     share = _share(error, error - null.error)
     listed = [
         Candidate(
             effect.name, null.error, share, chance, [],
-            [*evidence_for(null.held, before.state, null.state, type(effect)), EVERY_SENSOR],
+            [*evidence_for(null.problem, before.state, null.state, type(effect)), BASELINE_REASON],
         )
         for name in new
         if (effect := baseline.model.get(name)) is not None

@@ -11,7 +11,7 @@ from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
 from dnanalyze.diagnosis.results import Candidate
 from dnanalyze.digits import number, unit_text
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import built_in
@@ -32,9 +32,9 @@ class Profile:
         return float(self.size[where[0]]) if where.size else 0.0
 
 
-def profile(bench: Bench, state: State) -> Profile:
+def profile(problem: FitProblem, state: State) -> Profile:
     """Misfit by statistic."""
-    names = np.concatenate([bench.train.names, bench.test.names])
+    names = np.concatenate([problem.train.names, problem.test.names])
     z = np.minimum(np.abs(np.concatenate([state.train, state.test])), 1e4)
     unique, inverse = np.unique(names, return_inverse=True)
     size = np.sqrt(np.bincount(inverse, z**2) / np.bincount(inverse))
@@ -42,10 +42,10 @@ def profile(bench: Bench, state: State) -> Profile:
 
 
 def evidence_for(
-    bench: Bench, before: State, after: State, effect: type[Effect], most: int = 3
+    problem: FitProblem, before: State, after: State, effect: type[Effect], most: int = 3
 ) -> list[str]:
     """Sentences on the statistics that the effect corrects, largest first."""
-    was, now = profile(bench, before), profile(bench, after)
+    was, now = profile(problem, before), profile(problem, after)
     relief = {n: was.of(n) ** 2 - now.of(n) ** 2 for n in was.names}
     for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
         if name in relief:
@@ -53,7 +53,7 @@ def evidence_for(
     closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
     closer.sort(key=lambda n: -relief[n])
     told = [
-        f"{_sentence(bench, before, name)}; with {effect.name} "
+        f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
         for name in [n for n in closer if was.of(n) >= CLEAR][:most]
     ]
@@ -82,10 +82,10 @@ def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
 
 
 def evidence_against(
-    bench: Bench, rival: State, best: State, rival_name: str, name: str
+    problem: FitProblem, rival: State, best: State, rival_name: str, name: str
 ) -> str | None:
     """What the competitor does not correct and the best candidate does."""
-    left, right = profile(bench, rival), profile(bench, best)
+    left, right = profile(problem, rival), profile(problem, best)
     gap = {n: left.of(n) - right.of(n) for n in left.names}
     worst = max(gap, key=lambda n: gap[n])
     if gap[worst] < CLEAR:
@@ -97,10 +97,10 @@ def evidence_against(
     )
 
 
-def _sentence(bench: Bench, state: State, name: str) -> str:
+def _sentence(problem: FitProblem, state: State, name: str) -> str:
     """Measured over modelled for one statistic and how it runs over the operating points."""
     info = infos()[name]
-    train = bench.train
+    train = problem.train
     here = np.flatnonzero(train.names == name)
     if not here.size:
         return info.title
@@ -112,34 +112,34 @@ def _sentence(bench: Bench, state: State, name: str) -> str:
     off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the held-out half may be the one that differs
     i = here[worst]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model[worst]))
-    floor = float(train.floor[i])
-    words = misfit(info, measured, simulated, float(z[worst]), floor)
+    reproducibility_sd = float(train.reproducibility_sd[i])
+    words = misfit(info, measured, simulated, float(z[worst]), reproducibility_sd)
     unit = unit_text(info.unit)
     size = f"measured {number(measured)}, model {number(simulated)}{unit}"
-    if side_by_side(info, measured, simulated, floor):
+    if side_by_side(info, measured, simulated, reproducibility_sd):
         size = ""
     elif info.scale is Scale.LOG and "{ratio}" not in info.high:
         size = f"{number(measured / simulated)} times the model"
-    more = ", ".join(part for part in (size, _places(bench, train.setting[here], off)) if part)
+    more = ", ".join(part for part in (size, _places(problem, train.setting[here], off)) if part)
     return f"{words} ({more})" if more else words
 
 
-def _places(bench: Bench, settings: np.ndarray, off: np.ndarray) -> str:
+def _places(problem: FitProblem, settings: np.ndarray, off: np.ndarray) -> str:
     """At which operating points; nothing where there is but one."""
     if len(set(settings)) == 1:
         return ""
     if off.all():
         return "at every operating point"
     places = sorted({int(s) for s in settings[off]})
-    names = short_labels([point for point, _ in bench.plan.settings])
+    names = short_labels([point for point, _ in problem.plan.settings])
     more = " and more" if len(places) > 3 else ""
     return "at " + listed([names[s] for s in places[:3]]) + more
 
 
-def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list[str]:
+def next_capture(problem: FitProblem, verdict: str, candidates: list[Candidate]) -> list[str]:
     """Captures that would settle what is open, most useful first."""
-    points = [p for p, _ in held.plan.settings]
-    frames = [n for _, n in held.plan.settings]
+    points = [p for p, _ in problem.plan.settings]
+    frames = [n for _, n in problem.plan.settings]
     advice = []
     if min(frames) < 2:
         advice.append("a second frame at each operating point separates DSNU from temporal noise")
@@ -150,7 +150,7 @@ def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list
         )
     if candidates and candidates[0].confused_with:
         best = candidates[0]
-        advice.append(_to_separate(held, best.effect, best.confused_with[0]))
+        advice.append(_to_separate(problem, best.effect, best.confused_with[0]))
     temperatures = {p.temperature_c for p in points if p.temperature_c is not None}
     if len(temperatures) < 3:
         advice.append(
@@ -166,7 +166,7 @@ def next_capture(held: Bench, verdict: str, candidates: list[Candidate]) -> list
     return advice
 
 
-def _to_separate(held: Bench, one: str, other: str) -> str:
+def _to_separate(problem: FitProblem, one: str, other: str) -> str:
     """The capture that tells two effects apart, from what they vary with."""
     known = built_in()
     a, b = known.get(one), known.get(other)
@@ -174,9 +174,9 @@ def _to_separate(held: Bench, one: str, other: str) -> str:
     if a is not None and other in a.confused_with:
         reason = f": {a.confused_with[other]}"
     if a is not None and b is not None and {a.varies, b.varies} == {"fixed", "temporal"}:
-        coldest = held.plan.settings[0][0].label()
+        coldest = problem.plan.settings[0][0].label()
         return f"eight more frames at {coldest} separate {one} from {other}{reason}"
-    warmest = held.plan.settings[-1][0].label()
+    warmest = problem.plan.settings[-1][0].label()
     return (
         f"eight more frames at {warmest}, and as many at twice the exposure, help to separate "
         f"{one} from {other}{reason}"

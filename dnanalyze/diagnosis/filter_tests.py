@@ -7,9 +7,9 @@ from contextlib import suppress
 from functools import partial
 
 from dnanalyze.detection.detect import detect
-from dnanalyze.diagnosis.selection import NOTHING, Trial, significant
+from dnanalyze.diagnosis.selection import EVIDENCE_NULL, Trial, significant
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
@@ -18,24 +18,24 @@ FILTERS = ("dpc", "denoise", "temporal_denoise")
 DENIED = "the tests of `detect` find no sign of a filter in these captures"
 
 
-def denied(held: Bench, model: NoiseModel, rivals: bool) -> bool:
+def denied(problem: FitProblem, model: NoiseModel, rivals: bool) -> bool:
     """Whether the tests for filters speak against a filter that is a candidate.
 
     They find no mark of filtering in the captures, and either another kind of effect explains as
     much (``rivals``), or they find it in the frames of the model with the filter: captures that
     could not show it do not deny it.
     """
-    if held.predictions.get("filtered", partial(_filtered, held.plan.captures)) != _NO:
+    if problem.predictions.get("filtered", partial(_filtered, problem.plan.captures)) != _NO:
         return False
     if rivals:
         return True
-    plan = held.plan
+    plan = problem.plan
     made = simulate(model.in_codes, plan.shape, plan.settings, "simulation", plan.captures.sensor)
     return _filtered(made) == _YES
 
 
 def without_denied(
-    held: Bench, leader: Trial, trials: Sequence[Trial], contenders: Collection[str]
+    problem: FitProblem, leader: Trial, trials: Sequence[Trial], contenders: Collection[str]
 ) -> set[str]:
     """The contenders without filters that would be denied beside the leader in any form.
 
@@ -43,9 +43,11 @@ def without_denied(
     beside one that is a filter, or not significant, none is denied.
     """
     filters = [t for t in trials if t.effect in FILTERS and t.effect in contenders]
-    if leader.effect in FILTERS or not significant(leader, NOTHING):
+    if leader.effect in FILTERS or not significant(leader, EVIDENCE_NULL):
         return set(contenders)
-    return set(contenders) - {t.effect for t in filters if denied(held, t.state.model, rivals=True)}
+    return set(contenders) - {
+        t.effect for t in filters if denied(problem, t.state.model, rivals=True)
+    }
 
 
 _YES, _NO, _UNTESTED = "yes", "no", "untested"

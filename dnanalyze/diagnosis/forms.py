@@ -13,10 +13,10 @@ from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import restricted, telling
 from dnanalyze.diagnosis.selection import LEAST, Trial
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import STEPS
-from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise, within_reach
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -24,21 +24,21 @@ FINALISTS = 2  # forms that are refitted
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 
-def completed(held: Bench, found: Trial) -> State:
+def completed(problem: FitProblem, found: Trial) -> State:
     """The model with the best form and strength of an effect.
 
     Where the model error is above 1, so that a better model can be told from the present one, other
     forms are tried until none of them is better.
     """
-    while not found.formed and error_of(held, found.state) > 1.0:
-        better = in_best_form(held, found)
+    while not found.formed and error_of(problem, found.state) > 1.0:
+        better = in_best_form(problem, found)
         if better is found.state:
             break
         found = replace(found, state=better, others=())
     return found.state
 
 
-def in_best_form(held: Bench, found: Trial) -> State:
+def in_best_form(problem: FitProblem, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
     Other choices of the effect, other strengths, and its other first guesses are simulated once;
@@ -49,25 +49,27 @@ def in_best_form(held: Bench, found: Trial) -> State:
     known = {found.effect, *state.model.names}
     models = [g.model for g in found.others if set(g.model.names) == known]
     for way in (_forms, other_strengths):
-        models += way(state.model, found.effect, least_noise(held))
+        models += way(state.model, found.effect, least_noise(problem))
     better = state
-    for model in _promising(held, state, list(dict.fromkeys(models)))[:FINALISTS]:
-        other = start(held, model, knobs_of(model), like=state)
-        ended = minimise(held, without_biased(held, other, found.effect), STEPS, below=better.loss)
+    for model in _promising(problem, state, list(dict.fromkeys(models)))[:FINALISTS]:
+        other = start(problem, model, free_parameters(model), like=state)
+        ended = minimise(
+            problem, without_biased(problem, other, found.effect), STEPS, below=better.loss
+        )
         better = preferred(better, ended)
     return better
 
 
-def _promising(held: Bench, state: State, models: Sequence[NoiseModel]) -> list[NoiseModel]:
+def _promising(problem: FitProblem, state: State, models: Sequence[NoiseModel]) -> list[NoiseModel]:
     """The models from which, by the derivatives of a state, its loss is within reach, lowest first.
 
     At the two most telling operating points. Those that predict the same are no other forms.
     """
-    settings = telling(held, state)
-    few, own = held.only(settings), restricted(held, state, settings)
+    settings = telling(problem, state)
+    few, own = problem.only(settings), restricted(problem, state, settings)
     begun = []
     for model, found in zip(models, few.several(models), strict=True):
-        there = replace(own, model=model, knobs=knobs_of(model), train=few.train.z(found))
+        there = replace(own, model=model, free=free_parameters(model), train=few.train.z(found))
         begun.append(with_derivatives_of(there, own))
     other = [s for s in begun if not np.array_equal(s.train, own.train)]
     near = [s for s in other if within_reach(s, own.loss)]
@@ -80,7 +82,7 @@ def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
     assert effect is not None
     others = list(effect.relatives())
     for choice, info in effect.parameters().items():
-        if info.scale == "choice" and choice not in (*UNTRIED, *effect.idle()):
+        if info.scale == "choice" and choice not in (*UNTRIED, *effect.inactive_parameters()):
             for other in info.choices:
                 if other != getattr(effect, choice):
                     with suppress(InputError):  # a choice that the others rule out

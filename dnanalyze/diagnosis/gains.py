@@ -7,46 +7,46 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.predictive_check import Halves, Null
+from dnanalyze.diagnosis.predictive_check import FittedModel, Halves
 from dnanalyze.diagnosis.selection import Trial, falls, overdispersion
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance
 from dnanalyze.model.effect import Effect
 
 
-def judged(null: Null, effect: str, after: State) -> Trial:
+def judged(null: FittedModel, effect: str, after: State) -> Trial:
     """A refit, with what its own simulated sensor gained on either half."""
     was, now = (((s.train, np.ones(1)), (s.test, np.ones(1))) for s in (null.state, after))
-    return _compared(null.held, effect, after, was, now)
+    return _compared(null.problem, effect, after, was, now)
 
 
-def judged_by_prediction(null: Null, found: Trial) -> Trial:
+def judged_by_prediction(null: FittedModel, found: Trial) -> Trial:
     """A refit, with what the predictive distribution of its design gained on either half.
 
     Each model by the mean of nine sensors of its design and by the standard deviation of another
     about it (synthetic likelihood, Wood 2010): where the defects of one simulated sensor happen to
     lie is not to decide, and what varies from sensor to sensor is not to count as a misfit.
     """
-    now = Null(null.held, found.state).predictive
-    made = _compared(null.held, found.effect, found.state, null.predictive, now)
+    now = FittedModel(null.problem, found.state).predictive
+    made = _compared(null.problem, found.effect, found.state, null.predictive, now)
     return replace(made, others=found.others, formed=found.formed)
 
 
-def _compared(held: Bench, effect: str, after: State, was: Halves, now: Halves) -> Trial:
+def _compared(problem: FitProblem, effect: str, after: State, was: Halves, now: Halves) -> Trial:
     """Gains in twice the logarithm of the density of what was measured."""
-    halves = list(zip((held.train.names, held.test.names), was, now, strict=True))
+    halves = list(zip((problem.train.names, problem.test.names), was, now, strict=True))
     fitted, unseen = [(of, z / sd, z_now / sd_now) for of, (z, sd), (z_now, sd_now) in halves]
     wider = [2.0 * np.log(sd_now / sd) for _, (_, sd), (_, sd_now) in halves]
     fitted_gain, gain = (
         float(np.sum(deviance(z) - deviance(z_now) - more))
         for (_, z, z_now), more in zip((fitted, unseen), wider, strict=True)
     )
-    families = held.test.families
+    families = problem.test.families
     error_was, error_now = (pooled(z, families) for z in unseen[1:])
     return Trial(
         effect,
         after,
-        *_witnessed(held, after.model.get(effect), gain, fitted_gain),
+        *_witnessed(problem, after.model.get(effect), gain, fitted_gain),
         pooled(after.test, families),
         error_was - error_now,
         overdispersion(*unseen),
@@ -55,7 +55,7 @@ def _compared(held: Bench, effect: str, after: State, was: Halves, now: Halves) 
 
 
 def _witnessed(
-    bench: Bench, effect: Effect | None, gain: float, fitted_gain: float
+    problem: FitProblem, effect: Effect | None, gain: float, fitted_gain: float
 ) -> tuple[float, float]:
     """Gains on the held-out and on the fitted half, of an effect that lies in one of them alone.
 
@@ -63,7 +63,7 @@ def _witnessed(
     """
     if effect is None:
         return gain, fitted_gain
-    upper, lower = map(effect.lies_in, bench.plan.windows)
+    upper, lower = map(effect.lies_in, problem.plan.windows)
     if upper == lower:
         return gain, fitted_gain
     there, elsewhere = (gain, fitted_gain) if lower else (fitted_gain, gain)

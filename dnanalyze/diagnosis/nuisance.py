@@ -13,21 +13,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.fitting.fit import ordinary_start
-from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters, positions, with_values
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.guesses.evidence import quietest
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY
+from dnanalyze.model.registry import BASE, BASELINE
 
 UNBIASED = (1.0, 0.0)
 
 
-def least_noise(bench: Bench) -> float:
+def least_noise(problem: FitProblem) -> float:
     """Temporal noise of the operating point with the least, DN; infinite where there is none."""
-    train = bench.train
+    train = problem.train
     values = train.values[train.names == "temporal_noise"]
     return float(values[quietest(values)]) if values.size else math.inf
 
@@ -40,50 +40,52 @@ def unbiased(
     None where it biases none of them. ``model``: as fitted without the effect, or with it as
     ``other`` states. ``noise``: of the operating point with the least, DN.
     """
-    knobs = knobs_of(model)
-    plain = [k.plain(x) for k, x in zip(knobs, positions(model, knobs), strict=True)]
+    free = free_parameters(model)
+    plain = [k.plain(x) for k, x in zip(free, positions(model, free), strict=True)]
     right = []
-    for x, knob in zip(plain, knobs, strict=True):
-        factor, shift = bias(effect, knob, model, noise)
-        was, moved = UNBIASED if other is None else bias(other, knob, model, noise)
+    for x, parameter in zip(plain, free, strict=True):
+        factor, shift = bias(effect, parameter, model, noise)
+        was, moved = UNBIASED if other is None else bias(other, parameter, model, noise)
         same = (factor, shift) == (was, moved) or not was
         right.append(x if same else factor * (x - moved) / was + shift)
     if right == plain:
         return None
-    where = [k.inside(k.position(x)) for k, x in zip(knobs, right, strict=True)]
-    return turned(model, knobs, np.array(where))
+    where = [k.inside(k.position(x)) for k, x in zip(free, right, strict=True)]
+    return with_values(model, free, np.array(where))
 
 
-def bias(effect: Effect, knob: Knob, model: NoiseModel, noise: float) -> tuple[float, float]:
+def bias(
+    effect: Effect, parameter: FreeParameter, model: NoiseModel, noise: float
+) -> tuple[float, float]:
     """Factor and shift that correct a parameter of a model without an effect.
 
     The parameters of what acts on codes are right as they are.
     """
-    bearer = model.get(knob.effect)
-    if knob.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
+    bearer = model.get(parameter.effect)
+    if parameter.effect == effect.name or (bearer is not None and bearer.stage > Stage.CONVERTER):
         return UNBIASED
-    return effect.bent(knob.name, knob.unit, noise)
+    return effect.nuisance_bias(parameter.name, parameter.unit, noise)
 
 
-def without_biased(bench: Bench, state: State, name: str) -> State:
+def without_biased(problem: FitProblem, state: State, name: str) -> State:
     """A state without the derivatives of an effect and of what it biases: they change with it."""
-    effect, noise = state.model.get(name), least_noise(bench)
+    effect, noise = state.model.get(name), least_noise(problem)
     assert effect is not None
     moved = [
-        k.effect == name or bias(effect, k, state.model, noise) != UNBIASED for k in state.knobs
+        k.effect == name or bias(effect, k, state.model, noise) != UNBIASED for k in state.free
     ]
     return replace(state, jacobian=np.where(moved, np.nan, state.jacobian))
 
 
-def from_moments(bench: Bench, model: NoiseModel, effect: Effect) -> NoiseModel | None:
+def from_moments(problem: FitProblem, model: NoiseModel, effect: Effect) -> NoiseModel | None:
     """The baseline started again from the moments of the frames less what an effect adds.
 
     None where the effect does not state what it adds.
     """
-    if any(effect.adds(p, model.reference) is None for p, _ in bench.plan.settings):
+    if any(effect.adds(p, model.reference) is None for p, _ in problem.plan.settings):
         return None
-    begun = ordinary_start(bench, effect)
-    for name in (BASE, *EVERYDAY):
+    begun = baseline_model(problem, effect)
+    for name in (BASE, *BASELINE):
         other = begun.get(name)
         if other is not None and model.get(name) is not None:
             model = model.with_effect(other)
@@ -99,7 +101,9 @@ def other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[Nois
     assert effect is not None
     for parameter, info in effect.parameters().items():
         value = getattr(effect, parameter)
-        free = info.scale not in ("choice", "held") and parameter not in effect.idle()
+        free = (
+            info.scale not in ("choice", "held") and parameter not in effect.inactive_parameters()
+        )
         if not (free and isinstance(value, (int, float))):
             continue
         for factor in (0.5, 0.7, 1.4, 2.0):

@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.fitting.linear_step import linear_step
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.yardstick import REPLICATES, measured_by
 
@@ -22,35 +22,35 @@ SCATTER = 0.25  # of a root mean square over 8 operating points at the least: 1 
 Halves = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def error_of(held: Bench, state: State) -> float:
-    """Model error on the held-out half, by the yardstick of ``held``."""
-    return pooled(state.test, held.test.families)
+def error_of(problem: FitProblem, state: State) -> float:
+    """Model error on the held-out half, by the yardstick of ``problem``."""
+    return pooled(state.test, problem.test.families)
 
 
 @dataclass(frozen=True)
-class Null:
+class FittedModel:
     """The hypothesis that nothing is missing: a fitted model, and replicates of it.
 
     Parameters
     ----------
-    held : Bench
+    held : FitProblem
         Statistics of the captures.
     state : State
         The fitted model.
     """
 
-    held: Bench
+    problem: FitProblem
     state: State
 
     @classmethod
-    def of(cls, held: Bench, state: State) -> Null:
+    def of(cls, problem: FitProblem, state: State) -> FittedModel:
         """The hypothesis by the yardstick of its own replicates."""
-        return cls(*measured_by(held, state))
+        return cls(*measured_by(problem, state))
 
     @cached_property
     def error(self) -> float:
         """Model error on the held-out half."""
-        return error_of(self.held, self.state)
+        return error_of(self.problem, self.state)
 
     @cached_property
     def replicates(self) -> tuple[np.ndarray, np.ndarray]:
@@ -58,8 +58,8 @@ class Null:
 
         In standard deviations of the measurement.
         """
-        sides = (self.held.train, self.state.train), (self.held.test, self.state.test)
-        drawn = [self.held.replicate(self.state.model, r) for r in range(REPLICATES)]
+        sides = (self.problem.train, self.state.train), (self.problem.test, self.state.test)
+        drawn = [self.problem.replicate(self.state.model, r) for r in range(REPLICATES)]
         train, test = (
             z - np.array([half.z(d[i]) for d in drawn]) for i, (half, z) in enumerate(sides)
         )
@@ -76,7 +76,7 @@ class Null:
             own - np.vstack([np.zeros_like(own), drawn])
             for own, drawn in zip((self.state.train, self.state.test), self.replicates, strict=True)
         )
-        return linear_step(self.state, self.held.train, self.held.test, train, test)
+        return linear_step(self.state, self.problem.train, self.problem.test, train, test)
 
     @cached_property
     def predictive(self) -> Halves:
@@ -86,7 +86,9 @@ class Null:
         every operating point its own, since much of what varies grows with the dark signal.
         """
         variances = (np.var(z, axis=0, ddof=1) * (1.0 + 1.0 / len(z)) for z in self.sensors)
-        one, other = (np.array([str(k) for k in h.keys]) for h in (self.held.train, self.held.test))
+        one, other = (
+            np.array([str(k) for k in h.keys]) for h in (self.problem.train, self.problem.test)
+        )
         train, test = (z.mean(axis=0) for z in self.sensors)
         sd_train, sd_test = _pooled(one, other, *variances)
         return (train, sd_train), (test, sd_test)
@@ -97,7 +99,7 @@ class Null:
 
         The level is the first where it is not within its limits (see `Level`).
         """
-        level = self.held.level(self.state.train, self.state.test)
+        level = self.problem.level(self.state.train, self.state.test)
         rest = self._beyond()
         if level is None or level.kept:
             return rest
@@ -110,7 +112,7 @@ class Null:
             return False
         if self.error < TOLERABLE:
             return True
-        families = self.held.test.families
+        families = self.problem.test.families
         return self.error < max(pooled(z, families) for z in self.replicates[1])
 
     @property
@@ -124,8 +126,8 @@ class Null:
     def corrects(self, names: Sequence[str], after: State) -> bool:
         """Whether another model halves the squares of one of these statistics, on both halves."""
         sides = (
-            (self.held.train.names, self.state.train, after.train),
-            (self.held.test.names, self.state.test, after.test),
+            (self.problem.train.names, self.state.train, after.train),
+            (self.problem.test.names, self.state.test, after.test),
         )
         return any(
             all(
@@ -137,7 +139,7 @@ class Null:
 
     def _misfits(self, halves: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
         """Root mean square misfit of each statistic that both halves have, on either of them."""
-        names = self.held.train.names, self.held.test.names
+        names = self.problem.train.names, self.problem.test.names
         return {
             str(name): np.array(
                 [

@@ -11,7 +11,7 @@ from dnanalyze.classifier.classify import classify
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.gains import judged
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
@@ -19,11 +19,11 @@ from dnanalyze.diagnosis.stepwise import Path, Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge, fitted_in_time
-from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.located import located
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.measured_parameters import at_measured_parameters
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import CaptureSet
@@ -89,7 +89,7 @@ def refine(
     known = known_effects(effects)
     return refine_on(
         captures, model, exclude=exclude, max_effects=max_effects, until_error=until_error,
-        budget=budget, known=known, trying=reporter(progress),
+        budget=budget, known=known, on_progress=reporter(progress),
     )  # fmt: skip
 
 
@@ -103,44 +103,48 @@ def refine_on(
     budget: float | None = None,
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[Step], None] = ignored,
-    trying: Callable[[str], None] = ignored,
-    keep: Callable[[Refinement], None] = ignored,
+    problem: FitProblem | None = None,
+    on_step: Callable[[Step], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
+    on_result: Callable[[Refinement], None] = ignored,
     first: Callable[[list[str]], None] | None = None,
     classifier: bool = True,
 ) -> Refinement:
     """`refine` on statistics taken earlier, among the effects of ``known``.
 
-    ``tell`` and ``trying`` are called after every step, and with the name of every effect that is
-    tried; ``keep`` after each complete step with the refinement so far, from whose model the search
-    can be continued; ``first`` as in `diagnose_on`. ``classifier``: whether one is asked to tell
-    the frames of the final model.
+    ``on_step`` and ``on_progress`` are called after every step, and with the name of every effect
+    that is tried; ``on_result`` after each complete step with the refinement so far, from whose
+    model the search can be continued; ``first`` as in `diagnose_on`. ``classifier``: whether one is
+    asked to tell the frames of the final model.
     """
     limit = TimeLimit.after(budget)
-    unlimited = held or bench(design(captures, unit=None if model is None else model.unit))
-    held = unlimited.within(limit)
+    unlimited = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    problem = unlimited.within(limit)
     known = known_effects(() if known is None else known)
-    begun = located(unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited, exclude))
+    begun = at_measured_parameters(
+        unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited, exclude)
+    )
     open_to = {n: e for n, e in known.items() if n not in exclude}
     if first is not None:
         with suppress(TimeUp):
-            first(first_answer(held, begun, open_to, exclude))
-    state = fitted_in_time(held, begun)
+            first(first_answer(problem, begun, open_to, exclude))
+    state = fitted_in_time(problem, begun)
     so_far: list[Path] = []
 
     def kept(path: Path) -> None:
         so_far.append(path)
-        keep(_so_far(captures, unlimited, path))
+        on_result(_so_far(captures, unlimited, path))
 
-    search = Search(held, open_to, tuple(begun.names), max_effects, until_error, tell, trying, kept)
+    search = Search(
+        problem, open_to, tuple(begun.names), max_effects, until_error, on_step, on_progress, kept
+    )
     try:
         path = search.run(state, exclude)
     except TimeUp:
         return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
     found = judge(
         captures,
-        Null.of(unlimited, path.state),
+        FittedModel.of(unlimited, path.state),
         path.tried,
         path.best,
         known,
@@ -151,7 +155,7 @@ def refine_on(
     told = None
     if classifier and not limit.over:
         final = path.state.model
-        told = classify(captures, final, seed=final.seed, limit=limit, helpers=held.helpers)
+        told = classify(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
         if told.tells and found.verdict == "adequate":
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)
@@ -170,11 +174,11 @@ def refine_on(
     )
 
 
-def _so_far(captures: CaptureSet, held: Bench, path: Path) -> Refinement:
+def _so_far(captures: CaptureSet, problem: FitProblem, path: Path) -> Refinement:
     """A refinement that is not finished."""
     state = path.state
     return Refinement(
-        captures, list(path.steps), state.model.names, "missing", state.model, None, held,
+        captures, list(path.steps), state.model.names, "missing", state.model, None, problem,
         state,
     )  # fmt: skip
 
@@ -230,7 +234,7 @@ def add(
     [None, 'column_fpn']
     """
     known = known_effects(effects)
-    return add_on(captures, effect, model, seed=seed, known=known, tell=reporter(progress))
+    return add_on(captures, effect, model, seed=seed, known=known, on_state=reporter(progress))
 
 
 def add_on(
@@ -240,31 +244,31 @@ def add_on(
     *,
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
-    held: Bench | None = None,
-    tell: Callable[[State], None] = ignored,
+    problem: FitProblem | None = None,
+    on_state: Callable[[State], None] = ignored,
 ) -> Refinement:
     """`add` on statistics taken earlier, of an effect of ``known``.
 
-    ``tell`` is called with every better state of the fit of the Wang 2025 model.
+    ``on_state`` is called with every better state of the fit of the Wang 2025 model.
     """
     name, known = effect, known_effects(() if known is None else known)
     kind = find(name, known)
     if model is not None and model.get(name) is not None:
         raise InputError(f"{name}: it is already in the model; `dnanalyze fit --model` refits it")
-    held = held or bench(design(captures, unit=None if model is None else model.unit))
-    model = with_seed(held, model, seed)
+    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    model = with_seed(problem, model, seed)
     if model is None:
-        model = fit_on(captures, replicates=0, held=held, tell=tell).model
-    model = located(held, model)
-    null = Null.of(held, minimise(held, start(held, model, knobs_of(model))))
-    seen = score_tests(null.held, null.state, {name: kind})
+        model = fit_on(captures, replicates=0, problem=problem, on_state=on_state).model
+    model = at_measured_parameters(problem, model)
+    null = FittedModel.of(problem, minimise(problem, start(problem, model, free_parameters(model))))
+    seen = score_tests(null.problem, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
-    begun = start(null.held, larger, knobs_of(larger), like=null.state)
-    after = judged(null, name, converge(null.held, begun))
-    ended = Null.of(null.held, after.state)
+    begun = start(null.problem, larger, free_parameters(larger), like=null.state)
+    after = judged(null, name, converge(null.problem, begun))
+    ended = FittedModel.of(null.problem, after.state)
     yes = supported(null, [after]) is not None
     sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)
-    why = evidence_for(null.held, null.state, after.state, kind)
+    why = evidence_for(null.problem, null.state, after.state, kind)
     steps = [
         Step(None, null.error, model=null.state.model),
         Step(name, ended.error, sure, why, supported=yes, model=after.state.model),
@@ -272,5 +276,5 @@ def add_on(
     found = judge(captures, ended, [], None, known)
     return Refinement(
         captures, steps, after.state.model.names, found.verdict, after.state.model,
-        found, ended.held, ended.state, by_hand=True,
+        found, ended.problem, ended.state, by_hand=True,
     )  # fmt: skip

@@ -12,7 +12,7 @@ from dnanalyze.digits import number
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.fit import Fit, Parameters, uncertain
 from dnanalyze.fitting.level import Level
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.whole_field import Coverage, coverage
 from dnanalyze.loaders.captures import CaptureSet
@@ -167,7 +167,7 @@ class Refinement(Result):
         The final model.
     diagnosis : Diagnosis or None
         Of the final model; None where the refinement is not finished.
-    bench : Bench
+    problem : FitProblem
         The statistics that were fitted, and the simulations of it.
     state : State
         The last step of the fit.
@@ -186,7 +186,7 @@ class Refinement(Result):
     verdict: str
     model: NoiseModel
     diagnosis: Diagnosis | None
-    bench: Bench
+    problem: FitProblem
     state: State
     by_hand: bool = False
     timed_out: bool = False
@@ -208,7 +208,7 @@ class Refinement(Result):
 
     @cached_property
     def _fitted(self) -> Fit:
-        return uncertain(self.bench, self.state, self.finished and not self.timed_out)
+        return uncertain(self.problem, self.state, self.finished and not self.timed_out)
 
     @property
     def parameters(self) -> Parameters:
@@ -228,13 +228,13 @@ class Refinement(Result):
         """Quantities that the frames determine without a model, beside the final model's."""
         if self.diagnosis is not None:
             return self.diagnosis.direct
-        return agreements(self.bench, self.state)
+        return agreements(self.problem, self.state)
 
     @property
     def coverage(self) -> Coverage:
         """What of the captures the verdict rests on."""
         known = None if self.diagnosis is None else self.diagnosis.coverage
-        return known or coverage(self.bench.plan)
+        return known or coverage(self.problem.plan)
 
     @property
     def level(self) -> Level | None:

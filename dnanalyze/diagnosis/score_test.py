@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.nuisance import from_moments, least_noise, unbiased
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.fitting.state import State, loss, weights
 from dnanalyze.model.effect import Effect, Placing
@@ -42,20 +42,20 @@ class Guess:
 
 
 def score_tests(
-    bench: Bench,
+    problem: FitProblem,
     state: State,
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
 ) -> list[Guess]:
     """Simulate every candidate once at each of its first guesses.
 
     Largest promise first; none of an effect of which the residual shows no sign. ``state``: the
-    fitted model without the candidates. ``tell``: called with each name.
+    fitted model without the candidates. ``on_progress``: called with each name.
     """
-    clues, view = Residual(bench, state), _View.of(bench, state)
+    clues, view = Residual(problem, state), _View.of(problem, state)
     found: list[Guess] = []
     for name, effect in known.items():
-        tell(name)
+        on_progress(name)
         found += view.promises(effect.guess(clues), effect.placing)
     return sorted(found, key=lambda g: -g.promise)
 
@@ -68,29 +68,29 @@ class _View:
     the least, DN. ``biased``: whether so much is missing that the level itself may be biased.
     """
 
-    bench: Bench
+    problem: FitProblem
     state: State
     idle: float
     noise: float
     biased: bool
 
     @classmethod
-    def of(cls, bench: Bench, state: State) -> _View:
-        settings = telling(bench, state)
-        there = restricted(bench, state, settings)
+    def of(cls, problem: FitProblem, state: State) -> _View:
+        settings = telling(problem, state)
+        there = restricted(problem, state, settings)
         idle = _least_loss(there, np.zeros(len(there.train)))
-        return cls(bench.only(settings), there, idle, least_noise(bench), much_left(there))
+        return cls(problem.only(settings), there, idle, least_noise(problem), much_left(there))
 
     @cached_property
     def changes(self) -> Callable[[Placing], Changes]:
         """For effects of each placing; the present model is simulated once for each."""
-        return cache(partial(Changes.of, self.bench, self.state.model))
+        return cache(partial(Changes.of, self.problem, self.state.model))
 
     def promises(self, guesses: Sequence[Effect], placing: Placing) -> list[Guess]:
         """Each guess, beside parameters that do not make up for it."""
         made: list[tuple[str, NoiseModel, bool]] = []
         for guess in guesses:
-            seen = guess.lies_in(self.bench.plan.windows[0])
+            seen = guess.lies_in(self.problem.plan.windows[0])
             for model in self._beside(guess):
                 with suppress(InputError):
                     made.append((guess.name, model.with_effect(guess), seen))
@@ -101,13 +101,13 @@ class _View:
             if seen:
                 promise = self.idle - _least_loss(self.state, next(shifts))
             else:  # the fitted half has none of it
-                promise = loss(self.state.test) - loss(self.bench.judged_z(model))
+                promise = loss(self.state.test) - loss(self.problem.judged_z(model))
             found.append(Guess(name, model, promise))
         return found
 
     def _beside(self, guess: Effect) -> list[NoiseModel]:
         model = self.state.model
-        anew = from_moments(self.bench, model, guess) if self.biased else None
+        anew = from_moments(self.problem, model, guess) if self.biased else None
         return [unbiased(model, guess, self.noise) or model, *([anew] if anew else [])]
 
 
@@ -116,20 +116,20 @@ def much_left(state: State) -> bool:
     return state.loss >= TOLERABLE * len(state.train)
 
 
-def telling(bench: Bench, state: State) -> list[int]:
+def telling(problem: FitProblem, state: State) -> list[int]:
     """The operating point with the largest loss, and the end of the series farther from it."""
-    train = bench.train
-    losses = [loss(state.train[train.setting == s]) for s in range(len(bench.plan.settings))]
+    train = problem.train
+    losses = [loss(state.train[train.setting == s]) for s in range(len(problem.plan.settings))]
     worst = int(np.argmax(losses))
     return sorted({worst, max((0, len(losses) - 1), key=lambda e: abs(e - worst))})
 
 
-def restricted(bench: Bench, state: State, settings: list[int]) -> State:
+def restricted(problem: FitProblem, state: State, settings: list[int]) -> State:
     """A state at some of the operating points."""
-    here = np.isin(bench.train.setting, settings)
-    there = np.isin(bench.test.setting, settings)
+    here = np.isin(problem.train.setting, settings)
+    there = np.isin(problem.test.setting, settings)
     return State(
-        state.model, state.knobs, state.train[here], lambda: state.test[there], state.jacobian[here]
+        state.model, state.free, state.train[here], lambda: state.test[there], state.jacobian[here]
     )
 
 

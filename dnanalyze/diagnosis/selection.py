@@ -22,10 +22,12 @@ if TYPE_CHECKING:
 DEFLATION = 8.0
 # On 60 virtual sensors without a missing effect, 19 candidates were refitted: the smaller gain of
 # the halves reached 10, the mean of both 28.
-NOTHING = 25.0
-LEAST = NOTHING / 4.0  # gain of either half; less is not worth a refit (Akaike: 3 parameters)
-CERTAIN = NOTHING + 2.0 * DEFLATION * math.log(10.0)  # 62: odds of 10 against "nothing is missing"
-PLAIN = 300.0  # exceeds the variation between sensors of one design
+EVIDENCE_NULL = 25.0
+LEAST = EVIDENCE_NULL / 4.0  # gain of either half; less is not worth a refit (Akaike: 3 parameters)
+EVIDENCE_ODDS_10 = EVIDENCE_NULL + 2.0 * DEFLATION * math.log(
+    10.0
+)  # 62: odds of 10 against "nothing is missing"
+EVIDENCE_DECISIVE = 300.0  # exceeds the variation between sensors of one design
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete
 ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
@@ -73,7 +75,7 @@ class Trial:
     fitted_gain: float
     error: float
     error_fall: float
-    spread: float = 1.0
+    overdispersion: float = 1.0
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
     formed: bool = False
@@ -133,7 +135,7 @@ def standings(trials: Sequence[Trial]) -> np.ndarray:
     """
     if not trials:
         return np.empty(0)
-    common = max(trials, key=lambda t: t.evidence).spread
+    common = max(trials, key=lambda t: t.evidence).overdispersion
     return np.array([t.evidence / common + 2.0 * DEFLATION * t.log_odds for t in trials])
 
 
@@ -143,7 +145,7 @@ def confidences(trials: Sequence[Trial]) -> np.ndarray:
     A candidate that does not lower the model error gains nothing.
     """
     worse = [t.error_fall <= 0.0 for t in trials]
-    known = np.append(np.where(worse, np.minimum(s := standings(trials), 0.0), s), NOTHING)
+    known = np.append(np.where(worse, np.minimum(s := standings(trials), 0.0), s), EVIDENCE_NULL)
     weight = np.exp((known - known.max()) / (2.0 * DEFLATION))
     return weight / weight.sum()
 
@@ -157,14 +159,14 @@ def confidence_of(found: Trial, trials: Sequence[Trial]) -> float:
     return (1.0 - OUTSIDE) * float(confidences([found, *others])[0])
 
 
-def significant(found: Trial, least: float = CERTAIN) -> bool:
+def significant(found: Trial, least: float = EVIDENCE_ODDS_10) -> bool:
     """Whether the evidence exceeds what a superfluous candidate reaches by chance.
 
     Each half must give its part, and the model error of the held-out half must fall. ``least``:
     evidence asked for, in units of the overdispersion.
     """
     lesser = min(found.gain, found.fitted_gain)
-    enough = found.evidence > least * found.spread and lesser > LEAST * found.spread
+    enough = found.evidence > least * found.overdispersion and lesser > LEAST * found.overdispersion
     return enough and found.error_fall > 0.0 and not found.denied
 
 
@@ -174,14 +176,16 @@ def apart(one: Trial, other: Trial) -> bool:
     return bool(np.minimum(a, b).sum() < APART * min(a.sum(), b.sum()))
 
 
-def alike(gain: float, best: float, spread: float) -> bool:
+def alike(gain: float, best: float, overdispersion: float) -> bool:
     """Whether a gain is nearly the best one: by its share, and within what sensors vary."""
-    return gain > max(ALIKE * best, best - PLAIN * spread) and best > 0.0
+    return gain > max(ALIKE * best, best - EVIDENCE_DECISIVE * overdispersion) and best > 0.0
 
 
 def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:
     """Candidates that explain nearly as much as the best, and of the same statistics."""
-    near = [t for t in trials if t is not best and alike(t.evidence, best.evidence, best.spread)]
+    near = [
+        t for t in trials if t is not best and alike(t.evidence, best.evidence, best.overdispersion)
+    ]
     return [t.effect for t in near if not apart(best, t)]
 
 
@@ -192,7 +196,7 @@ def beyond_doubt(best: Trial, trials: Sequence[Trial]) -> bool:
     """
     rivals = [t for t in trials if t is not best and not apart(best, t)]
     near = any(max(t.evidence, t.fitted_gain) > ALIKE * best.evidence for t in rivals)
-    return best.evidence > PLAIN * best.spread and not near
+    return best.evidence > EVIDENCE_DECISIVE * best.overdispersion and not near
 
 
 def contenders(best: Trial, trials: Sequence[Trial], promises: Mapping[str, float]) -> set[str]:
@@ -205,7 +209,7 @@ def contenders(best: Trial, trials: Sequence[Trial], promises: Mapping[str, floa
     found = {best.effect, *competitors(best, trials)}
     for t in trials:
         gain = max(t.fitted_gain, promises[t.effect])
-        spread = best.spread if t.state.at_rest else math.inf
-        if alike(gain, best.fitted_gain, spread) and not apart(best, t):
+        overdispersion = best.overdispersion if t.state.at_rest else math.inf
+        if alike(gain, best.fitted_gain, overdispersion) and not apart(best, t):
             found.add(t.effect)
     return found

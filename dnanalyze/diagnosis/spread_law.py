@@ -15,13 +15,13 @@ import numpy as np
 from scipy.stats import chi2
 
 from dnanalyze.diagnosis.gains import judged
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
+from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters
 from dnanalyze.fitting.from_part import STEPS, converge
-from dnanalyze.fitting.knobs import Knob, knobs_of
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, weights
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.noise_model import NoiseModel
@@ -30,23 +30,23 @@ from dnanalyze.model.registry import BASE
 SPREAD = "delta"
 
 
-def spread_law(null: Null, wanted: float = math.inf) -> Trial | None:
+def spread_law(null: FittedModel, wanted: float = math.inf) -> Trial | None:
     """The model with a slope of the spread over 1/kT, refitted, where that is significant.
 
     A score test comes first, at the level of one sensor in a thousand. A model with a law is not
     tested again. ``wanted``: loss that must come within reach; else the refit is given up.
     """
-    held, state = null.held, null.state
-    temperatures = {p.temperature_c for p, _ in held.plan.settings} - {None}
+    problem, state = null.problem, null.state
+    temperatures = {p.temperature_c for p, _ in problem.plan.settings} - {None}
     larger = with_law(state.model)
     if larger is None or len(temperatures) < 2:
         return None
-    begun = derive(held, _begun(state, larger), only=_is_slope)
+    begun = derive(problem, _begun(state, larger), only=_is_slope)
     if score(begun) < chi2.isf(1e-3, 1):
         return None
-    ended = minimise(held, begun, STEPS, below=wanted)
+    ended = minimise(problem, begun, STEPS, below=wanted)
     if ended.loss <= wanted:
-        ended = converge(held, ended, rounds=1, last=False)
+        ended = converge(problem, ended, rounds=1, last=False)
     found = judged(null, BASE, ended)
     return found if significant(found) else None
 
@@ -63,7 +63,7 @@ def with_law(model: NoiseModel) -> NoiseModel | None:
 
 def score(state: State) -> float:
     """Squared standard score of the slope, the other parameters projected out (chi^2, 1 d.o.f.)."""
-    at = np.array([_is_slope(k) for k in state.knobs])
+    at = np.array([_is_slope(k) for k in state.free])
     w = weights(state.train)
     a, b = np.nan_to_num(state.jacobian * w[:, None]), state.train * w
     free = np.linalg.qr(a[:, ~at & (np.linalg.norm(a, axis=0) > 1e-6)])[0]
@@ -72,13 +72,13 @@ def score(state: State) -> float:
     return float(slope @ rest) ** 2 / size if size > 0 else 0.0
 
 
-def in_words(bench: Bench, model: NoiseModel) -> str:
+def in_words(problem: FitProblem, model: NoiseModel) -> str:
     """The law in a sentence."""
     light = model.get(BASE)
     assert light is not None
-    celsius = sorted(t for p, _ in bench.plan.settings if (t := p.temperature_c) is not None)
+    celsius = sorted(t for p, _ in problem.plan.settings if (t := p.temperature_c) is not None)
     points = [
-        replace(bench.plan.settings[0][0], temperature_c=t) for t in (celsius[0], celsius[-1])
+        replace(problem.plan.settings[0][0], temperature_c=t) for t in (celsius[0], celsius[-1])
     ]
     cold, warm = (math.sqrt(math.expm1(light.value(SPREAD, p) ** 2)) for p in points)
     verb = "falls" if warm < cold else "rises"
@@ -90,14 +90,14 @@ def in_words(bench: Bench, model: NoiseModel) -> str:
 
 def _begun(state: State, model: NoiseModel) -> State:
     """The state of the same model with the law, which changes nothing yet."""
-    known = {k.name: i for i, k in enumerate(state.knobs)}
-    knobs = knobs_of(model)
-    jacobian = np.full((len(state.train), len(knobs)), np.nan)
-    for i, knob in enumerate(knobs):
-        if knob.name in known:
-            jacobian[:, i] = state.jacobian[:, known[knob.name]]
-    return replace(state, model=model, knobs=knobs, jacobian=jacobian)
+    known = {k.name: i for i, k in enumerate(state.free)}
+    free = free_parameters(model)
+    jacobian = np.full((len(state.train), len(free)), np.nan)
+    for i, parameter in enumerate(free):
+        if parameter.name in known:
+            jacobian[:, i] = state.jacobian[:, known[parameter.name]]
+    return replace(state, model=model, free=free, jacobian=jacobian)
 
 
-def _is_slope(knob: Knob) -> bool:
-    return (knob.effect, knob.parameter, knob.part) == (BASE, SPREAD, "ea_ev")
+def _is_slope(parameter: FreeParameter) -> bool:
+    return (parameter.effect, parameter.parameter, parameter.part) == (BASE, SPREAD, "ea_ev")

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 from dnanalyze.comparator.error import LUCK
 from dnanalyze.diagnosis.baseline import (
-    EVERY_SENSOR,
+    BASELINE_REASON,
     baseline_fitted,
     baseline_start,
     far_off,
@@ -26,13 +26,13 @@ from dnanalyze.diagnosis.candidates import SoFar, candidates_of, refitted_once, 
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
-from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.selection import (
-    CERTAIN,
     DEFLATION,
-    NOTHING,
-    PLAIN,
+    EVIDENCE_DECISIVE,
+    EVIDENCE_NULL,
+    EVIDENCE_ODDS_10,
     Trial,
     apart,
     beyond_doubt,
@@ -41,21 +41,21 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import STEPS, converge
-from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.model.effect import Effect
-from dnanalyze.model.registry import BASE, EVERYDAY
+from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.progress import ignored
 
 
 def choose(
-    null: Null,
+    null: FittedModel,
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None] = ignored,
+    on_progress: Callable[[str], None] = ignored,
     so_far: SoFar | None = None,
 ) -> tuple[list[Trial], Trial | None]:
     """The candidates refitted, the most probable first, and the one to add next.
@@ -63,7 +63,7 @@ def choose(
     That is the first of them, or the slope of the spread of the dark current (named as the base),
     if it is significant and has more evidence. Arguments are those of `trials`.
     """
-    tried = trials(null, known, tell, so_far)
+    tried = trials(null, known, on_progress, so_far)
     best = supported(null, tried)
     law = spread_law(null, math.inf if best is None else best.state.loss)
     if law is not None and (best is None or law.evidence > best.evidence):
@@ -71,7 +71,7 @@ def choose(
     return tried, best
 
 
-def supported(null: Null, tried: Sequence[Trial]) -> Trial | None:
+def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
     """The first of the trials, if the evidence is enough.
 
     A candidate that corrects one of the largest residuals needs less evidence, since replicates
@@ -81,43 +81,45 @@ def supported(null: Null, tried: Sequence[Trial]) -> Trial | None:
     if not tried:
         return None
     found = tried[0]
-    if not significant(found, NOTHING):
+    if not significant(found, EVIDENCE_NULL):
         return None
     if null.corrects(null.left[:3], found.state):
         return found
     corrects = not null.left or null.corrects(null.left, found.state)
-    return found if significant(found, CERTAIN if corrects else PLAIN) else None
+    return (
+        found if significant(found, EVIDENCE_ODDS_10 if corrects else EVIDENCE_DECISIVE) else None
+    )
 
 
-def removal(held: Bench, state: State, name: str) -> State:
+def removal(problem: FitProblem, state: State, name: str) -> State:
     """The model without an effect, refitted."""
     model = state.model.without(name)
-    return minimise(held, start(held, model, knobs_of(model), like=state), STEPS)
+    return minimise(problem, start(problem, model, free_parameters(model), like=state), STEPS)
 
 
-def reduced(held: Bench, state: State) -> tuple[State, list[str]]:
+def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
     """Backward step: the model without effects that are no longer significant, and their names.
 
     By the yardstick of the model that has them.
     """
     gone = []
-    whole = Null.of(held, state)
-    for name in [n for n in state.model.names if n not in (*EVERYDAY, BASE)]:
-        without = Null(whole.held, removal(whole.held, whole.state, name))
+    whole = FittedModel.of(problem, state)
+    for name in [n for n in state.model.names if n not in (*BASELINE, BASE)]:
+        without = FittedModel(whole.problem, removal(whole.problem, whole.state, name))
         found = judged(without, name, whole.state)
-        if found.evidence < NOTHING and found.error_fall <= LUCK * without.error:
-            whole = Null.of(whole.held, without.state)
+        if found.evidence < EVIDENCE_NULL and found.error_fall <= LUCK * without.error:
+            whole = FittedModel.of(whole.problem, without.state)
             gone.append(name)
-    return (expressed(whole.state, whole.held, held) if gone else state), gone
+    return (expressed(whole.state, whole.problem, problem) if gone else state), gone
 
 
 def swapped(
-    held: Bench,
+    problem: FitProblem,
     state: State,
     added: Sequence[str],
     known: dict[str, type[Effect]],
-    tell: Callable[[str], None],
-) -> tuple[str, Null, Trial] | None:
+    on_progress: Callable[[str], None],
+) -> tuple[str, FittedModel, Trial] | None:
     """The best exchange of one added effect for one that it is confounded with.
 
     While much was missing, two such effects explained nearly as much; which of them it is shows
@@ -126,7 +128,7 @@ def swapped(
     ``added`` may go, ``known`` may come. Returned are the effect that goes, the model without it,
     and the one that comes; None where no exchange is significant.
     """
-    null, found = Null.of(held, state), []
+    null, found = FittedModel.of(problem, state), []
     for name in added:
         mine = state.model.get(name)
         assert mine is not None
@@ -134,8 +136,8 @@ def swapped(
             n: e for n, e in known.items() if n in mine.confused_with or name in e.confused_with
         }
         others[name] = type(mine)
-        without = Null(null.held, removal(null.held, null.state, name))
-        for trial in trials(without, others, tell):
+        without = FittedModel(null.problem, removal(null.problem, null.state, name))
+        for trial in trials(without, others, on_progress):
             made = judged_by_prediction(null, trial)
             if significant(made):
                 found.append((name, without, made))
@@ -181,7 +183,7 @@ def descending(steps: Sequence[Step]) -> list[Step]:
     waiting: list[Step] = []
     for step in steps:
         rises = bool(made) and step.error > made[-1].error
-        if rises and (waiting or step.added in EVERYDAY):
+        if rises and (waiting or step.added in BASELINE):
             waiting.append(step)
             continue
         words = f"it enters with {step.added}: without that the model error would rise"
@@ -196,21 +198,22 @@ class Search:
     """A stepwise search and its limits.
 
     ``known``: effects that may be added. ``begun``: those of the starting model, which do not count
-    as added. ``most``, ``until_error``: limits of the user. ``tell``, ``trying``: called with every
-    step, and with the name of every candidate. ``keep``: called whenever the model is complete.
-    ``whole``: the bench of the whole field where ``held`` is that of a part; model errors, and what
-    is kept, are of it.
+    as added. ``most``, ``until_error``: limits of the user. ``on_step``, ``on_progress``: called
+    with every step, and with the name of every candidate. ``on_path``: called whenever the model is
+    complete.
+    ``whole``: the whole field where ``problem`` is a part of it; model errors, and what is kept,
+    are of it.
     """
 
-    held: Bench
+    problem: FitProblem
     known: dict[str, type[Effect]]
     begun: tuple[str, ...] = ()
     most: int | None = None
     until_error: float | None = None
-    tell: Callable[[Step], None] = ignored
-    trying: Callable[[str], None] = ignored
-    keep: Callable[[Path], None] = ignored
-    whole: Bench | None = None
+    on_step: Callable[[Step], None] = ignored
+    on_progress: Callable[[str], None] = ignored
+    on_path: Callable[[Path], None] = ignored
+    whole: FitProblem | None = None
 
     def run(self, state: State, exclude: Sequence[str] = ()) -> Path:
         """From a fitted model to one in which nothing more is significant, or to a limit."""
@@ -227,16 +230,16 @@ class Search:
         Both are stated for the part, where there is one, with their errors on the whole field; the
         second is then fitted to that.
         """
-        part = self.held.part
+        part = self.problem.part
         if part is None:
             begun = self._begun(state)
             return begun, self._with_baseline(begun, exclude)
-        coarse = replace(self, held=replace(part, even=False), whole=self.held)
-        begun = coarse._begun(carried(state, self.held, coarse.held))
+        coarse = replace(self, problem=replace(part, even=False), whole=self.problem)
+        begun = coarse._begun(carried(state, self.problem, coarse.problem))
         found = coarse._while_plain(coarse._with_baseline(begun, exclude))
         if found.state is begun.state:
             return begun, replace(found, state=state)
-        there = carried(found.state, coarse.held, self.held)
+        there = carried(found.state, coarse.problem, self.problem)
         return begun, self._converged(replace(found, state=there, converged=False))
 
     def _begun(self, state: State) -> Path:
@@ -249,11 +252,11 @@ class Search:
         """The baseline effects in the model, one step each, with the error of all of them."""
         if not lacks_baseline(path.state.model, exclude):
             return path
-        begun = baseline_start(self.held, exclude, path.state.model.seed)
-        state = baseline_fitted(self.held, begun)
+        begun = baseline_start(self.problem, exclude, path.state.model.seed)
+        state = baseline_fitted(self.problem, begun)
         error = self._error(state)
         for name in new_in(state.model, path.state.model):
-            path = self._noted(path, state, name, why=[EVERY_SENSOR], error=error)
+            path = self._noted(path, state, name, why=[BASELINE_REASON], error=error)
         self._kept(path)
         return path
 
@@ -265,7 +268,7 @@ class Search:
         tested on the whole field.
         """
         while not self.near_enough(path):
-            null = Null.of(self.held, path.state)
+            null = FittedModel.of(self.problem, path.state)
             if null.adequate:
                 break
             path = self._tested(path, null) if far_off(path.state) else self._plain(path, null)
@@ -277,17 +280,17 @@ class Search:
     def _searched(self, path: Path) -> Path:
         """Forward, backward and swap steps until none is significant."""
         while not self.near_enough(path):
-            null = Null.of(self.held, path.state)
+            null = FittedModel.of(self.problem, path.state)
             path = self._tested(path, null)
             best, gone = path.best, None
             if best is None and not path.converged:
                 path = self._converged(path)
-                if not Null.of(self.held, path.state).adequate:
+                if not FittedModel.of(self.problem, path.state).adequate:
                     continue  # what is left may be another effect
                 return path
             if best is None and not null.adequate:
                 added = self._added(path.state)
-                found = swapped(self.held, path.state, added, self._open(path), self.trying)
+                found = swapped(self.problem, path.state, added, self._open(path), self.on_progress)
                 if found is not None:
                     gone, null, best = found
                     path = replace(path, tried=(best,))
@@ -298,17 +301,17 @@ class Search:
             path = self._with(path, null, best, math.inf if gone is not None else path.error)
         return self._converged(replace(path, tried=(), best=None))
 
-    def _tested(self, path: Path, null: Null) -> Path:
+    def _tested(self, path: Path, null: FittedModel) -> Path:
         """The candidates tested: those first that were significant beside the last one."""
-        tried, best = choose(null, self._first(path) or self._open(path), self.trying)
+        tried, best = choose(null, self._first(path) or self._open(path), self.on_progress)
         if best is None and self._first(path):
             return self._tested(replace(path, open=()), null)
         return replace(path, tried=tuple(tried), best=best)
 
-    def _plain(self, path: Path, null: Null) -> Path:
+    def _plain(self, path: Path, null: FittedModel) -> Path:
         """The candidate of which one refit leaves no doubt; without one the first are left open."""
         known = self._first(path) or self._open(path)
-        names, tried = refitted_once(null, known, self.trying)
+        names, tried = refitted_once(null, known, self.on_progress)
         best = supported(null, tried)
         if best is None or not beyond_doubt(best, tried):
             return replace(path, tried=(), best=None, open=tuple(names))
@@ -332,9 +335,9 @@ class Search:
         return self.until_error is not None and path.error <= self.until_error
 
     def _added(self, state: State) -> list[str]:
-        return [n for n in state.model.names if n not in (*self.begun, *EVERYDAY)]
+        return [n for n in state.model.names if n not in (*self.begun, *BASELINE)]
 
-    def _with(self, path: Path, null: Null, best: Trial, most: float) -> Path:
+    def _with(self, path: Path, null: FittedModel, best: Trial, most: float) -> Path:
         """One more effect, completed, and what is superfluous with it gone.
 
         An effect with which the model error, each model by its own yardstick, would exceed
@@ -344,11 +347,11 @@ class Search:
             return self._with_law(path, null, best)
         tried = path.tried
         sure, near = confidence_of(best, tried), competitors(best, tried)
-        state = completed(null.held, best)
+        state = completed(null.problem, best)
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
-            state = converge(null.held, state, rounds=1, settled=DEFLATION, last=False)
+            state = converge(null.problem, state, rounds=1, settled=DEFLATION, last=False)
         effect = type(state.model.get(best.effect))
-        why = evidence_for(null.held, null.state, state, effect)  # type: ignore[arg-type]
+        why = evidence_for(null.problem, null.state, state, effect)  # type: ignore[arg-type]
         state = self._at_home(state, null)
         error = self._error(state)
         if error > most:
@@ -361,7 +364,7 @@ class Search:
 
     def _reduced(self, path: Path) -> Path:
         """Without the effects that are no longer significant."""
-        state, gone = reduced(self.held, path.state)
+        state, gone = reduced(self.problem, path.state)
         if gone:
             path = self._without(path, state, gone)
             self._kept(path)
@@ -375,25 +378,25 @@ class Search:
         """
         if path.converged:
             return path
-        state = converge(self.held, path.state)
+        state = converge(self.problem, path.state)
         error, last = self._error(state), path.steps[-1]
         steps = [
             replace(s, error=error, model=state.model)
-            if s is last or (s.added in EVERYDAY and s.model is last.model)
+            if s is last or (s.added in BASELINE and s.model is last.model)
             else s
             for s in path.steps
         ]
         path, last = replace(path, state=state, steps=tuple(steps), converged=True), steps[-1]
         if last.added in self._added(state) and last.error > steps[-2].error:
-            without = converge(self.held, removal(self.held, state, last.added))
+            without = converge(self.problem, removal(self.problem, state, last.added))
             path = self._without(path, without, [last.added])
         self._kept(path)
         return self._reduced(path)
 
-    def _with_law(self, path: Path, null: Null, law: Trial) -> Path:
+    def _with_law(self, path: Path, null: FittedModel, law: Trial) -> Path:
         """The spread of the dark current free to change with temperature: no effect more."""
-        state = self._at_home(converge(null.held, law.state), null)
-        path = self._noted(path, state, None, why=[in_words(self.held, state.model)])
+        state = self._at_home(converge(null.problem, law.state), null)
+        path = self._noted(path, state, None, why=[in_words(self.problem, state.model)])
         self._kept(path)
         return path
 
@@ -415,25 +418,25 @@ class Search:
         error = self._error(state) if error is None else error
         steps = (*path.steps, Step(name, error, sure, list(why), list(near), model=state.model))
         for step in descending(steps)[len(descending(path.steps)) :]:
-            self.tell(step)
+            self.on_step(step)
         return replace(path, state=state, steps=steps)
 
     def _error(self, state: State) -> float:
         """Model error by the yardstick of the model itself."""
-        own = Null.of(self.held, state)
+        own = FittedModel.of(self.problem, state)
         if self.whole is None:
             return own.error
-        there = self.whole.scaled_as(own.held)
-        return error_of(there, carried(own.state, own.held, there))
+        there = self.whole.scaled_as(own.problem)
+        return error_of(there, carried(own.state, own.problem, there))
 
-    def _at_home(self, state: State, null: Null) -> State:
+    def _at_home(self, state: State, null: FittedModel) -> State:
         """A state that was fitted by the yardstick of ``null``, in that of the frames."""
-        return expressed(state, null.held, self.held)
+        return expressed(state, null.problem, self.problem)
 
     def _kept(self, path: Path) -> None:
         steps = descending(path.steps)
         if len(steps) == len(path.steps):
-            self.keep(replace(path, state=self._on_whole(path.state), steps=tuple(steps)))
+            self.on_path(replace(path, state=self._on_whole(path.state), steps=tuple(steps)))
 
     def _on_whole(self, state: State) -> State:
-        return state if self.whole is None else carried(state, self.held, self.whole)
+        return state if self.whole is None else carried(state, self.problem, self.whole)

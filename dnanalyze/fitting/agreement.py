@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
 from dnanalyze.fitting.level_laws import beyond_laws
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.ties import GAIN, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
@@ -62,7 +62,7 @@ class Agreement:
         return off <= max(SIGMA * self.error, SHARE * abs(self.direct), self.tolerance)
 
 
-def agreements(held: Bench, state: State) -> list[Agreement]:
+def agreements(problem: FitProblem, state: State) -> list[Agreement]:
     """The quantities that frames determine without a model, beside the model's.
 
     System gain, dark signal above the measured black level at each operating point, and its
@@ -70,15 +70,15 @@ def agreements(held: Bench, state: State) -> list[Agreement]:
 
     Parameters
     ----------
-    held : Bench
+    held : FitProblem
     state : State
         A fitted model.
     """
-    signals = _dark_signals(held, state)
-    return [*_gains(held, state), *signals, *_energy(signals)]
+    signals = _dark_signals(problem, state)
+    return [*_gains(problem, state), *signals, *_energy(signals)]
 
 
-def _gains(held: Bench, state: State) -> list[Agreement]:
+def _gains(problem: FitProblem, state: State) -> list[Agreement]:
     """System gain of the model, the digital one included."""
     effect = state.model.get(GAIN[0])
     if effect is None:
@@ -86,29 +86,29 @@ def _gains(held: Bench, state: State) -> list[Agreement]:
     own = digital_gain(state.model) * effect.value(GAIN[1], state.model.reference)
     return [
         Agreement(f"system gain, {known.source}", None, "DN/e-", known.value, known.error, own)
-        for known in held.direct.gains_of(state.model)
+        for known in problem.direct.gains_of(state.model)
     ]
 
 
-def _dark_signals(held: Bench, state: State) -> list[Agreement]:
+def _dark_signals(problem: FitProblem, state: State) -> list[Agreement]:
     """Median above the black level, on both halves of the field together.
 
     What a level is beyond all laws of black level and dark signal, such as a signal that is not
     proportional to the exposure time, is an error of it as a dark signal.
     """
-    level = held.direct.level
+    level = problem.direct.level
     if level is None:
         return []
-    moved = () if held.direct.sessions is None else held.direct.sessions.moved
-    medians = _medians(held, state)
-    points = [held.plan.settings[s][0] for s in medians]
+    moved = () if problem.direct.sessions is None else problem.direct.sessions.moved
+    medians = _medians(problem, state)
+    points = [problem.plan.settings[s][0] for s in medians]
     measured, errors = (
         np.array([getattr(m, of) for m in medians.values()]) for of in ("measured", "error")
     )
-    beyond = beyond_laws(points, measured, errors, held.direct.black)
+    beyond = beyond_laws(points, measured, errors, problem.direct.black)
     found = []
     for (s, seen), rest in zip(medians.items(), beyond, strict=True):
-        point = held.plan.settings[s][0]
+        point = problem.plan.settings[s][0]
         black = level.at(point.temperature_c)
         if black is None or not point.exposure_s or point in moved:
             continue
@@ -116,8 +116,8 @@ def _dark_signals(held: Bench, state: State) -> list[Agreement]:
         error = math.hypot(seen.error, black[1])
         if signal < -SEEN * error:
             continue  # the black level of these frames is another one
-        steady = held.train.values[
-            (held.train.names == "temporal_noise_core") & (held.train.setting == s)
+        steady = problem.train.values[
+            (problem.train.names == "temporal_noise_core") & (problem.train.setting == s)
         ]
         found.append(
             Agreement(
@@ -140,17 +140,17 @@ class _Median:
     predicted: float
 
 
-def _medians(held: Bench, state: State) -> dict[int, _Median]:
+def _medians(problem: FitProblem, state: State) -> dict[int, _Median]:
     """By setting; without those that the model does not predict."""
     scale = catalogue()["median"].scale
     found = {}
-    for s in range(len(held.plan.settings)):
+    for s in range(len(problem.plan.settings)):
         measured, predicted, errors = [], [], []
-        for half, z in ((held.train, state.train), (held.test, state.test)):
+        for half, z in ((problem.train, state.train), (problem.test, state.test)):
             at = (half.names == "median") & (half.setting == s)
             measured += half.values[at].tolist()
             predicted += [scale.plain(c) for c in half.predicted(z)[at]]
-            errors += (half.floor[at] / math.sqrt(2.0)).tolist()
+            errors += (half.reproducibility_sd[at] / math.sqrt(2.0)).tolist()
         if measured and np.isfinite(predicted).all():
             means = (float(np.mean(x)) for x in (measured, errors, predicted))
             found[s] = _Median(*means)

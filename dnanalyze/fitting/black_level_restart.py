@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.knobs import PEDESTAL, positions, turned
+from dnanalyze.fitting.free_parameters import PEDESTAL, positions, with_values
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import NOISE
 from dnanalyze.fitting.moments import moments
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.ties import GAIN
@@ -28,7 +28,7 @@ SIGNAL, READ = (BASE, "mu"), ("read_noise", "sigma")  # of a pixel
 FOURFOLD = 4.0  # by which an amplitude may fall at once, as in a step of a fit
 
 
-def at_black_level(bench: Bench, state: State, iterations: int) -> State:
+def at_black_level(problem: FitProblem, state: State, iterations: int) -> State:
     """The state, or one that is as good with the black level by the moments.
 
     Of two fits that the statistics do not tell apart, that stands which agrees with the levels: the
@@ -36,7 +36,7 @@ def at_black_level(bench: Bench, state: State, iterations: int) -> State:
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     state : State
         At rest, its derivatives known: they tell how long a step must be.
     iterations : int
@@ -48,34 +48,34 @@ def at_black_level(bench: Bench, state: State, iterations: int) -> State:
         ``state`` itself where a direct measurement binds the black level, or where the two differ
         by less than a level may (`fitting.level.NOISE`).
     """
-    free = {i for i, k in enumerate(state.knobs) if k.effect == PEDESTAL}
+    free = {i for i, k in enumerate(state.free) if k.effect == PEDESTAL}
     if len(free) != 1 or free & {t.at for t in state.ties}:
         return state
-    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
-    sensor = bench.plan.captures.sensor
-    measured = moments(Readings(bench.measured[0]), sensor.black_level).pedestal
+    noise = problem.train.values[problem.train.names == "temporal_noise_core"]
+    sensor = problem.plan.captures.sensor
+    measured = moments(Readings(problem.measured[0]), sensor.black_level).pedestal
     shift = measured - value_at(state.model.pedestal, state.model.reference)
     if not noise.size or abs(shift) <= NOISE * float(noise.min()):
         return state
-    begun = start(bench, _shifted(state, shift), state.knobs, like=state)
-    ended = minimise(bench, derive(bench, begun, anew=True), iterations)
-    chance = len(state.knobs) * max(state.loss / len(state.train), 1.0)
+    begun = start(problem, _shifted(state, shift), state.free, like=state)
+    ended = minimise(problem, derive(problem, begun, anew=True), iterations)
+    chance = len(state.free) * max(state.loss / len(state.train), 1.0)
     return ended if ended.merit < state.merit + chance else state
 
 
 def _shifted(state: State, shift: float) -> NoiseModel:
     """The model with a higher black level, and the same levels and noise but for the charge."""
-    model, where = state.model, positions(state.model, state.knobs)
+    model, where = state.model, positions(state.model, state.free)
     shot = model.get(GAIN[0])
     variance = 0.0 if shot is None else shift * shot.value(GAIN[1], model.reference)
-    for i, knob in enumerate(state.knobs):
-        if knob.effect == PEDESTAL:
+    for i, parameter in enumerate(state.free):
+        if parameter.effect == PEDESTAL:
             where[i] += shift
-        elif (knob.effect, knob.parameter) == SIGNAL and not knob.energy:
+        elif (parameter.effect, parameter.parameter) == SIGNAL and not parameter.energy:
             where[i] = math.log(_less(math.exp(where[i]), shift))
-        elif (knob.effect, knob.parameter) == READ and not knob.energy:
+        elif (parameter.effect, parameter.parameter) == READ and not parameter.energy:
             where[i] = math.log(_less(math.exp(2.0 * where[i]), -variance)) / 2.0
-    return turned(model, state.knobs, where)
+    return with_values(model, state.free, where)
 
 
 def _less(amplitude: float, by: float) -> float:

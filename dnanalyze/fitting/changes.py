@@ -7,47 +7,47 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
 
-def part_for(bench: Bench, model: NoiseModel) -> Bench | None:
+def part_for(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
     """The part of the field on which a model may be fitted first; None where it may not."""
-    return bench.part if model.placing is Placing.EVERYWHERE else None
+    return problem.part if model.placing is Placing.EVERYWHERE else None
 
 
 @dataclass(frozen=True)
 class Changes:
     """What a change of the model does to the predictions of the fitted half.
 
-    ``bench``: where both models are simulated. ``base``: predictions of the unchanged model there.
-    ``wanted``: numbers of the whole field, in whose floors a change is expressed.
+    ``problem``: where both models are simulated. ``base``: predictions of the unchanged model.
+    ``wanted``: numbers of the whole field; a change is in units of their reproducibility SD.
     """
 
-    bench: Bench
+    problem: FitProblem
     base: np.ndarray
     wanted: Target
 
     @classmethod
-    def of(cls, bench: Bench, model: NoiseModel, placing: Placing) -> Changes:
+    def of(cls, problem: FitProblem, model: NoiseModel, placing: Placing) -> Changes:
         """For effects of one placing: on the part of the field, or on a half, where that shows them
         as the whole does.
 
         What is everywhere does the same to a part of a field that is shaded, or has rows of its
         own, as to the rest of it.
         """
-        near = bench.part if placing is Placing.EVERYWHERE else None
+        near = problem.part if placing is Placing.EVERYWHERE else None
         if near is None:
-            near = bench.evened(model) if placing < Placing.SOMEWHERE else bench
-        return cls(near, near.fitted_coordinates(model), bench.train)
+            near = problem.evened(model) if placing < Placing.SOMEWHERE else problem
+        return cls(near, near.fitted_coordinates(model), problem.train)
 
     def by(self, models: Sequence[NoiseModel]) -> Iterator[np.ndarray]:
-        """Change of each number by each of several models, in floors; 0 where one lacks it."""
-        rows = self.bench.train.rows_of(self.wanted)
+        """Change of each number by each model, in reproducibility SDs; 0 where one lacks it."""
+        rows = self.problem.train.rows_of(self.wanted)
         known = rows >= 0
-        for moved in self.bench.several(models):
+        for moved in self.problem.several(models):
             change = np.zeros(len(self.wanted.keys))
             change[known] = np.nan_to_num(moved - self.base)[rows[known]]
-            yield change / self.wanted.floor
+            yield change / self.wanted.reproducibility_sd

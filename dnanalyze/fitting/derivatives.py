@@ -1,7 +1,8 @@
-"""Derivatives of what a model predicts, by one simulation a group of knobs.
+"""Derivatives of what a model predicts, by one simulation a group of free parameters.
 
-What is everywhere in the field moves a part of it as it moves the whole. Its knobs are turned on
-the part, at about a third of the time; those of what has a place, or few pixels, on the whole.
+An effect that is everywhere changes a part of the field as it changes the whole. Its parameters are
+varied on the part, at about a third of the time; those of an effect with a place, or in few pixels,
+on the whole.
 """
 
 from __future__ import annotations
@@ -11,8 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.fitting.knobs import PEDESTAL, Knob, positions, settings_of, turned
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.free_parameters import (
+    PEDESTAL,
+    FreeParameter,
+    positions,
+    settings_of,
+    with_values,
+)
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, evened
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.effect import Placing
@@ -26,83 +33,83 @@ GROWTH = 8.0  # of a step that shows too little, each time; twice at most
 
 
 def derive(
-    bench: Bench,
+    problem: FitProblem,
     state: State,
-    only: Callable[[Knob], bool] = lambda _: True,
+    only: Callable[[FreeParameter], bool] = lambda _: True,
     smallest: float = SMALLEST,
     anew: bool = False,
 ) -> State:
-    """Take the derivatives that are not known yet, one simulation a group of knobs.
+    """Take the derivatives that are not known yet, one simulation a group of free parameters.
 
     A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
     ``anew``: also those that are known, which then tell how long a step must be.
     """
     wanted: dict[str, list[int]] = {}
-    for i, knob in enumerate(state.knobs):
-        if (anew or np.isnan(state.jacobian[:, i]).any()) and only(knob):
-            wanted.setdefault(knob.group, []).append(i)
+    for i, parameter in enumerate(state.free):
+        if (anew or np.isnan(state.jacobian[:, i]).any()) and only(parameter):
+            wanted.setdefault(parameter.group, []).append(i)
     jacobian = state.jacobian.copy()
     near: list[list[int]] = []
     far: list[list[int]] = []
     for members in wanted.values():
-        knob = state.knobs[members[0]]
-        if not _told(bench, state.model, knob):
+        parameter = state.free[members[0]]
+        if not _told(problem, state.model, parameter):
             jacobian[:, members] = 0.0
-        elif bench.part is not None and placing_of(state.model, knob) is Placing.EVERYWHERE:
+        elif problem.part is not None and placing_of(state.model, parameter) is Placing.EVERYWHERE:
             near.append(members)
         else:
             far.append(members)
-    if near and bench.part is not None:
-        there = carried(state, bench, bench.part)
-        seen = _differences(bench.part, there, near, smallest)
-        columns = bench.part.train.derivatives_of(bench.train, np.stack(list(seen.values()), 1))
+    if near and problem.part is not None:
+        there = carried(state, problem, problem.part)
+        seen = _differences(problem.part, there, near, smallest)
+        columns = problem.part.train.derivatives_of(problem.train, np.stack(list(seen.values()), 1))
         jacobian[:, list(seen)] = columns
-    alone, begun = evened(bench, state) if len(far) > SEVERAL else (bench, state)
+    alone, begun = evened(problem, state) if len(far) > SEVERAL else (problem, state)
     for i, column in _differences(alone, begun, far, smallest).items():
         jacobian[:, i] = column
     return replace(state, jacobian=jacobian)
 
 
-def placing_of(model: NoiseModel, knob: Knob) -> Placing:
-    """Where in the field a knob acts: the black level does everywhere."""
-    effect = model.get(knob.effect)
+def placing_of(model: NoiseModel, parameter: FreeParameter) -> Placing:
+    """Where in the field a parameter acts: the black level does everywhere."""
+    effect = model.get(parameter.effect)
     return Placing.EVERYWHERE if effect is None else effect.placing
 
 
-def _told(bench: Bench, model: NoiseModel, knob: Knob) -> bool:
-    """Whether the fitted half tells of a knob.
+def _told(problem: FitProblem, model: NoiseModel, parameter: FreeParameter) -> bool:
+    """Whether the fitted half tells of a parameter.
 
     Of what lies in the judged half alone it tells nothing, nor do temperatures too near each other
     of an activation energy.
     """
-    effect = model.get(knob.effect)
-    if knob.energy and not tells_slope(p.temperature_c for p, _ in bench.plan.settings):
+    effect = model.get(parameter.effect)
+    if parameter.energy and not tells_slope(p.temperature_c for p, _ in problem.plan.settings):
         return False
-    return effect is None or effect.lies_in(bench.plan.windows[0])
+    return effect is None or effect.lies_in(problem.plan.windows[0])
 
 
 def _differences(
-    bench: Bench, state: State, groups: list[list[int]], smallest: float
+    problem: FitProblem, state: State, groups: list[list[int]], smallest: float
 ) -> dict[int, np.ndarray]:
-    """Columns of groups of knobs, by one-sided steps that are sized to be seen but not large."""
-    here = positions(state.model, state.knobs)
-    first = np.array([_first_step(k, x) for k, x in zip(state.knobs, here, strict=True)])
+    """Columns of groups of parameters, by one-sided steps sized to be seen but not large."""
+    here = positions(state.model, state.free)
+    first = np.array([_first_step(k, x) for k, x in zip(state.free, here, strict=True)])
     known = np.linalg.norm(state.jacobian, axis=0)  # NaN where not known
     step = first * np.where(np.isnan(known), 1.0, _rescaled(known * first, smallest))
     columns: dict[int, np.ndarray] = {}
     for least in (smallest, SMALLEST / 4, SMALLEST / 8):
         if not groups:
             break
-        there = [_moved(state.knobs, here, step, members) for members in groups]
-        found = bench.several([turned(state.model, state.knobs, x) for x in there])
-        masks = [settings_of(k, state.model, bench.plan.settings) for k in state.knobs]
+        there = [_moved(state.free, here, step, members) for members in groups]
+        found = problem.several([with_values(state.model, state.free, x) for x in there])
+        masks = [settings_of(k, state.model, problem.plan.settings) for k in state.free]
         again = []
         for members, x, coordinates in zip(groups, there, found, strict=True):
-            change = bench.train.z(coordinates) - state.train
+            change = problem.train.z(coordinates) - state.train
             for i in members:
-                moved = masks[i][bench.train.setting]
+                moved = masks[i][problem.train.setting]
                 columns[i] = np.where(moved, change, 0) / (
-                    state.knobs[i].change(here[i], x[i]) or 1.0
+                    state.free[i].change(here[i], x[i]) or 1.0
                 )
                 size = float(np.linalg.norm(change[moved]))
                 longer = min(step[i] * float(_rescaled(size, least)), GROWTH**2 * first[i])
@@ -114,14 +121,14 @@ def _differences(
 
 
 def _moved(
-    knobs: Sequence[Knob], here: np.ndarray, step: np.ndarray, members: Sequence[int]
+    free: Sequence[FreeParameter], here: np.ndarray, step: np.ndarray, members: Sequence[int]
 ) -> np.ndarray:
     """Positions with those of a group a step further, within their bounds."""
     there = here.copy()
     for i in members:
-        there[i] = knobs[i].inside(here[i] + step[i])
+        there[i] = free[i].inside(here[i] + step[i])
         if there[i] == here[i]:  # at its upper bound: step down
-            there[i] = knobs[i].inside(here[i] - step[i])
+            there[i] = free[i].inside(here[i] - step[i])
     return there
 
 
@@ -131,11 +138,11 @@ def _rescaled(size: np.ndarray | float, least: float) -> np.ndarray:
     return np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))
 
 
-def _first_step(knob: Knob, position: float) -> float:
-    if knob.log:
+def _first_step(parameter: FreeParameter, position: float) -> float:
+    if parameter.log:
         return 0.08
-    if knob.part == "ea_ev":
+    if parameter.part == "ea_ev":
         return 0.02
-    if knob.effect == PEDESTAL:
+    if parameter.effect == PEDESTAL:
         return 0.1
     return 0.05 * max(abs(position), 0.02)

@@ -17,10 +17,16 @@ from dnanalyze.estimate import Estimated, qtable
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.free_parameters import (
+    PEDESTAL,
+    FreeParameter,
+    free_parameters,
+    positions,
+    with_values,
+)
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import PEDESTAL, Knob, knobs_of, positions, turned
 from dnanalyze.fitting.least_squares import longest, tied
-from dnanalyze.fitting.located import located, told
+from dnanalyze.fitting.measured_parameters import at_measured_parameters, measured_parameters
 from dnanalyze.fitting.moments import (
     Moments,
     converter_bits,
@@ -28,7 +34,7 @@ from dnanalyze.fitting.moments import (
     moments,
     serial_correlation,
 )
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
@@ -50,9 +56,9 @@ REPLICATES = 24
 WHOLE = 0.95  # `lattice` of whole codes, 1, less its error
 FEW = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
 ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
-DERIVATIVES = 40  # simulations for the last derivatives of few groups of knobs; many take 6 each
-CLEAR = 15.0  # wanted size of their steps, in floors: statistics that count pixels move by jumps
-LOWEST = 0.2  # floor of a number that hardly scatters, over the measured one
+DERIVATIVES = 40  # simulations for the last derivatives of few groups; many take 6 each
+CLEAR = 15.0  # wanted size of their steps, in reproducibility SDs: counts move by jumps
+LOWEST = 0.2  # reproducibility SD of a number that hardly scatters, over the measured one
 STEPS, SMALL = 4, 0.05  # last steps at most; size at which they end, in standard errors
 ONE_SIDED = 1.645  # standard errors that a normal deviate exceeds in 5 % of cases
 VAGUE = 1.0  # standard error on a log scale from which a parameter is called undetermined
@@ -116,7 +122,7 @@ class Fit(Result):
         Between the parameters, on their scales; 0 for those that one statistic determines.
     undetermined : list of str
         Sentences on parameters that are not determined or confounded in these captures.
-    bench : Bench
+    problem : FitProblem
         The statistics that were fitted, and the simulations of it.
     state : State
         The last step of the fit.
@@ -128,14 +134,14 @@ class Fit(Result):
     parameters: Parameters
     correlations: np.ndarray
     undetermined: list[str]
-    bench: Bench
+    problem: FitProblem
     state: State
     captures: CaptureSet = field(compare=False)
 
     @cached_property
     def direct(self) -> list[Agreement]:
         """Quantities that the frames determine without a model, beside the model's."""
-        return agreements(self.bench, self.state)
+        return agreements(self.problem, self.state)
 
     def _brief(self) -> str:
         effects, count = ", ".join(self.model.names), len(self.parameters)
@@ -190,7 +196,12 @@ def fit(
     ('pedestal', 'DN')
     """
     return fit_on(
-        captures, model, frozen=frozen, replicates=replicates, seed=seed, tell=reporter(progress)
+        captures,
+        model,
+        frozen=frozen,
+        replicates=replicates,
+        seed=seed,
+        on_state=reporter(progress),
     )
 
 
@@ -201,19 +212,21 @@ def fit_on(
     frozen: Sequence[str] = (),
     replicates: int = REPLICATES,
     seed: int | None = None,
-    held: Bench | None = None,
-    tell: Callable[[State], None] = ignored,
+    problem: FitProblem | None = None,
+    on_state: Callable[[State], None] = ignored,
 ) -> Fit:
-    """`fit` on statistics taken earlier; ``tell`` is called with every better state."""
-    held = held or bench(design(captures, unit=None if model is None else model.unit))
-    model = with_seed(held, model, seed) or paper_start(held)
+    """`fit` on statistics taken earlier; ``on_state`` is called with every better state."""
+    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    model = with_seed(problem, model, seed) or paper_start(problem)
     _check(frozen, model)
-    model = located(held, model, frozen)
-    state = converge(held, start(held, model, knobs_of(model, frozen)), tell=tell)
-    return replace(with_uncertainties(held, state, replicates), captures=captures)
+    model = at_measured_parameters(problem, model, frozen)
+    state = converge(
+        problem, start(problem, model, free_parameters(model, frozen)), on_state=on_state
+    )
+    return replace(with_uncertainties(problem, state, replicates), captures=captures)
 
 
-def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseModel | None:
+def with_seed(problem: FitProblem, model: NoiseModel | None, seed: int | None) -> NoiseModel | None:
     """The model with this seed; without a model that in which a fit begins; as given without one.
 
     Raises
@@ -222,15 +235,15 @@ def with_seed(held: Bench, model: NoiseModel | None, seed: int | None) -> NoiseM
         Captures of a readout channel that the model does not know, or of another unit than its.
     """
     if model is not None:
-        require(model, held.plan.captures.channels)
-        if not math.isclose(model.unit, held.plan.unit):
+        require(model, problem.plan.captures.channels)
+        if not math.isclose(model.unit, problem.plan.unit):
             raise InputError(
                 f"model: one DN of it is {model.unit:g} in files, one code of these captures "
-                f"{held.plan.unit:g}; `dnanalyze fit` without --model fits one in their codes"
+                f"{problem.plan.unit:g}; `dnanalyze fit` without --model fits one in their codes"
             )
     if seed is None:
         return model
-    return replace(model or paper_start(held), seed=seed)
+    return replace(model or paper_start(problem), seed=seed)
 
 
 def _check(frozen: Sequence[str], model: NoiseModel) -> None:
@@ -241,51 +254,51 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
             raise InputError(f"--frozen (frozen): no parameter {name!r}; valid: {', '.join(valid)}")
 
 
-def paper_start(held: Bench, exclude: Sequence[str] = ()) -> NoiseModel:
+def paper_start(problem: FitProblem, exclude: Sequence[str] = ()) -> NoiseModel:
     """The paper's model by moments of the train half, at the pedestal that suits it best.
 
     Rounded to codes where the captures are, unless ``exclude`` has the quantization: the paper says
     nothing of the converter, and a model of continuous values has no pixel that never changes.
     """
-    seen = held.part or held
-    models = paper_models(at_a_glance(held))
+    seen = problem.part or problem
+    models = paper_models(at_a_glance(problem))
     if "quantization" not in exclude:
-        models = [as_captured(held, model) for model in models]
+        models = [as_captured(problem, model) for model in models]
     losses = [loss(seen.train.z(found)) for found in seen.several(models)]
-    return replace(models[int(np.argmin(losses))], unit=held.plan.unit)
+    return replace(models[int(np.argmin(losses))], unit=problem.plan.unit)
 
 
-def as_captured(held: Bench, model: NoiseModel) -> NoiseModel:
+def as_captured(problem: FitProblem, model: NoiseModel) -> NoiseModel:
     """A model with the captures' converter, where their values are whole codes."""
-    seen = Readings(held.measured[0])
+    seen = Readings(problem.measured[0])
     if not (seen.value("lattice") > WHOLE).all():
         return model
-    bits = converter_bits(seen, held.plan.captures.sensor.bits)
+    bits = converter_bits(seen, problem.plan.captures.sensor.bits)
     return model.with_effect(built_in()["quantization"](bits=bits))  # type: ignore[call-arg]
 
 
-def ordinary_start(held: Bench, beside: Effect | None = None) -> NoiseModel:
+def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseModel:
     """The model of what every sensor has by moments of the train half.
 
     ``beside``: an effect whose share of them, where it tells one, is not the sensor's.
     """
-    seen, sensor = Readings(held.measured[0]), held.plan.captures.sensor
+    seen, sensor = Readings(problem.measured[0]), problem.plan.captures.sensor
     bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
-    found = at_a_glance(held)
-    known = held.direct.gains_at(found.reference.gain)
+    found = at_a_glance(problem)
+    known = problem.direct.gains_at(found.reference.gain)
     gain = next((k.value for k in known if k.source == TRANSFER), None)
     made = ordinary_model(found if beside is None else less(found, beside), bits, serial, gain)
-    return replace(made, unit=held.plan.unit)
+    return replace(made, unit=problem.plan.unit)
 
 
-def at_a_glance(held: Bench) -> Moments:
+def at_a_glance(problem: FitProblem) -> Moments:
     """Moments of the train half."""
     # of points that are not simulated, no row is fitted
-    black = held.direct.black_at([point for point, _ in held.plan.settings])
-    return moments(Readings(held.measured[0]), held.plan.captures.sensor.black_level, black)
+    black = problem.direct.black_at([point for point, _ in problem.plan.settings])
+    return moments(Readings(problem.measured[0]), problem.plan.captures.sensor.black_level, black)
 
 
-def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) -> Fit:
+def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPLICATES) -> Fit:
     """Correct the estimate for the chance of its simulated sensor; errors from the scatter.
 
     A simulated sensor scatters as much as the measured one, and so do its derivatives. How far the
@@ -295,77 +308,80 @@ def with_uncertainties(held: Bench, state: State, replicates: int = REPLICATES) 
     mean of replicates + 1 simulated ones: the covariance is 1 + 1 / (replicates + 1) times that of
     G (replicate - mean).
     """
-    knobs = state.knobs
-    covariance = np.full((len(knobs), len(knobs)), np.nan)
-    if replicates < 2 or not knobs:
-        return _described(held, state, covariance, None)
-    drawn, jacobian = _redrawn(held, state, replicates)
+    free = state.free
+    covariance = np.full((len(free), len(free)), np.nan)
+    if replicates < 2 or not free:
+        return _described(problem, state, covariance, None)
+    drawn, jacobian = _redrawn(problem, state, replicates)
     seen = np.linalg.norm(jacobian, axis=0) > 1e-3
     if not seen.any():
-        return _described(held, state, covariance, seen)
+        return _described(problem, state, covariance, seen)
     count = np.sum(np.isfinite(drawn), axis=0)
     mean = np.where(count > 0, np.nansum(drawn, axis=0) / np.maximum(count, 1), np.nan)
     share = 1.0 / (replicates + 1)
-    luck = np.nan_to_num((1.0 - share) * (held.fitted_coordinates(state.model) - mean))
+    luck = np.nan_to_num((1.0 - share) * (problem.fitted_coordinates(state.model) - mean))
     scatter = np.nan_to_num(drawn - mean)
     # The measured errors grow with the measured tails: weights by them would pull the tails down.
     spread = np.sqrt(2.0 * np.sum(scatter**2, axis=0) / np.maximum(count - 1, 1))
-    floor = np.maximum(spread, LOWEST * held.train.floor)
+    reproducibility_sd = np.maximum(spread, LOWEST * problem.train.reproducibility_sd)
     fair = replace(
-        held,
+        problem,
         train=replace(
-            held.train, coordinates=held.train.coordinates + luck, stated=floor, scale=None
+            problem.train,
+            coordinates=problem.train.coordinates + luck,
+            stated=reproducibility_sd,
+            scale=None,
         ),
     )
-    jacobian = jacobian * (held.train.floor / floor)[:, None]
-    here = replace(start(fair, state.model, knobs), jacobian=jacobian)
+    jacobian = jacobian * (problem.train.reproducibility_sd / reproducibility_sd)[:, None]
+    here = replace(start(fair, state.model, free), jacobian=jacobian)
     numbers = len(here.train)
-    gain = np.zeros((len(knobs), numbers + len(here.ties)))
+    gain = np.zeros((len(free), numbers + len(here.ties)))
     gain[seen] = _gain(here, seen)
-    moved = (scatter / floor) @ gain[seen, :numbers].T
+    moved = (scatter / reproducibility_sd) @ gain[seen, :numbers].T
     by_ties = gain[seen, numbers:]
     covariance[np.ix_(seen, seen)] = (1.0 + share) * moved.T @ moved / (replicates - 1)
     covariance[np.ix_(seen, seen)] += by_ties @ by_ties.T
     found = _at_root(fair, here, gain, np.sqrt(np.diag(covariance)))
     found = replace(
         found,
-        train=(found.train * floor - luck) / held.train.floor,
-        jacobian=jacobian * (floor / held.train.floor)[:, None],
+        train=(found.train * reproducibility_sd - luck) / problem.train.reproducibility_sd,
+        jacobian=jacobian * (reproducibility_sd / problem.train.reproducibility_sd)[:, None],
     )
-    return _described(held, found, covariance, seen)
+    return _described(problem, found, covariance, seen)
 
 
-def _redrawn(held: Bench, state: State, replicates: int) -> tuple[np.ndarray, np.ndarray]:
+def _redrawn(problem: FitProblem, state: State, replicates: int) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates of other sensors of the same design, (sensors, numbers); mean derivatives."""
-    groups = len({k.group for k in state.knobs})
+    groups = len({k.group for k in state.free})
     several = min(replicates, max(6, round(DERIVATIVES / groups)))
-    drawn = [held.replicate(state.model, r)[0] for r in range(several, replicates)]
+    drawn = [problem.replicate(state.model, r)[0] for r in range(several, replicates)]
     jacobian = np.zeros_like(state.jacobian)
     for number in range(several):
-        other = held.with_memo(room())
+        other = problem.with_memo(room())
         model = replace(state.model, seed=state.model.seed + 1 + number)
         train = other.fitted_coordinates(model)
         drawn.append(train)
-        begun = replace(state, model=model, train=held.train.z(train))
+        begun = replace(state, model=model, train=problem.train.z(train))
         jacobian += derive(other, begun, smallest=CLEAR, anew=True).jacobian / several
     return np.array(drawn), jacobian
 
 
-def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) -> State:
+def _at_root(fair: FitProblem, state: State, gain: np.ndarray, spread: np.ndarray) -> State:
     """Newton's steps by a gain that is kept, until they are small beside the errors.
 
-    They end where the loss, which the luck of one sensor's derivatives bends by about 1 a knob,
-    rises by more.
+    They end where the loss rises by more than the sampling error of one sensor's derivatives,
+    about 1 per parameter.
     """
-    most = state.merit + len(state.knobs)
+    most = state.merit + len(state.free)
     for _ in range(STEPS):
-        here = positions(state.model, state.knobs)
+        here = positions(state.model, state.free)
         off = np.concatenate([state.train, misfits(state.ties, here)])
-        step = np.clip(-gain @ off, *longest(state.knobs, here))
+        step = np.clip(-gain @ off, *longest(state.free, here))
         if np.nanmax(np.abs(step) / spread) < SMALL:
             break
-        there = [k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)]
-        model = turned(state.model, state.knobs, np.array(there))
+        there = [k.inside(x) for k, x in zip(state.free, here + step, strict=True)]
+        model = with_values(state.model, state.free, np.array(there))
         train = fair.fitted_z(model)
         moved = replace(state, model=model, train=train, unseen=unseen(fair, model))
         if moved.merit > most:
@@ -375,42 +391,44 @@ def _at_root(fair: Bench, state: State, gain: np.ndarray, spread: np.ndarray) ->
 
 
 def _gain(state: State, seen: np.ndarray) -> np.ndarray:
-    """d knob / d number of the weighted least squares, (seen knobs, numbers and ties)."""
+    """d parameter / d number of weighted least squares, (seen parameters, numbers and ties)."""
     w = np.concatenate([weights(state.train), np.ones(len(state.ties))])
     a = np.vstack([state.jacobian, tied(state)[0]])[:, seen] * w[:, None]
-    size = np.linalg.norm(a, axis=0)  # the knobs' scales differ by orders of magnitude
+    size = np.linalg.norm(a, axis=0)  # the free parameters' scales differ by orders of magnitude
     return np.linalg.pinv(a / size, rcond=1e-6) / size[:, None] * w
 
 
-def _described(held: Bench, state: State, covariance: np.ndarray, seen: np.ndarray | None) -> Fit:
-    """The fit in plain units; ``seen``: which knobs move any number, None where not known."""
-    knobs, here = state.knobs, positions(state.model, state.knobs)
-    spread = np.sqrt(np.diag(covariance)) if knobs else np.empty(0)
-    known = np.ones(len(knobs), bool) if seen is None else seen
+def _described(
+    problem: FitProblem, state: State, covariance: np.ndarray, seen: np.ndarray | None
+) -> Fit:
+    """The fit in plain units; ``seen``: which parameters move any number, None where not known."""
+    free, here = state.free, positions(state.model, state.free)
+    spread = np.sqrt(np.diag(covariance)) if free else np.empty(0)
+    known = np.ones(len(free), bool) if seen is None else seen
     parameters = [
         _parameter(k, x, s, bool(told))
-        for k, x, s, told in zip(knobs, here, spread, known, strict=True)
+        for k, x, s, told in zip(free, here, spread, known, strict=True)
     ]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlations = covariance / np.outer(spread, spread)
-    doubts = [] if seen is None else _doubts(knobs, spread, correlations, seen)
+    doubts = [] if seen is None else _doubts(free, spread, correlations, seen)
     doubts += [
         f"{p.name}: {p.value:.3g} +- {p.se:.2g} eV is not the activation energy of a dark current, "
         f"{USUAL_EV[0]:g} to {USUAL_EV[1]:g} eV"
-        for k, p in zip(knobs, parameters, strict=True)
+        for k, p in zip(free, parameters, strict=True)
         if _of_dark_current(state.model, k) and unusual(p.value, p.se)
     ]
-    doubts += _sessions_told(held, state.model)
-    exact = _read_off(held, state.model)
-    whole = np.eye(len(knobs) + len(exact))  # their errors are none of the fit's
-    whole[: len(knobs), : len(knobs)] = correlations
+    doubts += _sessions_told(problem, state.model)
+    exact = _read_off(problem, state.model)
+    whole = np.eye(len(free) + len(exact))  # their errors are none of the fit's
+    whole[: len(free), : len(free)] = correlations
     every = Parameters([*parameters, *exact])
-    return Fit(state.model, every, whole, doubts, held, state, held.plan.captures)
+    return Fit(state.model, every, whole, doubts, problem, state, problem.plan.captures)
 
 
-def _sessions_told(held: Bench, model: NoiseModel) -> list[str]:
+def _sessions_told(problem: FitProblem, model: NoiseModel) -> list[str]:
     """Where the black level was fitted by itself."""
-    own = held.direct.sessions
+    own = problem.direct.sessions
     if own is None or not isinstance(model.pedestal, TableLaw):
         return []
     usual = float(np.median(own.law.values))
@@ -422,10 +440,10 @@ def _sessions_told(held: Bench, model: NoiseModel) -> list[str]:
     ]
 
 
-def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:
+def _read_off(problem: FitProblem, model: NoiseModel) -> list[Parameter]:
     """Numbers that no fit moves, with the errors of the statistics that tell them."""
     found = []
-    for name, number in told(held, model).items():
+    for name, number in measured_parameters(problem, model).items():
         effect, _, parameter = name.partition(".")
         bearer = model.get(effect)
         assert bearer is not None
@@ -435,7 +453,7 @@ def _read_off(held: Bench, model: NoiseModel) -> list[Parameter]:
     return found
 
 
-def standard_errors(held: Bench, state: State, simulate: bool = True) -> Parameters:
+def standard_errors(problem: FitProblem, state: State, simulate: bool = True) -> Parameters:
     """The fitted numbers of a model as it stands, with their standard errors.
 
     The estimate was made with one simulated sensor, which scatters as much as the measured one: the
@@ -444,20 +462,20 @@ def standard_errors(held: Bench, state: State, simulate: bool = True) -> Paramet
 
     Parameters
     ----------
-    held : Bench
+    held : FitProblem
     state : State
     simulate : bool
         Whether replicates are simulated for the errors; else these are NaN.
     """
-    return uncertain(held, state, simulate).parameters
+    return uncertain(problem, state, simulate).parameters
 
 
-def uncertain(held: Bench, state: State, simulate: bool = True) -> Fit:
+def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
     """As `standard_errors`, with what the captures do not determine."""
-    here = with_uncertainties(held, state, 0)
+    here = with_uncertainties(problem, state, 0)
     if not simulate:
         return here
-    freed = with_uncertainties(held, state, FEW)
+    freed = with_uncertainties(problem, state, FEW)
     times = math.sqrt(2.0 / (1.0 + 1.0 / (1.0 + FEW)))
     by_name = {p.name: p for p in freed.parameters}
     parameters = []
@@ -470,46 +488,45 @@ def uncertain(held: Bench, state: State, simulate: bool = True) -> Fit:
     return replace(freed, model=state.model, parameters=Parameters(parameters), state=state)
 
 
-def _of_dark_current(model: NoiseModel, knob: Knob) -> bool:
+def _of_dark_current(model: NoiseModel, parameter: FreeParameter) -> bool:
     """Whether it is the energy of a dark current: not of what need not be one, such as a glow."""
-    effect = model.get(knob.effect) if knob.energy and knob.part != "ea_ev" else None
-    usual = getattr(type(effect), knob.parameter, None)
+    effect = model.get(parameter.effect) if parameter.energy and parameter.part != "ea_ev" else None
+    usual = getattr(type(effect), parameter.parameter, None)
     return effect is not None and isinstance(usual, float) and not unusual(usual, 0.0)
 
 
-def _parameter(knob: Knob, position: float, spread: float, seen: bool) -> Parameter:
-    value, se = knob.plain(position), _plain_error(knob, position, spread)
-    vague = knob.log and spread > VAGUE
+def _parameter(parameter: FreeParameter, position: float, spread: float, seen: bool) -> Parameter:
+    value, se = parameter.plain(position), _plain_error(parameter, position, spread)
+    vague = parameter.log and spread > VAGUE
     upper = value + ONE_SIDED * se if vague and seen and math.isfinite(se) else None
-    return Parameter(knob.name, value, se, knob.unit, seen and not vague, upper)
+    return Parameter(parameter.name, value, se, parameter.unit, seen and not vague, upper)
 
 
-def _plain_error(knob: Knob, position: float, spread: float) -> float:
-    return float(knob.plain(position) * spread if knob.log else spread)
+def _plain_error(parameter: FreeParameter, position: float, spread: float) -> float:
+    return float(parameter.plain(position) * spread if parameter.log else spread)
 
 
 def _doubts(
-    knobs: Sequence[Knob], spread: np.ndarray, correlations: np.ndarray, seen: np.ndarray
+    free: Sequence[FreeParameter], spread: np.ndarray, correlations: np.ndarray, seen: np.ndarray
 ) -> list[str]:
     sentences = []
-    for i, knob in enumerate(knobs):
-        if knob.energy and not seen[i]:
+    for i, parameter in enumerate(free):
+        if parameter.energy and not seen[i]:
             sentences.append(
-                f"not determined: {knob.name}, kept; these captures give no activation energy"
+                f"not determined: {parameter.name}, kept; these captures give no activation energy"
             )
         elif not seen[i]:
             sentences.append(
-                f"not determined: {knob.name}; nothing in these captures depends on it"
+                f"not determined: {parameter.name}; nothing in these captures depends on it"
             )
-        elif knob.log and spread[i] > VAGUE:
-            sentences.append(
-                f"not determined: {knob.name}, within a factor of {np.exp(min(spread[i], 50)):.3g}"
-            )
-    for i in range(len(knobs)):
+        elif parameter.log and spread[i] > VAGUE:
+            factor = f"{np.exp(min(spread[i], 50)):.3g}"
+            sentences.append(f"not determined: {parameter.name}, within a factor of {factor}")
+    for i in range(len(free)):
         for j in range(i):
             if abs(correlations[i, j]) > ALIKE:
                 sentences.append(
-                    f"confounded in these captures: {knobs[j].name} and {knobs[i].name} "
+                    f"confounded in these captures: {free[j].name} and {free[i].name} "
                     f"(correlation {correlations[i, j]:+.3f})"
                 )
     return sentences

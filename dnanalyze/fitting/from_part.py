@@ -14,9 +14,9 @@ from functools import partial
 from dnanalyze.fitting.black_level_restart import at_black_level
 from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -29,40 +29,40 @@ SETTLED = 2.0
 
 
 def fitted(
-    bench: Bench, model: NoiseModel, fit: Callable[[Bench, State], State] = minimise
+    problem: FitProblem, model: NoiseModel, fit: Callable[[FitProblem, State], State] = minimise
 ) -> State:
     """A model fitted to the part first, where it may be.
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     model : NoiseModel
         Where to begin.
     fit : callable
         What is done on either field.
     """
-    part = part_for(bench, model)
+    part = part_for(problem, model)
     if part is None:
-        return fit(bench, start(bench, model, knobs_of(model)))
-    return fit(bench, carried(fitted(part, model, fit), part, bench))
+        return fit(problem, start(problem, model, free_parameters(model)))
+    return fit(problem, carried(fitted(part, model, fit), part, problem))
 
 
-def fitted_in_time(bench: Bench, model: NoiseModel) -> State:
+def fitted_in_time(problem: FitProblem, model: NoiseModel) -> State:
     """`fitted`, or where it stood when the time was up."""
     so_far: list[State] = []
     try:
-        return fitted(bench, model, partial(minimise, tell=so_far.append))
+        return fitted(problem, model, partial(minimise, on_state=so_far.append))
     except TimeUp:
         best = so_far[-1].model if so_far else model
-        return start(bench.within(TimeLimit()), best, knobs_of(best))
+        return start(problem.within(TimeLimit()), best, free_parameters(best))
 
 
 def converge(
-    bench: Bench,
+    problem: FitProblem,
     state: State,
     rounds: int = 3,
     iterations: int = STEPS,
-    tell: Callable[[State], None] = lambda _: None,
+    on_state: Callable[[State], None] = lambda _: None,
     hopeless: float = math.inf,
     settled: float = SETTLED,
     last: bool = True,
@@ -79,31 +79,31 @@ def converge(
     """
 
     def ended(begun: State) -> State:
-        there = _in_rounds(bench, begun, rounds, iterations, tell, hopeless, settled)
-        found = restarted(bench, there, iterations)
+        there = _in_rounds(problem, begun, rounds, iterations, on_state, hopeless, settled)
+        found = restarted(problem, there, iterations)
         return there if found is there else ended(found)
 
     state = ended(state)
     if not last:
         return state
     # in as many steps again: of a sensor it took twelve from there to the loss of the other fit
-    found = at_black_level(bench, state, 2 * iterations)
+    found = at_black_level(problem, state, 2 * iterations)
     return state if found is state else ended(found)
 
 
 def _in_rounds(
-    bench: Bench,
+    problem: FitProblem,
     state: State,
     rounds: int,
     iterations: int,
-    tell: Callable[[State], None],
+    on_state: Callable[[State], None],
     hopeless: float,
     settled: float,
 ) -> State:
     for n in range(2 * rounds):
         before = state.merit
-        begun = derive(bench, state, anew=True) if n else state
-        state = minimise(bench, begun, iterations, 0.5 / len(state.train), tell)
+        begun = derive(problem, state, anew=True) if n else state
+        state = minimise(problem, begun, iterations, 0.5 / len(state.train), on_state)
         least = settled * max(1.0, before / len(state.train))
         if (n > 0 and before - state.merit < least) or state.loss > hopeless * len(state.train):
             break

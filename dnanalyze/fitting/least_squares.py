@@ -14,50 +14,50 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.knobs import Knob, positions, turned
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.free_parameters import FreeParameter, positions, with_values
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import STIFF, State, beyond, stiff, unseen, weights
 from dnanalyze.fitting.ties import misfits
 
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
-# Floors that one unit of a knob's grid moves the numbers by. Steps end on the grid, so that
+# Floors that one unit of a parameter's grid moves the numbers by. Steps end on the grid, so that
 # libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit,
-# the loss is higher by (2^-10 / 2)^2 = 2e-7 a knob.
+# the loss is higher by (2^-10 / 2)^2 = 2e-7 a parameter.
 GRAIN = 2.0**-10
 DAMPING = 1e-2  # of the first step
 FIRM = 50.0  # damping beyond which steps are too short to be worth a simulation
 
 
 def minimise(
-    bench: Bench,
+    problem: FitProblem,
     state: State,
     iterations: int = 8,
     tolerance: float = 0.01,
-    tell: Callable[[State], None] = lambda _: None,
+    on_state: Callable[[State], None] = lambda _: None,
     below: float = math.inf,
 ) -> State:
-    """Move the knobs until the loss no longer falls.
+    """Move the free parameters until the loss no longer falls.
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     state : State
         Where to begin.
     iterations : int
         Simulations of whole steps at most.
     tolerance : float
         Stop when a step is expected to lower the loss by less than this share of it.
-    tell : callable
+    on_state : callable
         Called with every state that is better.
     below : float
         Loss that must be reached: give up once even steps of `HOPE` times their promise would not.
     """
-    if not state.knobs:
+    if not state.free:
         return replace(state, at_rest=True)
     over = state.loss / len(state.train)
-    bounds, ties = bench.train.bounds(over), bench.direct.ties(state.model, state.knobs, over)
-    state = replace(derive(bench, state), at_rest=False, bounds=bounds, ties=ties)
+    bounds, ties = problem.train.bounds(over), problem.direct.ties(state.model, state.free, over)
+    state = replace(derive(problem, state), at_rest=False, bounds=bounds, ties=ties)
     damping, stale, true = DAMPING, False, False
     for _ in range(iterations):
         step, expected = _step(state, damping)
@@ -68,21 +68,21 @@ def minimise(
             return replace(state, at_rest=true)
         if state.loss - HOPE * expected > below:
             break
-        here = positions(state.model, state.knobs)
-        there = np.array([k.inside(x) for k, x in zip(state.knobs, here + step, strict=True)])
-        model = turned(state.model, state.knobs, there)
-        train = bench.fitted_z(model)
+        here = positions(state.model, state.free)
+        there = np.array([k.inside(x) for k, x in zip(state.free, here + step, strict=True)])
+        model = with_values(state.model, state.free, there)
+        train = problem.fitted_z(model)
         jacobian = _broyden(state.jacobian, train - state.train, there - here)
         # of the loss itself: its squares, as weighted here, promise too little of what lies far off
         follows = state.train + state.jacobian @ (there - here)
         promised = state.merit - replace(state, model=model, train=follows).merit
         moved = replace(
-            state, model=model, train=train, unseen=unseen(bench, model), jacobian=jacobian
+            state, model=model, train=train, unseen=unseen(problem, model), jacobian=jacobian
         )
         if moved.merit < state.merit:
             gained = state.merit - moved.merit
             state = moved
-            tell(state)
+            on_state(state)
             damping = max(damping * (0.2 if gained > 0.5 * expected else 1.0), 1e-4)
             stale, true = False, promised / KEPT < gained < KEPT * promised
         else:
@@ -96,7 +96,7 @@ def minimise(
 
 
 def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
-    """Damped step and the fall of the merit that it promises, within the bounds of the knobs.
+    """Damped step within the bounds of the parameters, and the fall of the merit that it promises.
 
     A level that lies beyond its bound, or that the step would take there, is taken to it.
     """
@@ -105,7 +105,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
     b = state.train * w
     wanted: dict[int, float] = {}  # numbers that are pressed to their bounds, and these
     bounds, follows = state.bounds, state.train
-    step = np.zeros(len(state.knobs))
+    step = np.zeros(len(state.free))
     ties, off = tied(state)
     for n in range(3):
         out = [int(i) for i in np.flatnonzero(beyond(follows, state.bounds)) if i not in wanted]
@@ -130,10 +130,10 @@ def within_reach(state: State, wanted: float) -> bool:
 
 def tied(state: State) -> tuple[np.ndarray, np.ndarray]:
     """Rows and numbers of the ties, rows step + numbers their misfits after a step."""
-    rows = np.zeros((len(state.ties), len(state.knobs)))
+    rows = np.zeros((len(state.ties), len(state.free)))
     for n, tie in enumerate(state.ties):
         rows[n, tie.at] = 1.0 / tie.error
-    return rows, misfits(state.ties, positions(state.model, state.knobs))
+    return rows, misfits(state.ties, positions(state.model, state.free))
 
 
 def _pressing(state: State, wanted: dict[int, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -156,9 +156,9 @@ def _damped(
     size = np.sqrt(np.sum(a * a, axis=0))
     usable = size > 1e-6
     grid = GRAIN / np.exp2(np.ceil(np.log2(np.where(usable, size, 1.0))))
-    here = positions(state.model, state.knobs)
+    here = positions(state.model, state.free)
     step = np.zeros(len(here))
-    for _ in range(3):  # a knob pushed against its bound is held there
+    for _ in range(3):  # a parameter pushed against its bound is held there
         scaled = a[:, usable] / size[usable]
         normal = scaled.T @ scaled + damping * np.eye(int(usable.sum()))
         slope = scaled.T @ b
@@ -168,11 +168,11 @@ def _damped(
         step[:] = 0
         step[usable] = np.linalg.solve(normal, -slope) / size[usable]
         step = grid * np.rint(step / grid)
-        step = np.clip(step, *longest(state.knobs, here))
+        step = np.clip(step, *longest(state.free, here))
         held = np.array(
             [
                 (k.inside(x + s) == x and abs(s) > 0)
-                for k, x, s in zip(state.knobs, here, step, strict=True)
+                for k, x, s in zip(state.free, here, step, strict=True)
             ]
         )
         if not (held & usable).any():
@@ -181,12 +181,12 @@ def _damped(
     return step
 
 
-def longest(knobs: Sequence[Knob], here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def longest(free: Sequence[FreeParameter], here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Longest step: a factor of 4 on a log scale, .15 eV, or a few times a linear value."""
     reach = np.array(
         [
             1.4 if k.log else 0.15 if k.part == "ea_ev" else 2 * abs(x) + 0.5
-            for k, x in zip(knobs, here, strict=True)
+            for k, x in zip(free, here, strict=True)
         ]
     )
     return -reach, reach

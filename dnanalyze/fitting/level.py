@@ -83,7 +83,7 @@ class DarkSignals:
         return np.asarray(np.maximum(SHARE * self.signal, NOISE * self.noise))
 
 
-def dark_signals(statistics: Statistics, held: Target, black: Law | None = None) -> DarkSignals:
+def dark_signals(statistics: Statistics, target: Target, black: Law | None = None) -> DarkSignals:
     """The levels above the measured black level.
 
     Not above the model's pedestal: a fit that moved that down would be allowed more. ``black``: the
@@ -94,29 +94,29 @@ def dark_signals(statistics: Statistics, held: Target, black: Law | None = None)
         series = seen.points, seen.value(MEAN)
         black = pedestal_guess(*series, statistics.sensor.black_level, seen.error(MEAN))
     steady = np.nan_to_num(seen.noise)
-    signal, noise = np.full((2, len(held.keys)), np.nan)
-    for i in np.flatnonzero(np.isin(held.names, (MEAN, MEDIAN))):
-        setting = held.keys[i].setting
-        signal[i] = max(float(held.values[i]) - value_at(black, seen.points[setting]), 0.0)
+    signal, noise = np.full((2, len(target.keys)), np.nan)
+    for i in np.flatnonzero(np.isin(target.names, (MEAN, MEDIAN))):
+        setting = target.keys[i].setting
+        signal[i] = max(float(target.values[i]) - value_at(black, seen.points[setting]), 0.0)
         noise[i] = steady[setting]
     return DarkSignals(signal, noise)
 
 
 def allowed(
-    held: Target, signals: DarkSignals, points: Sequence[OperatingPoint], black: Law | None = None
+    target: Target, signals: DarkSignals, points: Sequence[OperatingPoint], black: Law | None = None
 ) -> np.ndarray:
     """How far each number may be off while a model is fitted whatever its error, DN.
 
     Infinite for all but the median: hot pixels carry a mean. ``points``: those of the settings.
     """
-    found = np.full(len(held.keys), np.inf)
-    planes = np.array([k.plane for k in held.keys])
+    found = np.full(len(target.keys), np.inf)
+    planes = np.array([k.plane for k in target.keys])
     for plane in np.unique(planes):
-        own = np.flatnonzero((held.names == MEDIAN) & (planes == plane))
+        own = np.flatnonzero((target.names == MEDIAN) & (planes == plane))
         least = FIT_SHARE * signals.tolerance[own]
-        there = [points[held.keys[i].setting] for i in own]
-        errors = np.maximum(least, FIT_ERRORS * held.floor[own])
-        rest = beyond_laws(there, held.values[own], errors, black)
+        there = [points[target.keys[i].setting] for i in own]
+        errors = np.maximum(least, FIT_ERRORS * target.reproducibility_sd[own])
+        rest = beyond_laws(there, target.values[own], errors, black)
         found[own] = np.maximum(least, BEYOND * np.abs(rest))
     return found
 
@@ -135,7 +135,7 @@ def level(
     halves : sequence of Target
         The fitted and the judged half.
     differences : sequence of ndarray
-        (measured - model) / floor on either.
+        (measured - model) / reproducibility SD on either.
     signals : DarkSignals
         Of the fitted half.
     """
@@ -147,9 +147,9 @@ def level(
         if key not in at:
             continue
         pairs = list(zip(halves, differences, (int(i), at[key]), strict=True))
-        off = float(np.mean([z[n] * half.floor[n] for half, z, n in pairs]))
+        off = float(np.mean([z[n] * half.reproducibility_sd[n] for half, z, n in pairs]))
         # what moves whole frames moves both halves: together they tell no more than either
-        error = float(np.mean([half.floor[n] for half, _, n in pairs]))
+        error = float(np.mean([half.reproducibility_sd[n] for half, _, n in pairs]))
         signal = float(signals.signal[i])
         away = abs(off) / max(ERRORS * error, float(signals.tolerance[i]))
         relative = off / signal if signal > 0 else None

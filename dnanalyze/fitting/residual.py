@@ -10,8 +10,8 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.fitting.line_defects import defects_of, line_defects
-from dnanalyze.fitting.located import Measured
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.measured_parameters import Measured
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.state import State
 from dnanalyze.loaders.captures import OperatingPoint
@@ -26,17 +26,17 @@ class Residual:
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     state : State
     """
 
-    bench: Bench
+    problem: FitProblem
     state: State
 
     @property
     def points(self) -> Sequence[OperatingPoint]:
         """Operating points."""
-        return [p for p, _ in self.bench.plan.settings]
+        return [p for p, _ in self.problem.plan.settings]
 
     @property
     def reference(self) -> OperatingPoint:
@@ -46,29 +46,29 @@ class Residual:
     @property
     def shape(self) -> tuple[int, int]:
         """The part of the frame that the statistics cover."""
-        return self.bench.plan.train.shape
+        return self.problem.plan.train.shape
 
     @property
     def field(self) -> tuple[int, int]:
         """Full frame."""
-        return self.bench.plan.shape
+        return self.problem.plan.shape
 
     def waves(self, part: str) -> Sequence[Wave]:
         """Lines of a spectrum, of both halves and all settings."""
-        return Measured(self.bench, self.reference).waves(part)
+        return Measured(self.problem, self.reference).waves(part)
 
     @cached_property
     def _readings(self) -> tuple[Readings, Readings]:
-        return Readings(self.bench.measured[0]), Readings(self.bench.measured[1])
+        return Readings(self.problem.measured[0]), Readings(self.problem.measured[1])
 
     def measured(self, name: str) -> np.ndarray:
         """Measured value, one a setting; values that are given for information alone too."""
-        held = self._over_settings(name, self.bench.train.values)
+        held = self._over_settings(name, self.problem.train.values)
         return held if np.isfinite(held).any() else self._readings[0].value(name)
 
     def simulated(self, name: str) -> np.ndarray:
         """The model's value, one a setting."""
-        found = self._over_settings(name, self.bench.train.predicted(self.state.train))
+        found = self._over_settings(name, self.problem.train.predicted(self.state.train))
         info = infos().get(name)
         return found if info is None else np.array([info.scale.plain(c) for c in found])
 
@@ -85,7 +85,7 @@ class Residual:
 
     def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of both halves one after the other; columns as their mean over both."""
-        plan = self.bench.plan
+        plan = self.problem.plan
         parts = [r.lines(axis, setting) for r in self._readings]
         if not all(p.size for p in parts):
             return np.empty(0, int), np.empty(0)
@@ -96,7 +96,7 @@ class Residual:
 
     def defects(self, axis: str) -> np.ndarray:
         """Lines that stand out, each as far along as most settings say."""
-        plan = self.bench.plan
+        plan = self.problem.plan
         seen = [
             defects_of(self._readings, plan.windows, plan.shape, axis, s)
             for s in range(len(self.points))
@@ -104,7 +104,7 @@ class Residual:
         return line_defects(line_profile(self, axis), seen, gains(self), axis, plan.shape)
 
     def _over_settings(self, name: str, values: np.ndarray) -> np.ndarray:
-        train = self.bench.train
+        train = self.problem.train
         here = train.names == name
         out = np.full(len(self.points), np.nan)
         for s in np.unique(train.setting[here]):

@@ -15,9 +15,9 @@ import numpy as np
 
 from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.derivatives import SMALLEST, placing_of
-from dnanalyze.fitting.knobs import Knob, positions, settings_of, turned
+from dnanalyze.fitting.free_parameters import FreeParameter, positions, settings_of, with_values
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, start, weights
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
@@ -29,47 +29,47 @@ WORTH = (
 )
 
 
-def restarted(bench: Bench, state: State, iterations: int) -> State:
+def restarted(problem: FitProblem, state: State, iterations: int) -> State:
     """The state, or a better one with amplitudes that had been lost.
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     state : State
         At rest, its derivatives known.
     iterations : int
         Of the fit from there.
     """
-    lost = _lost(bench, state) if state.knobs else []
+    lost = _lost(problem, state) if state.free else []
     if not lost:
         return state
-    there = _where_it_helps(bench, state, lost)
+    there = _where_it_helps(problem, state, lost)
     if not there:
         return state
-    where = positions(state.model, state.knobs)
+    where = positions(state.model, state.free)
     jacobian = state.jacobian.copy()
     for i, x in there.items():
         where[i] = x
         jacobian[:, i] = np.nan
-    begun = start(bench, turned(state.model, state.knobs, where), state.knobs)
-    ended = minimise(bench, replace(begun, jacobian=jacobian), iterations)
+    begun = start(problem, with_values(state.model, state.free, where), state.free)
+    ended = minimise(problem, replace(begun, jacobian=jacobian), iterations)
     return ended if ended.merit < state.merit - WORTH else state
 
 
-def _lost(bench: Bench, state: State) -> list[int]:
+def _lost(problem: FitProblem, state: State) -> list[int]:
     """Knobs that move an amplitude by its logarithm, without which the statistics are the same."""
-    here = positions(state.model, state.knobs)
-    may = [i for i, k in enumerate(state.knobs) if _may_be_lost(bench, k, here[i])]
+    here = positions(state.model, state.free)
+    may = [i for i, k in enumerate(state.free) if _may_be_lost(problem, k, here[i])]
     placed: dict[Placing, list[list[int]]] = {}
     for members in _groups(state, may):
-        placing = placing_of(state.model, state.knobs[members[0]])
+        placing = placing_of(state.model, state.free[members[0]])
         placed.setdefault(placing, []).append(members)
     found = []
     for placing, groups in placed.items():
-        changes = Changes.of(bench, state.model, placing)
+        changes = Changes.of(problem, state.model, placing)
         models = [_lowered(state, here, members) for members in groups]
         for members, change in zip(groups, changes.by(models), strict=True):
-            sizes = [np.linalg.norm(_own(bench, state, i, change)) for i in members]
+            sizes = [np.linalg.norm(_own(problem, state, i, change)) for i in members]
             found += [i for i, size in zip(members, sizes, strict=True) if size < SMALLEST]
     return sorted(found)
 
@@ -78,50 +78,50 @@ def _lowered(state: State, here: np.ndarray, members: Sequence[int]) -> NoiseMod
     """The model with some amplitudes an eighth of what they are."""
     there = here.copy()
     for i in members:
-        there[i] = state.knobs[i].inside(here[i] - RISE)
-    return turned(state.model, state.knobs, there)
+        there[i] = state.free[i].inside(here[i] - RISE)
+    return with_values(state.model, state.free, there)
 
 
-def _may_be_lost(bench: Bench, knob: Knob, position: float) -> bool:
-    """Whether a knob is the logarithm of a level, a noise or a gain small enough to be lost.
+def _may_be_lost(problem: FitProblem, parameter: FreeParameter, position: float) -> bool:
+    """Whether a parameter is the logarithm of a level, a noise or a gain small enough to be lost.
 
     A level or a noise above that of the quietest pixels shows; of a gain nothing is known.
     """
-    if not knob.logarithmic:
+    if not parameter.logarithmic:
         return False
-    noise = bench.train.values[bench.train.names == "temporal_noise_core"]
-    if knob.unit in ("DN", "ln DN"):
+    noise = problem.train.values[problem.train.names == "temporal_noise_core"]
+    if parameter.unit in ("DN", "ln DN"):
         return noise.size > 0 and math.exp(position) < float(noise.min())
-    return knob.unit == "DN/e-"
+    return parameter.unit == "DN/e-"
 
 
 def _groups(state: State, members: Sequence[int]) -> list[list[int]]:
     """Knobs that one simulation can move together: rows of a table move other settings."""
     groups: dict[str, list[int]] = {}
     for i in members:
-        groups.setdefault(state.knobs[i].group, []).append(i)
+        groups.setdefault(state.free[i].group, []).append(i)
     return list(groups.values())
 
 
-def _own(bench: Bench, state: State, at: int, change: np.ndarray) -> np.ndarray:
-    """A change at the settings that a knob moves."""
-    mask = settings_of(state.knobs[at], state.model, bench.plan.settings)
-    return np.where(mask[bench.train.setting], change, 0.0)
+def _own(problem: FitProblem, state: State, at: int, change: np.ndarray) -> np.ndarray:
+    """A change at the settings that a parameter moves."""
+    mask = settings_of(state.free[at], state.model, problem.plan.settings)
+    return np.where(mask[problem.train.setting], change, 0.0)
 
 
-def _where_it_helps(bench: Bench, state: State, lost: Sequence[int]) -> dict[int, float]:
-    """Positions of the knobs at which the loss is expected to fall; the others are left out."""
-    here = positions(state.model, state.knobs)
+def _where_it_helps(problem: FitProblem, state: State, lost: Sequence[int]) -> dict[int, float]:
+    """Positions of the parameters at which the loss is expected to fall; others are left out."""
+    here = positions(state.model, state.free)
     found: dict[int, float] = {}
     for members in _groups(state, lost):
         for n in range(1, RISES + 1):
             raised = here.copy()
             for i in members:
-                raised[i] = state.knobs[i].inside(here[i] + n * RISE)
-            moved = bench.fitted_z(turned(state.model, state.knobs, raised)) - state.train
+                raised[i] = state.free[i].inside(here[i] + n * RISE)
+            moved = problem.fitted_z(with_values(state.model, state.free, raised)) - state.train
             seen = []
             for i in members:
-                change = _own(bench, state, i, moved)
+                change = _own(problem, state, i, moved)
                 if np.linalg.norm(change) >= SMALLEST:
                     seen.append(i)
                     share = _best_share(state, change, lost)
@@ -137,7 +137,7 @@ def _where_it_helps(bench: Bench, state: State, lost: Sequence[int]) -> dict[int
 def _best_share(state: State, change: np.ndarray, lost: Sequence[int]) -> float:
     """Share of a change, 0 to 1, that lowers the weighted squares most; 0 where that is nothing.
 
-    The knobs that are not lost follow linearly.
+    The free parameters that are not lost follow linearly.
     """
     w = weights(state.train)
     others = np.delete(np.nan_to_num(state.jacobian), list(lost), axis=1)

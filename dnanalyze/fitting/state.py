@@ -1,4 +1,4 @@
-"""A model beside the measurement: what it predicts, and how that moves with its knobs."""
+"""A model beside the measurement: what it predicts, and how that moves with its free parameters."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from functools import cache, partial
 
 import numpy as np
 
-from dnanalyze.fitting.knobs import Knob, positions
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.free_parameters import FreeParameter, positions
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.ties import Tie, misfits
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -22,29 +22,29 @@ STIFF = 1e4
 
 @dataclass(frozen=True)
 class State:
-    """A model with what it predicts and how that moves with its knobs.
+    """A model with what it predicts and how that moves with its free parameters.
 
     Parameters
     ----------
     model : NoiseModel
-    knobs : list of Knob
+    free parameters : list of FreeParameter
     train : ndarray
         Differences in floors on the fitted half.
     unseen : callable
         Those on the judged half: simulated when first asked for, which no step of a fit does.
     jacobian : ndarray
-        d train / d knob, (numbers, knobs); NaN columns are not known yet.
+        d train / d parameter, (numbers, free parameters); NaN columns are not known yet.
     at_rest : bool
         Whether a fit has ended here because its derivatives, which its last step showed to be true,
         promise no more.
     bounds : ndarray, optional
         Of each train number, in floors: how far it may be off, inf where that is left to the loss.
     ties : tuple of Tie
-        Constraints of knobs by direct measurements.
+        Constraints of free parameters by direct measurements.
     """
 
     model: NoiseModel
-    knobs: list[Knob]
+    free: list[FreeParameter]
     train: np.ndarray
     unseen: Callable[[], np.ndarray]
     jacobian: np.ndarray
@@ -65,13 +65,13 @@ class State:
     @property
     def merit(self) -> float:
         """What a fit lowers: the loss, with what bounds that are not kept and the ties add."""
-        off = misfits(self.ties, positions(self.model, self.knobs)) if self.ties else np.zeros(1)
+        off = misfits(self.ties, positions(self.model, self.free)) if self.ties else np.zeros(1)
         return merit(self.train, self.bounds) + float(off @ off)
 
 
-def unseen(bench: Bench, model: NoiseModel) -> Callable[[], np.ndarray]:
+def unseen(problem: FitProblem, model: NoiseModel) -> Callable[[], np.ndarray]:
     """What a state needs to tell of the judged half."""
-    return cache(partial(bench.judged_z, model))
+    return cache(partial(problem.judged_z, model))
 
 
 def given(z: np.ndarray) -> Callable[[], np.ndarray]:
@@ -104,44 +104,46 @@ def beyond(z: np.ndarray, bounds: np.ndarray | None) -> np.ndarray:
     return np.zeros(1) if bounds is None else np.maximum(np.abs(z) / bounds - 1.0, 0.0)
 
 
-def start(bench: Bench, model: NoiseModel, knobs: list[Knob], like: State | None = None) -> State:
-    """Simulate a model; take over derivatives from a like model where knobs agree."""
-    train = bench.fitted_z(model)
-    blank = np.full((len(train), len(knobs)), np.nan)
+def start(
+    problem: FitProblem, model: NoiseModel, free: list[FreeParameter], like: State | None = None
+) -> State:
+    """Simulate a model; take over derivatives from a like model where free parameters agree."""
+    train = problem.fitted_z(model)
+    blank = np.full((len(train), len(free)), np.nan)
     over = loss(train) / len(train)
-    bounds, ties = bench.train.bounds(over), bench.direct.ties(model, knobs, over)
-    begun = State(model, knobs, train, unseen(bench, model), blank, False, bounds, ties)
+    bounds, ties = problem.train.bounds(over), problem.direct.ties(model, free, over)
+    begun = State(model, free, train, unseen(problem, model), blank, False, bounds, ties)
     return begun if like is None else with_derivatives_of(begun, like)
 
 
 def with_derivatives_of(state: State, like: State) -> State:
-    """The state with a like model's derivatives where knobs agree, and no others."""
-    known = {k.name: i for i, k in enumerate(like.knobs)}
-    jacobian = np.full((len(state.train), len(state.knobs)), np.nan)
-    for i, knob in enumerate(state.knobs):
-        if knob.name in known:
-            jacobian[:, i] = like.jacobian[:, known[knob.name]]
+    """The state with a like model's derivatives where free parameters agree, and no others."""
+    known = {k.name: i for i, k in enumerate(like.free)}
+    jacobian = np.full((len(state.train), len(state.free)), np.nan)
+    for i, parameter in enumerate(state.free):
+        if parameter.name in known:
+            jacobian[:, i] = like.jacobian[:, known[parameter.name]]
     return replace(state, jacobian=jacobian)
 
 
-def evened(bench: Bench, state: State) -> tuple[Bench, State]:
-    """The bench without half of the field, where the model lets it be left out, and what it shows.
+def evened(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
+    """The problem without half of the field, where the model allows it, and what it shows.
 
     Predictions are to be compared with those of this state.
     """
-    alone = bench.evened(state.model)
-    if alone.even == bench.even:
-        return bench, state
+    alone = problem.evened(state.model)
+    if alone.even == problem.even:
+        return problem, state
     return alone, replace(state, train=alone.fitted_z(state.model))
 
 
-def carried(state: State, there: Bench, here: Bench) -> State:
+def carried(state: State, there: FitProblem, here: FitProblem) -> State:
     """The model of a state, with its derivatives, from the part to the whole or back.
 
     A statistic's derivative is the same but for its floor; of one that only one of them has, it is
     taken to be 0.
     """
-    begun = start(here, state.model, state.knobs)
+    begun = start(here, state.model, state.free)
     return replace(begun, jacobian=there.train.derivatives_of(here.train, state.jacobian))
 
 

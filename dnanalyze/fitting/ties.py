@@ -14,7 +14,7 @@ import numpy as np
 
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.emva import evaluate, kinds
-from dnanalyze.fitting.knobs import PEDESTAL, Knob
+from dnanalyze.fitting.free_parameters import PEDESTAL, FreeParameter
 from dnanalyze.fitting.level import NOISE, SHARE
 from dnanalyze.fitting.level_laws import session_levels
 from dnanalyze.fitting.moments import BlackLevel, black_level
@@ -114,7 +114,7 @@ class Direct:
         return self.gains_at(model.reference.gain)
 
     def ties(
-        self, model: NoiseModel, knobs: Sequence[Knob], overdispersion: float = 1.0
+        self, model: NoiseModel, free: Sequence[FreeParameter], overdispersion: float = 1.0
     ) -> tuple[Tie, ...]:
         """Constraints of the free parameters of a model.
 
@@ -122,25 +122,29 @@ class Direct:
         as much more; the errors of the constraints are divided by its root.
         """
         found = []
-        for i, knob in enumerate(knobs):
-            if (knob.effect, knob.parameter) == GAIN and knob.part == "value":
-                found += self._of_gain(i, knob, model)
-            elif knob.effect == PEDESTAL:
-                found += self._of_black(i, knob, model)
+        for i, parameter in enumerate(free):
+            if (parameter.effect, parameter.parameter) == GAIN and parameter.part == "value":
+                found += self._of_gain(i, parameter, model)
+            elif parameter.effect == PEDESTAL:
+                found += self._of_black(i, parameter, model)
         sharper = max(overdispersion, 1.0) ** 0.5
         return tuple(replace(t, error=t.error / sharper) for t in found)
 
-    def _of_gain(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
+    def _of_gain(self, at: int, parameter: FreeParameter, model: NoiseModel) -> list[Tie]:
         times = digital_gain(model)
         return [
-            Tie(at, knob.position(g.value / times), g.error / g.value if knob.log else g.error)
+            Tie(
+                at,
+                parameter.position(g.value / times),
+                g.error / g.value if parameter.log else g.error,
+            )
             for g in self.gains_of(model)
         ]
 
-    def _of_black(self, at: int, knob: Knob, model: NoiseModel) -> list[Tie]:
+    def _of_black(self, at: int, parameter: FreeParameter, model: NoiseModel) -> list[Tie]:
         law, level = model.pedestal, self.level
         if self.sessions is not None and isinstance(law, TableLaw):
-            own, point = self.sessions, law.points[int(knob.part)]
+            own, point = self.sessions, law.points[int(parameter.part)]
             if point not in own.law.points:
                 return []
             row = own.law.points.index(point)
@@ -149,7 +153,7 @@ class Direct:
             return []
         if not isinstance(law, TableLaw):
             return [] if level.moves else [Tie(at, level.mean, level.error)]
-        point = law.points[int(knob.part)]
+        point = law.points[int(parameter.part)]
         if point not in level.law.points:
             return []
         row = level.law.points.index(point)

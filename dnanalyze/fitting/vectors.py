@@ -1,4 +1,4 @@
-"""Statistics as vectors: what is compared, on which scale, and with which floor."""
+"""Statistics as vectors: what is compared, on which scale, and with which reproducibility SD."""
 
 from __future__ import annotations
 
@@ -19,10 +19,12 @@ from dnanalyze.analyzers.statistics import (
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
 
-# Misfit, in floors, of a statistic that the simulation lacks: from here on the loss of a fit counts
-# a difference in proportion, no longer squared.
+# Misfit, in reproducibility SDs, of a statistic that the simulation lacks: from here on the loss
+# of a fit is linear in a difference.
 MISSING = 6.0
-FIT_ERRORS = 2.0  # floors that a level may be off in a fit, see `dnanalyze.fitting.level`
+FIT_ERRORS = (
+    2.0  # reproducibility SDs that a level may be off in a fit, see `dnanalyze.fitting.level`
+)
 Place = tuple[int, str]  # number of the operating point, colour plane
 
 
@@ -66,7 +68,7 @@ class Target:
     scale: np.ndarray | None = None
 
     @cached_property
-    def floor(self) -> np.ndarray:
+    def reproducibility_sd(self) -> np.ndarray:
         """What two sensors of one design would differ by, on the statistic's own scale."""
         return self.stated if self.scale is None else self.stated * self.scale
 
@@ -82,8 +84,10 @@ class Target:
         return np.where(rows >= 0, other.scale[rows], 1.0)
 
     def expressed(self, z: np.ndarray, other: Target) -> np.ndarray:
-        """Differences in floors as they are in those of another yardstick."""
-        return np.where(z == MISSING, MISSING, z * (self.floor / other.floor))
+        """Differences by this yardstick as they are by another."""
+        return np.where(
+            z == MISSING, MISSING, z * (self.reproducibility_sd / other.reproducibility_sd)
+        )
 
     @cached_property
     def addresses(self) -> list[tuple[Place, str, Scale]]:
@@ -101,7 +105,7 @@ class Target:
         )
 
     def bounds(self, overdispersion: float = 1.0) -> np.ndarray | None:
-        """How far each number may be off in a fit, in floors; inf: left to the loss.
+        """How far each number may be off in a fit, in reproducibility SDs; inf: left to the loss.
 
         ``overdispersion``: loss a statistic. What is wrong with a model pulls at its levels by as
         much more; the share of the bounds that is due to errors is divided by its root.
@@ -110,7 +114,9 @@ class Target:
             return None
         errors = FIT_ERRORS / max(overdispersion, 1.0) ** 0.5
         return np.where(
-            np.isinf(self.allowed), np.inf, np.maximum(errors, self.allowed / self.floor)
+            np.isinf(self.allowed),
+            np.inf,
+            np.maximum(errors, self.allowed / self.reproducibility_sd),
         )
 
     @cached_property
@@ -146,24 +152,24 @@ class Target:
         return np.array([row.get(key, -1) for key in other.keys], int)
 
     def derivatives_of(self, other: Target, jacobian: np.ndarray) -> np.ndarray:
-        """Those of this target, in floors, as they are of another; 0 where this one lacks a number.
+        """Derivatives of this target as those of another; 0 where this one lacks a number.
 
         A statistic changes alike in every part of the field.
         """
         rows = self.rows_of(other)
         known = rows >= 0
-        scale = self.floor[rows[known]] / other.floor[known]
+        scale = self.reproducibility_sd[rows[known]] / other.reproducibility_sd[known]
         there = np.zeros((len(other.keys), jacobian.shape[1]))
         there[known] = jacobian[rows[known]] * scale[:, None]
         return there
 
     def predicted(self, z: np.ndarray) -> np.ndarray:
-        """The predictions that are these differences in floors; NaN where one is missing."""
-        return np.where(z == MISSING, np.nan, self.coordinates - z * self.floor)
+        """The predictions with these differences; NaN where one is missing."""
+        return np.where(z == MISSING, np.nan, self.coordinates - z * self.reproducibility_sd)
 
     def z(self, predicted: np.ndarray) -> np.ndarray:
-        """(measured - predicted) / floor; `MISSING` where the prediction lacks the statistic."""
-        return np.nan_to_num((self.coordinates - predicted) / self.floor, nan=MISSING)
+        """(measured - predicted) / reproducibility SD; `MISSING` where there is no prediction."""
+        return np.nan_to_num((self.coordinates - predicted) / self.reproducibility_sd, nan=MISSING)
 
 
 def target(statistics: list[Statistics], part: int) -> Target:
@@ -177,17 +183,21 @@ def target(statistics: list[Statistics], part: int) -> Target:
         0 train, 1 test.
     """
     known = infos()
-    keys, values, coordinates, floor, families = [], [], [], [], []
+    keys, values, coordinates, reproducibility_sd, families = [], [], [], [], []
     for k, (value, se, info) in _numbers(statistics, part, known).items():
         c = info.scale.coordinate(value)
         if np.isfinite(c) and np.isfinite(se) and se > 0:
             keys.append(k)
             values.append(value)
             coordinates.append(c)
-            floor.append(np.sqrt(2.0) * se)
+            reproducibility_sd.append(np.sqrt(2.0) * se)
             families.append(info.family)
     return Target(
-        tuple(keys), np.array(values), np.array(coordinates), np.array(floor), np.array(families)
+        tuple(keys),
+        np.array(values),
+        np.array(coordinates),
+        np.array(reproducibility_sd),
+        np.array(families),
     )
 
 
@@ -197,11 +207,11 @@ def places(statistics: Statistics) -> list[Place]:
     return [(numbers.setdefault(s.point, len(numbers)), s.plane) for s in statistics.settings]
 
 
-def prediction(statistics: list[Statistics], part: int, held: Target) -> np.ndarray:
-    """Simulated coordinates in the order of ``held``; NaN where the simulation lacks one."""
+def prediction(statistics: list[Statistics], part: int, wanted: Target) -> np.ndarray:
+    """Simulated coordinates in the order of ``wanted``; NaN where the simulation lacks one."""
     upper, lower = (s.settings for s in statistics)
     triples = zip(places(statistics[part]), upper, lower, strict=True)
-    return held.coordinates_of(
+    return wanted.coordinates_of(
         {
             place: (above, below)[part].values | shading_values(above, below, part)
             for place, above, below in triples

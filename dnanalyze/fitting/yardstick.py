@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, loss
 from dnanalyze.fitting.vectors import Target
 from dnanalyze.model.noise_model import NoiseModel
@@ -33,20 +33,20 @@ SKEWED = ("codes", "lines", "tails")
 LOWEST = 0.05  # of the stated error: less is none, of values that all replicates share
 
 
-def by_design(held: Bench, model: NoiseModel) -> Bench:
+def by_design(problem: FitProblem, model: NoiseModel) -> FitProblem:
     """The captures by the yardstick of a model: what two sensors of its design differ by."""
-    drawn = [held.replicate(model, r) for r in range(REPLICATES)]
+    drawn = [problem.replicate(model, r) for r in range(REPLICATES)]
     train, test = (np.array(half) for half in zip(*drawn, strict=True))
-    return held.scaled(*scales((held.train, held.test), (train, test)))
+    return problem.scaled(*scales((problem.train, problem.test), (train, test)))
 
 
-def measured_by(held: Bench, state: State) -> tuple[Bench, State]:
+def measured_by(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
     """The captures, and a fitted model's misfit, by the yardstick of that model.
 
-    ``state`` is by the yardstick of ``held``.
+    ``state`` is by the yardstick of ``problem``.
     """
-    there = by_design(held, state.model)
-    return there, expressed(state, held, there)
+    there = by_design(problem, state.model)
+    return there, expressed(state, problem, there)
 
 
 Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half
@@ -133,13 +133,14 @@ def _ratio(half: Target, drawn: np.ndarray) -> np.ndarray:
     return np.where(told, variance / half.stated**2, 1.0)
 
 
-def expressed(state: State, there: Bench, here: Bench) -> State:
+def expressed(state: State, there: FitProblem, here: FitProblem) -> State:
     """A state of one yardstick in another of the same statistics."""
     train = there.train.expressed(state.train, here.train)
     return replace(
         state,
         train=train,
         unseen=cache(lambda: there.test.expressed(state.test, here.test)),
-        jacobian=state.jacobian * (there.train.floor / here.train.floor)[:, None],
+        jacobian=state.jacobian
+        * (there.train.reproducibility_sd / here.train.reproducibility_sd)[:, None],
         bounds=here.train.bounds(loss(train) / len(train)),
     )

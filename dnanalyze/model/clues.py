@@ -11,7 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.wave import Wave
 
 
-class Located(Protocol):
+class MeasuredLines(Protocol):
     """What statistics tell exactly, whatever the model."""
 
     @property
@@ -22,7 +22,7 @@ class Located(Protocol):
         """Lines of the "temporal" or "pattern" spectrum, of all settings, at the reference gain."""
 
 
-class Clues(Located, Protocol):
+class Clues(MeasuredLines, Protocol):
     """Measured and simulated statistics side by side, setting by setting (colour planes pooled).
 
     Values are in plain units; a statistic that a setting lacks is NaN there.

@@ -26,7 +26,7 @@ from dnanalyze.model.streams import Stream
 from dnanalyze.thermal import arrhenius
 
 if TYPE_CHECKING:
-    from dnanalyze.model.clues import Clues, Located
+    from dnanalyze.model.clues import Clues, MeasuredLines
 
 
 MOST_WHOLE = 1_000_000  # pixels, periods: no sensor has as many columns
@@ -79,7 +79,7 @@ class ParameterInfo:
 
 
 @dataclass(frozen=True)
-class Told:
+class MeasuredParameter:
     """A number that a statistic tells, with its standard error."""
 
     value: float
@@ -170,7 +170,7 @@ class Site:
         Here, and where the model's numbers are stated.
     frame : int
         Number of the frame in its setting, from 0.
-    silicon, moment : Stream
+    fixed_stream, frame_stream : Stream
         Random numbers of this effect: the same in every frame of every setting, and new in each
         frame.
     keep : callable
@@ -193,13 +193,23 @@ class Site:
     point: OperatingPoint
     reference: OperatingPoint
     frame: int
-    silicon: Stream
-    moment: Stream
+    fixed_stream: Stream
+    frame_stream: Stream
     keep: Callable[[str, Callable[[], Any]], Any]
     field: Callable[[Stream, str], np.ndarray]
     calibration: Callable[[int, float], np.ndarray] = _no_calibration
     share: Callable[[str, Callable[[], Any]], Any] = _not_kept
     dn_per_e: float | None = None
+
+    @property
+    def silicon(self) -> Stream:
+        """`fixed_stream`, by the name of effects written before."""
+        return self.fixed_stream
+
+    @property
+    def moment(self) -> Stream:
+        """`frame_stream`, by the name of effects written before."""
+        return self.frame_stream
 
     def fixed_normal(self, name: str = "") -> np.ndarray:
         """Standard normal field of the silicon over the window, float32.
@@ -214,7 +224,7 @@ class Site:
         ndarray
             (rows, columns), float32.
         """
-        return self.field(self.silicon.child(name), "normal")
+        return self.field(self.fixed_stream.child(name), "normal")
 
     def fixed_uniform(self, name: str = "") -> np.ndarray:
         """Uniform field of the silicon over the window, float32.
@@ -229,7 +239,7 @@ class Site:
         ndarray
             (rows, columns), float32.
         """
-        return self.field(self.silicon.child(name), "uniform")
+        return self.field(self.fixed_stream.child(name), "uniform")
 
     def normal(self, name: str = "") -> np.ndarray:
         """Standard normal field of this frame over the window, float32.
@@ -244,7 +254,7 @@ class Site:
         ndarray
             (rows, columns), float32.
         """
-        return self.field(self.moment.child(name), "normal")
+        return self.field(self.frame_stream.child(name), "normal")
 
     def uniform(self, name: str = "") -> np.ndarray:
         """Uniform field of this frame over the window, float32.
@@ -259,7 +269,7 @@ class Site:
         ndarray
             (rows, columns), float32.
         """
-        return self.field(self.moment.child(name), "uniform")
+        return self.field(self.frame_stream.child(name), "uniform")
 
     def columns(self, stream: Stream) -> np.ndarray:
         """One standard normal a column of the window, float32.
@@ -438,14 +448,14 @@ class Effect:
         make = guess_of(cls)
         return [cls()] if make is None else make(cls, clues)
 
-    def told(self, measured: Located) -> dict[str, Told]:
+    def measured_parameters(self, measured: MeasuredLines) -> dict[str, MeasuredParameter]:
         """Return its "held" numbers as these captures state them, where a statistic does.
 
         A fit begins with them, leaves them alone and reports them with these errors.
 
         Parameters
         ----------
-        measured : Located
+        measured : MeasuredLines
             What was read off the captures.
 
         Returns
@@ -455,7 +465,7 @@ class Effect:
         """
         return {}
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Factor and shift by which a number comes right again when this effect is put in.
 
         A fit without the effect bends it to make up for it. ``name`` as "effect.parameter" or
@@ -611,7 +621,7 @@ class Effect:
         """
         return 0
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """Return the parameters that change nothing under the present choices.
 
         A fit leaves them alone.

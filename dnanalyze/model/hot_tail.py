@@ -21,7 +21,7 @@ class HotTail(Effect):
     ea_ev: Law
     tail: Law
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The exponent of a tail that is exponential."""
         return ("tail",) if self.tail == 0.0 else ()
 

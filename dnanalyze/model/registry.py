@@ -17,7 +17,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.own_effects import guarded, own_error
 
-EVERYDAY = ("read_noise", "pixel_fpn", "dark_shot_noise", "quantization")
+BASELINE = ("read_noise", "pixel_fpn", "dark_shot_noise", "quantization")
 BASE = "convolved_lognormal"
 WANG = frozenset({BASE, "quantization"})  # the model of Wang 2025, and the converter
 MEANT = 3  # names that a wrong one may stand for

@@ -137,7 +137,7 @@ class Simulator:
         calibration: Callable[[int, float], np.ndarray],
     ) -> Site:
         root, reference = self._roots[effect.name], self.model.reference_of(point.channel)
-        moment = root.child("moment", repr(point), number)
+        frame_stream = root.child("moment", repr(point), number)
 
         def draw(stream: Stream, kind: str) -> np.ndarray:
             make = getattr(stream, kind)
@@ -150,7 +150,7 @@ class Simulator:
             return self._maps.once((effect.name, point, name), make)
 
         return Site(
-            self.shape, window, point, reference, number, root.child("silicon"), moment, keep,
+            self.shape, window, point, reference, number, root.child("silicon"), frame_stream, keep,
             draw, calibration, share, self._dn_per_e(point, reference),
         )  # fmt: skip
 

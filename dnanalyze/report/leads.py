@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from dnanalyze.model.registry import BASE, EVERYDAY
+from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.report.structure import beyond, sentence_of
 from dnanalyze.report.words import (
     SURE,
@@ -97,7 +97,7 @@ def refine_lead(result: Any) -> str:
 def named_effects(steps: Sequence[Any]) -> list[str]:
     """Effects that a refinement added and kept, without those that every sensor has."""
     kept = net_additions([s.added for s in steps])
-    return list(dict.fromkeys(n for n in kept if n not in (*EVERYDAY, BASE)))
+    return list(dict.fromkeys(n for n in kept if n not in (*BASELINE, BASE)))
 
 
 def _named(effects: Sequence[str], sure: Sequence[float | None]) -> str:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from dnanalyze.model.registry import EVERYDAY
+from dnanalyze.model.registry import BASELINE
 from dnanalyze.report.words import step_name
 
-BASELINE = "baseline model"
+BASELINE_STAGE = "baseline model"
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ def stages(steps: Sequence[Any]) -> list[Stage]:
     """The steps of a refinement, the baseline effects, which are fitted together, as one."""
     made = [Stage(step_name(s.added, n), s.error, (s,)) for n, s in enumerate(steps)]
     first = 1
-    while first < len(made) and steps[first].added in EVERYDAY:
+    while first < len(made) and steps[first].added in BASELINE:
         first += 1
     if first < 3:  # one alone stands under its own name
         return made
     held = tuple(steps[1:first])
-    return [made[0], Stage(BASELINE, held[-1].error, held), *made[first:]]
+    return [made[0], Stage(BASELINE_STAGE, held[-1].error, held), *made[first:]]

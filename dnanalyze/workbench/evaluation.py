@@ -20,7 +20,7 @@ from dnanalyze.analyzers.analyze import NAMES, analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.compare import rows_of
 from dnanalyze.comparator.error import family_errors, pooled
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.vectors import places, prediction
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import Window
@@ -42,7 +42,7 @@ class Evaluation:
     ----------
     model : NoiseModel
     differences : ndarray
-        (measured - simulated) / reproducibility standard deviation, in the order of the bench's
+        (measured - simulated) / reproducibility standard deviation, in the order of the problem's
         held-out target.
     error : float
         Model error; 1.0 = as close as a second sensor of the same design.
@@ -50,7 +50,7 @@ class Evaluation:
         Error of each family.
     simulated : Statistics
         Of the held-out half, with their curves; for a preview those of the known model.
-    bench : Bench
+    problem : FitProblem
         By the yardstick that the differences are stated in.
     predicted : ndarray
         Coordinates of the simulated statistics, in the same order; empty for a preview.
@@ -67,7 +67,7 @@ class Evaluation:
     error: float
     families: Mapping[str, float]
     simulated: Statistics
-    bench: Bench
+    problem: FitProblem
     predicted: np.ndarray = field(default_factory=lambda: np.zeros(0))
     rows: list[dict[str, Any]] = field(default_factory=list)
     exact: bool = False
@@ -79,30 +79,30 @@ class Evaluation:
         return self.change is not None
 
 
-def evaluate(bench: Bench, model: NoiseModel) -> Evaluation:
+def evaluate(problem: FitProblem, model: NoiseModel) -> Evaluation:
     """The full comparison of a model, with the error that `compare` states."""
-    return exact(bench, judged(bench, model))
+    return exact(problem, judged(problem, model))
 
 
-def judged(bench: Bench, model: NoiseModel) -> Evaluation:
-    """The full comparison of a model by the yardstick of the bench, whatever model that is of."""
-    made = bench.statistics(model)
-    return _stated(bench, model, made[1], prediction(made, 1, bench.test))
+def judged(problem: FitProblem, model: NoiseModel) -> Evaluation:
+    """The full comparison of a model by the yardstick of the problem, whatever model that is of."""
+    made = problem.statistics(model)
+    return _stated(problem, model, made[1], prediction(made, 1, problem.test))
 
 
-def exact(bench: Bench, known: Evaluation) -> Evaluation:
+def exact(problem: FitProblem, known: Evaluation) -> Evaluation:
     """The same comparison by the yardstick of its own model."""
-    own = by_design(bench, known.model)
+    own = by_design(problem, known.model)
     found = _stated(own, known.model, known.simulated, known.predicted)
     return replace(found, exact=True)
 
 
 def _stated(
-    bench: Bench, model: NoiseModel, simulated: Statistics, predicted: np.ndarray
+    problem: FitProblem, model: NoiseModel, simulated: Statistics, predicted: np.ndarray
 ) -> Evaluation:
-    z, families = bench.test.z(predicted), bench.test.families
+    z, families = problem.test.z(predicted), problem.test.families
     errors = pooled(z, families), family_errors(z, families)
-    return Evaluation(model, z, *errors, simulated, bench, predicted, rows_of(bench, predicted))
+    return Evaluation(model, z, *errors, simulated, problem, predicted, rows_of(problem, predicted))
 
 
 class Preview:
@@ -110,7 +110,7 @@ class Preview:
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     known : Evaluation
         Of the model from which changes are taken.
     side, frames : int
@@ -118,12 +118,12 @@ class Preview:
     """
 
     def __init__(
-        self, bench: Bench, known: Evaluation, side: int = SIDE, frames: int = FRAMES
+        self, problem: FitProblem, known: Evaluation, side: int = SIDE, frames: int = FRAMES
     ) -> None:
-        self.bench = bench
+        self.problem = problem
         self.known = known
-        self.window = _centre(bench.plan.test, side)
-        self.settings = [(point, min(n, frames)) for point, n in bench.plan.settings]
+        self.window = _centre(problem.plan.test, side)
+        self.settings = [(point, min(n, frames)) for point, n in problem.plan.settings]
         self._memo = Memo(MEMORY, charge=Memo(MEMORY))
         self._window = self._statistics(known.model)
         self._before = self._coordinates(self._window)
@@ -131,8 +131,8 @@ class Preview:
     def evaluate(self, model: NoiseModel) -> Evaluation:
         """A preview of a model's error and of its curves."""
         made = self._statistics(model)
-        target = self.known.bench.test
-        change = (self._coordinates(made) - self._before) / target.floor
+        target = self.known.problem.test
+        change = (self._coordinates(made) - self._before) / target.reproducibility_sd
         z = self.known.differences - np.nan_to_num(change, nan=0.0, posinf=0.0, neginf=0.0)
         return Evaluation(
             model,
@@ -140,7 +140,7 @@ class Preview:
             pooled(z, target.families),
             family_errors(z, target.families),
             self.known.simulated,
-            self.known.bench,
+            self.known.problem,
             change=(self._window, made),
         )
 
@@ -155,14 +155,14 @@ class Preview:
         return other
 
     def _statistics(self, model: NoiseModel) -> Statistics:
-        sensor = self.bench.plan.captures.sensor
+        sensor = self.problem.plan.captures.sensor
         made = simulate(model.in_codes, sensor.shape, self.settings, "preview", sensor, self._memo)
         told = [name for name in NAMES if name != WHOLE_FIELD]
         return analyze_windows(made, [self.window], workers=1, errors=False, families=told)[0]
 
     def _coordinates(self, made: Statistics) -> np.ndarray:
         """Statistics of the window on the target's scales; NaN for those it does not tell."""
-        test = self.bench.test
+        test = self.problem.test
         pairs = zip(places(made), made.settings, strict=True)
         found = test.coordinates_of({place: setting.values for place, setting in pairs})
         return np.where(test.families == WHOLE_FIELD, np.nan, found)

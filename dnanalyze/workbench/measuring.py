@@ -12,7 +12,7 @@ from dataclasses import replace
 from threading import Event, RLock, Thread
 
 from dnanalyze.analyzers.statistics import SettingStatistics
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import THREADS, Job, Part
 from dnanalyze.fitting.yardstick import REPLICATES
@@ -89,8 +89,8 @@ class Measurements:
         self._told, self._failed, self._busy = told, failed, busy
         self._lock = RLock()
         self._kept: list[Evaluation] = []
-        self._bench: Bench | None = None
-        self._yardstick: Bench | None = None
+        self._bench: FitProblem | None = None
+        self._yardstick: FitProblem | None = None
         self._wanted: Evaluation | None = None
         self._working = False
         self._asked: NoiseModel | None = None
@@ -98,9 +98,9 @@ class Measurements:
         self._moved_s = 0.0
         self._closed = Event()
 
-    def begin(self, bench: Bench) -> None:
+    def begin(self, problem: FitProblem) -> None:
         """Set the captures' statistics, with the standard errors that they state themselves."""
-        self._bench = self._yardstick = replace(bench, helpers=Interruptible(self._given_up))
+        self._bench = self._yardstick = replace(problem, helpers=Interruptible(self._given_up))
 
     def _given_up(self) -> bool:
         return self._closed.is_set() or time.monotonic() - self._moved_s < REST_S
@@ -174,7 +174,7 @@ class Measurements:
             if found is not None:
                 self._keep(found)
                 if found.model == self._asked:
-                    self._yardstick = found.bench
+                    self._yardstick = found.problem
                 self._drop(wanted)
                 self._told(found)
 
@@ -186,7 +186,7 @@ class Measurements:
     def _refined(self, known: Evaluation) -> Evaluation | None:
         """An evaluation by its own yardstick; None where another is wanted before it is done.
 
-        The bench keeps each simulated sensor: what was begun is not begun anew.
+        The problem keeps each simulated sensor: what was begun is not begun anew.
         """
         assert self._bench is not None
         for number in range(REPLICATES):

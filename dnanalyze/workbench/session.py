@@ -12,7 +12,7 @@ from typing import Any
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
@@ -77,7 +77,7 @@ class WorkbenchSession:
     loaded: CaptureSet | None = None
     captures: CaptureSet = field(init=False)
     known: dict[str, type[Effect]] = field(init=False)
-    bench: Bench | None = field(init=False, default=None)
+    problem: FitProblem | None = field(init=False, default=None)
     history: History | None = field(init=False, default=None)
     evaluation: Evaluation | None = field(init=False, default=None)
     baseline: Evaluation | None = field(init=False, default=None)
@@ -148,10 +148,10 @@ class WorkbenchSession:
         if self.model is None:
             self.worker.warm()  # its start takes about as long as the statistics
         room = Memo(FIELD_BYTES, charge=Memo(CHARGE_BYTES))
-        found = bench(design(self.captures)).with_memo(room)
+        found = fit_problem(design(self.captures)).with_memo(room)
         self._measurements.begin(found)
         with self._lock:
-            self.bench, self.stage = found, "error of the first model"
+            self.problem, self.stage = found, "error of the first model"
         self.changed("statistics")
         if self.model is not None:
             self._begin(self.model, "model as given", ())
@@ -259,11 +259,11 @@ class WorkbenchSession:
         """Previews by the change from the last model with a full error; none waits for another."""
         with self._previewing:
             with self._lock:
-                held, known, made = self.bench, self.evaluation, self._preview
-            if held is None or known is None:
+                problem, known, made = self.problem, self.evaluation, self._preview
+            if problem is None or known is None:
                 raise InputError("the error of the present model is still being computed")
             if made is None:
-                made = Preview(held, known)
+                made = Preview(problem, known)
             elif made.known is not known:
                 made = made.rebased(known)
             self._preview = made
@@ -574,7 +574,7 @@ class WorkbenchSession:
         from dnanalyze.report.page import render
         from dnanalyze.report.results.comparison import page
 
-        return render(page(compare_on(self.captures, self.present.model, held=self.bench)))
+        return render(page(compare_on(self.captures, self.present.model, problem=self.problem)))
 
     def targets(self) -> str:
         """Targets for `check`, from simulated sensors of the present model; takes seconds."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.knobs import Knob, knobs_of, positions, turned
+from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters, positions, with_values
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import point_label, varied
@@ -18,7 +18,7 @@ class Slider:
 
     Parameters
     ----------
-    knob : Knob
+    parameter : FreeParameter
         Name, bounds, unit and scale.
     value : float
         In plain units.
@@ -30,7 +30,7 @@ class Slider:
         Standard error in plain units; None: not computed for this model.
     """
 
-    knob: Knob
+    parameter: FreeParameter
     value: float
     pinned: bool
     label: str = ""
@@ -41,12 +41,12 @@ def sliders(
     model: NoiseModel, standard_errors: Mapping[str, float], pinned: Set[str]
 ) -> list[Slider]:
     """Every number of a model that can be moved, in the model's order."""
-    knobs = knobs_of(model)
+    free = free_parameters(model)
     return [
         Slider(
             k, k.plain(x), parameter_of(k) in pinned, _label(model, k), standard_errors.get(k.name)
         )
-        for k, x in zip(knobs, positions(model, knobs), strict=True)
+        for k, x in zip(free, positions(model, free), strict=True)
     ]
 
 
@@ -57,7 +57,7 @@ def with_value(model: NoiseModel, name: str, value: float) -> NoiseModel:
     ----------
     model : NoiseModel
     name : str
-        As `Slider.knob.name`, such as "read_noise.sigma" or "convolved_lognormal.mu[2]".
+        As `Slider.parameter.name`, such as "read_noise.sigma" or "convolved_lognormal.mu[2]".
     value : float
         In plain units; it is moved within its bounds.
 
@@ -66,28 +66,30 @@ def with_value(model: NoiseModel, name: str, value: float) -> NoiseModel:
     InputError
         There is no such number; the valid names are given.
     """
-    knobs = knobs_of(model)
-    names = [k.name for k in knobs]
+    free = free_parameters(model)
+    names = [k.name for k in free]
     if name not in names:
         raise InputError(f"no parameter {name!r} in the model; valid: {', '.join(names)}")
-    where = positions(model, knobs)
+    where = positions(model, free)
     place = names.index(name)
-    where[place] = knobs[place].position(value)
-    return turned(model, knobs, where)
+    where[place] = free[place].position(value)
+    return with_values(model, free, where)
 
 
-def parameter_of(knob: Knob) -> str:
+def parameter_of(parameter: FreeParameter) -> str:
     """Name of the parameter that a number belongs to, as a fit keeps it."""
-    return knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
+    return (
+        parameter.effect if not parameter.parameter else f"{parameter.effect}.{parameter.parameter}"
+    )
 
 
-def _label(model: NoiseModel, knob: Knob) -> str:
+def _label(model: NoiseModel, parameter: FreeParameter) -> str:
     """Parameter, with the operating point of a table's row or the kind of a law's number."""
-    name = knob.parameter or knob.effect
-    effect = model.get(knob.effect)
-    law = getattr(effect, knob.parameter) if effect is not None else model.pedestal
+    name = parameter.parameter or parameter.effect
+    effect = model.get(parameter.effect)
+    law = getattr(effect, parameter.parameter) if effect is not None else model.pedestal
     if not isinstance(law, TableLaw):
-        return name if knob.part == "value" else f"{name}, activation energy"
-    here = law.points[int(knob.part)]
+        return name if parameter.part == "value" else f"{name}, activation energy"
+    here = law.points[int(parameter.part)]
     differ = varied([vars(point) for point in law.points])
     return f"{name}, {point_label(here, differ)}" if differ else name

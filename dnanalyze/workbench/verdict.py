@@ -40,7 +40,7 @@ class Verdict:
 
 def verdict(session: WorkbenchSession) -> Verdict:
     """The verdict on the present model of a session."""
-    if session.bench is None:
+    if session.problem is None:
         return Verdict(sentence(session.stage), "wait")
     history, evaluation = session.history, session.evaluation
     if history is None or evaluation is None:

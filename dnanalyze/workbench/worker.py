@@ -13,7 +13,7 @@ from typing import Any
 
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.processes import warm
 from dnanalyze.fitting.time_limit import BATCH, TimeLimit
 from dnanalyze.loaders.captures import CaptureSet
@@ -99,9 +99,9 @@ class Bed:
         return self.source.known()
 
     @cached_property
-    def bench(self) -> Bench:
+    def problem(self) -> FitProblem:
         """Statistics of both halves of the field."""
-        return bench(design(self.captures))
+        return fit_problem(design(self.captures))
 
     def warm(self) -> None:
         """Read what every task needs, and load the compiled loops, before a task asks for it."""
@@ -132,23 +132,30 @@ def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
             tell("step", {"model": state.model.to_plain()})
             told_s = time.monotonic()
 
-    held = bed.bench
+    problem = bed.problem
     tell("progress", "the model's parameters")
     found = fit_on(
-        bed.captures, bed.model(task), frozen=task.frozen, replicates=0, held=held, tell=better
+        bed.captures,
+        bed.model(task),
+        frozen=task.frozen,
+        replicates=0,
+        problem=problem,
+        on_state=better,
     )
     return {"model": found.model.to_plain(), "undetermined": found.undetermined}
 
 
 def _standard_errors(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.fitting.fit import with_uncertainties
-    from dnanalyze.fitting.knobs import knobs_of
+    from dnanalyze.fitting.free_parameters import free_parameters
     from dnanalyze.fitting.state import start
 
     model = bed.model(task)
     assert model is not None
     tell("progress", f"simulating {REPLICATES} sensors of the model")
-    found = with_uncertainties(bed.bench, start(bed.bench, model, knobs_of(model)), REPLICATES)
+    found = with_uncertainties(
+        bed.problem, start(bed.problem, model, free_parameters(model)), REPLICATES
+    )
     return {"standard_errors": {p.name: p.se for p in found.parameters if p.se == p.se}}
 
 
@@ -159,7 +166,7 @@ def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     tell("progress", f"adding {task.effect}")
     model = bed.model(task)
     assert model is not None
-    found = add_on(bed.captures, task.effect, model, known=bed.known, held=bed.bench)
+    found = add_on(bed.captures, task.effect, model, known=bed.known, problem=bed.problem)
     step = found.steps[-1]
     tell(
         "step",
@@ -181,7 +188,7 @@ def _classified(bed: Bed, model: NoiseModel, tell: Tell) -> dict[str, Any]:
 
     tell("background", "asking a classifier")
     found = classify(
-        bed.captures, model, seed=model.seed, limit=bed.background, helpers=bed.bench.helpers
+        bed.captures, model, seed=model.seed, limit=bed.background, helpers=bed.problem.helpers
     )
     if not found.finished:
         return {}
@@ -220,10 +227,10 @@ def _diagnose(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         bed.captures,
         bed.model(task),
         known=bed.known,
-        held=bed.bench,
-        tell=lambda text: tell("progress", f"trying {text}"),
+        problem=bed.problem,
+        on_progress=lambda text: tell("progress", f"trying {text}"),
         first=lambda effects: tell("first", first_answer(effects) if effects else ""),
-        keep=keep,
+        on_result=keep,
         afterwards=bed.background,
     )
     return plain(found) | told
@@ -241,10 +248,10 @@ def _refine(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
         bed.captures,
         bed.model(task),
         known=bed.known,
-        held=bed.bench,
-        trying=lambda name: tell("progress", f"trying {name}"),
+        problem=bed.problem,
+        on_progress=lambda name: tell("progress", f"trying {name}"),
         first=lambda effects: tell("first", first_answer(effects) if effects else ""),
-        keep=keep,
+        on_result=keep,
     )
     told = found.classification
     return {

@@ -36,9 +36,9 @@ def statistics():
 
 def fitted():
     plain = fakes.fit()
-    bench = Held(captures())
+    problem = Held(captures())
     return dnanalyze.Fit(
-        plain.model, plain.parameters, plain.correlations, plain.undetermined, bench, None,
+        plain.model, plain.parameters, plain.correlations, plain.undetermined, problem, None,
         captures(),
     )  # fmt: skip
 
@@ -86,7 +86,7 @@ def channel_refinement():
     made = ChannelRefinement(
         captures(), {"hcg": part, "lcg": part}, [], {"hcg": ["column_fpn"], "lcg": []},
         ["column_fpn: in hcg only, so of that readout"], [*steps, ChannelStep(None, 0.9)],
-        part.model, part.bench, None,
+        part.model, part.problem, None,
     )  # fmt: skip
     vars(made)["parameters"] = part.parameters  # which it would simulate for
     return made

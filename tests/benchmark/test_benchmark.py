@@ -304,12 +304,12 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     from dnanalyze.diagnosis import refine as refinement
     from dnanalyze.fitting.fit import fit_on
 
-    def right(captures, model, held, trying):
+    def right(captures, model, problem, trying):
         truth = sensors[captures.name]
-        done = fit_on(captures, truth, held=held, replicates=0)
+        done = fit_on(captures, truth, problem=problem, replicates=0)
         return SimpleNamespace(
             model=done.model, steps=[SimpleNamespace(error=1.1)], verdict="adequate",
-            bench=held, state=done.state,
+            problem=problem, state=done.state,
         )  # fmt: skip
 
     made = {name: virtual_model(mu, seed, k=k) for name, mu, seed, k in

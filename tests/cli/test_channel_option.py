@@ -159,7 +159,7 @@ def test_fit_gives_each_readout_its_own_numbers(folder, tmp_path, monkeypatch):
         return fakes.fit()
 
     monkeypatch.setattr(fit, "fit_on", fitted)
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
+    monkeypatch.setattr("dnanalyze.fitting.problem.fit_problem", lambda *_: None)
     path = tmp_path / "one.yaml"
     path.write_text(dump_model(NoiseModel((ReadNoise(sigma=2.0),), 64.0, fakes.POINTS[0])))
     assert main(["fit", str(folder), "--model", str(path), "-q"]) == 0

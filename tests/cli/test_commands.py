@@ -48,7 +48,7 @@ def calls(monkeypatch):
         module, name = path.rsplit(".", 1)
         monkeypatch.setattr(import_module(module), name, stand_in(command, result))
     held = SimpleNamespace(helpers=HELPERS)
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: held)
+    monkeypatch.setattr("dnanalyze.fitting.problem.fit_problem", lambda *_: held)
     plan = SimpleNamespace(pixels=0)
     monkeypatch.setattr("dnanalyze.fitting.design.design", lambda captures: plan)
     return seen

@@ -25,7 +25,7 @@ def folder(tmp_path):
 def quick(monkeypatch):
     module = "dnanalyze.description.describe.describe_on"
     monkeypatch.setattr(module, lambda captures, *_, **__: description(captures))
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda *_: None)
+    monkeypatch.setattr("dnanalyze.fitting.problem.fit_problem", lambda *_: None)
     monkeypatch.setattr(
         "dnanalyze.fitting.design.design", lambda captures: SimpleNamespace(pixels=0)
     )

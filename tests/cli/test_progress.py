@@ -8,7 +8,7 @@ import report_fakes as fakes
 from dnanalyze_cli.progress import Progress, clock, remaining, watched
 from dnanalyze_cli.session import Session
 
-from dnanalyze.analyzers.streaming.cache import held
+from dnanalyze.analyzers.streaming.cache import problem
 from dnanalyze.loaders import load, write_captures
 
 
@@ -37,24 +37,24 @@ def test_the_cache_does_not_see_the_watching(tmp_path):
     folder = write_captures(fakes.captures(), tmp_path / "darks")
     plain = load(folder).cached(str(tmp_path / "kept"))
     seen = watched(plain, lambda *_: None)
-    assert held(plain, "x").path == held(seen, "x").path
+    assert problem(plain, "x").path == problem(seen, "x").path
 
 
 def test_reading_and_fitting_are_told_apart(monkeypatch):
     monkeypatch.setattr(
-        "dnanalyze.fitting.predictor.bench",
+        "dnanalyze.fitting.problem.fit_problem",
         lambda plan, _: [f.read() for f in plan.captures.frames()],
     )
     bars = Bars()
-    Progress(bars, 0).bench(fakes.captures())
+    Progress(bars, 0).fit_problem(fakes.captures())
     told = [s.get("description") or s["count"] for s in bars.seen if any(s.values())]
     assert told == ["Reading frames", *(f"{n} of 12" for n in range(1, 13)), "Fitting"]
 
 
 def test_without_a_terminal_nothing_is_told(monkeypatch, capsys):
-    monkeypatch.setattr("dnanalyze.fitting.predictor.bench", lambda plan, _: plan)
+    monkeypatch.setattr("dnanalyze.fitting.problem.fit_problem", lambda plan, _: plan)
     with Session("fit").progress("Fitting") as progress:
-        plan = progress.bench(fakes.captures())
+        plan = progress.fit_problem(fakes.captures())
         progress.now("still")
     assert plan.captures.frame_count == 12
     assert capsys.readouterr().err == ""

@@ -21,12 +21,12 @@ def test_a_model_whose_frames_are_told_is_not_adequate(monkeypatch, tells, verdi
         cell = Cell(OperatingPoint(25.0), "mean", "mean frame", auc, 0.8 * auc, 1.0, 0.5, True)
         return Classification(captures, model, [cell])
 
-    def nothing(captures, held, state, *_, **__):
-        return describing._without(captures, held, state, "nothing", "No structure.")
+    def nothing(captures, problem, state, *_, **__):
+        return describing._without(captures, problem, state, "nothing", "No structure.")
 
     monkeypatch.setattr(describing, "classify", classify)
     monkeypatch.setattr(describing, "described", nothing)
-    monkeypatch.setattr(describing.Null, "adequate", True)
+    monkeypatch.setattr(describing.FittedModel, "adequate", True)
     found = dnanalyze.describe(tiny())
     assert found.verdict == verdict
     assert found.classification.tells is tells

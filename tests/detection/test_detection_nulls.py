@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import signal, stats
 
-from dnanalyze.detection import questions, verdict
+from dnanalyze.detection import tests, verdict
 from dnanalyze.detection.correlation import (
     LagCorrelation,
     crosstalk_kernel,
@@ -257,7 +257,7 @@ def test_matches_by_chance_are_told_by_those_in_all_frames_but_one(shared, nearl
         listed=None,
         correlation=SimpleNamespace(along_rows=(shared, 0.0), along_columns=(0.0, 0.0)),
     )
-    (asked,) = questions.sites(seen)
+    (asked,) = tests.sites(seen)
     assert asked.effect == pytest.approx(20.0)
     assert asked.limit == pytest.approx(5.0 * times)
 
@@ -278,7 +278,7 @@ def _seen(view: str, variance: float) -> SimpleNamespace:
 
 def test_crosstalk_may_correlate_neighbours_but_hardly_those_of_a_colour():
     for view, told in (("frame", False), ("planes", True)):
-        asked = {a.test: a for a in questions.smoothing(_seen(view, 1.0), [])}
+        asked = {a.test: a for a in tests.smoothing(_seen(view, 1.0), [])}
         found = asked["crosstalk_or_denoise"]
         assert (found.effect > found.limit) == told
 

@@ -9,7 +9,7 @@ import pytest
 from scipy import ndimage
 from unfiltered import Clusters
 
-from dnanalyze.detection import questions
+from dnanalyze.detection import tests
 from dnanalyze.detection.excess import standing_out
 
 NOISE = 3.0
@@ -25,9 +25,9 @@ def _asked(frame: np.ndarray, reach: int, replaced: np.ndarray | None = None):
     out = standing_out(frame[None].astype(np.float32), reach, NOISE, replaced=replaced)
     seen = SimpleNamespace(noise=NOISE, frames=3)  # as if hits were out
     return [
-        questions._end(seen, out, out.difference, "dynamic_threshold", 1.0),
-        questions._end(seen, out, out.ratio, "ratio_rule", 1.0),
-        questions._slope(seen, out),
+        tests._end(seen, out, out.difference, "dynamic_threshold", 1.0),
+        tests._end(seen, out, out.ratio, "ratio_rule", 1.0),
+        tests._slope(seen, out),
     ]
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.refine import refine_on
-from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+from dnanalyze.model.registry import BASE, BASELINE, built_in
 
-FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
+FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")
 
 
 @pytest.fixture(scope="session")

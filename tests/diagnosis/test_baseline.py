@@ -10,28 +10,28 @@ from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start, lacks_
 from dnanalyze.diagnosis.stepwise import Path, Search
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, WANG, built_in
+from dnanalyze.model.registry import BASE, BASELINE, WANG, built_in
 
 
 @pytest.fixture(scope="module")
-def held():
+def problem():
     sensor = replace(
         draw_sensor(np.random.default_rng(7)), gain_dn_e=1.5, read_noise_e=4.0, dark_e_s=60.0,
         exposure_s=1.0, dark_spread=0.3,
     )  # fmt: skip
-    return bench(design(generate(sensor, {}, (128, 128), frames=4, seed=3)))
+    return fit_problem(design(generate(sensor, {}, (128, 128), frames=4, seed=3)))
 
 
 @pytest.fixture(scope="module")
-def model(held):
-    return baseline_fitted(held, baseline_start(held)).model
+def model(problem):
+    return baseline_fitted(problem, baseline_start(problem)).model
 
 
 def test_all_four_are_in_the_model(model):
-    assert set(model.names) == {BASE, *EVERYDAY}
+    assert set(model.names) == {BASE, *BASELINE}
 
 
 def test_the_conversion_gain_and_the_noise_are_the_sensors(model):
@@ -40,28 +40,28 @@ def test_the_conversion_gain_and_the_noise_are_the_sensors(model):
     assert model.get("read_noise").sigma == pytest.approx(6.0, rel=0.1)
 
 
-def test_an_excluded_effect_is_left_out(held):
-    begun = baseline_start(held, ["dark_shot_noise"])
-    assert set(begun.names) == {BASE, *EVERYDAY} - {"dark_shot_noise"}
+def test_an_excluded_effect_is_left_out(problem):
+    begun = baseline_start(problem, ["dark_shot_noise"])
+    assert set(begun.names) == {BASE, *BASELINE} - {"dark_shot_noise"}
 
 
-def test_the_simulated_sensor_is_that_of_the_seed(held):
-    assert baseline_start(held, seed=5).seed == 5
+def test_the_simulated_sensor_is_that_of_the_seed(problem):
+    assert baseline_start(problem, seed=5).seed == 5
 
 
-def test_a_search_states_them_one_by_one_with_the_error_of_all(held):
-    search = Search(held, {})
-    path = search._with_baseline(Path(start(held, paper_start(held), [])), ())
-    assert [s.added for s in path.steps] == [n for n in EVERYDAY if n not in WANG]
+def test_a_search_states_them_one_by_one_with_the_error_of_all(problem):
+    search = Search(problem, {})
+    path = search._with_baseline(Path(start(problem, paper_start(problem), [])), ())
+    assert [s.added for s in path.steps] == [n for n in BASELINE if n not in WANG]
     assert len({s.error for s in path.steps}) == 1
 
 
 def test_a_model_with_any_of_them_lacks_none():
     model = NoiseModel((built_in()["convolved_lognormal"](),))
     assert lacks_baseline(model)
-    assert lacks_baseline(model, exclude=EVERYDAY[:3])
-    assert not lacks_baseline(model, exclude=EVERYDAY)
+    assert lacks_baseline(model, exclude=BASELINE[:3])
+    assert not lacks_baseline(model, exclude=BASELINE)
     rounded = model.with_effect(built_in()["quantization"]())
     assert lacks_baseline(rounded)
-    assert not lacks_baseline(rounded, exclude=EVERYDAY[:3])
+    assert not lacks_baseline(rounded, exclude=BASELINE[:3])
     assert not lacks_baseline(model.with_effect(built_in()["read_noise"]()))

@@ -11,10 +11,10 @@ from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import SoFar, candidates_of, refitted_once, trials
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.registry import BASE, built_in
@@ -24,12 +24,12 @@ ROWS = ("row_fpn", "row_noise", "column_fpn")
 
 
 @pytest.fixture(scope="module")
-def null() -> Null:
+def null() -> FittedModel:
     """A sensor with row noise and column offsets, and its baseline model."""
     hidden = {"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}}
     drawn = draw_sensor(np.random.default_rng(11))
-    held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
-    return Null(held, baseline_fitted(held, baseline_start(held)))
+    problem = fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    return FittedModel(problem, baseline_fitted(problem, baseline_start(problem)))
 
 
 def of(*names):
@@ -81,12 +81,12 @@ def test_no_candidates_no_trials(null):
 
 
 @pytest.fixture(scope="module")
-def alike() -> Null:
+def alike() -> FittedModel:
     """A sensor with few atoms of one metal: its hot pixels are nearly alike."""
     drawn = draw_sensor(np.random.default_rng(11))
     hidden = {"dark_current_steps": {"level": "middling"}}
-    held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
-    return Null(held, baseline_fitted(held, baseline_start(held)))
+    problem = fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    return FittedModel(problem, baseline_fitted(problem, baseline_start(problem)))
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def competing(alike) -> list[Trial]:
 
 def test_of_a_competitor_no_other_form_is_better(alike, competing):
     for t in competing:
-        assert in_best_form(alike.held, t) is t.state
+        assert in_best_form(alike.problem, t) is t.state
 
 
 def test_competitors_are_judged_by_the_sensors_of_their_make(alike, competing):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis.detectability import _View, detection_limits
-from dnanalyze.diagnosis.selection import CERTAIN
+from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Placing
@@ -36,8 +36,8 @@ def state():
         KNOWN["quantization"](),
     )
     model = NoiseModel(effects, 100.0, POINTS[0], seed=5)
-    held = bench(design(simulate(model, (128, 128), [(p, 4) for p in POINTS])))
-    return held, derive(held, start(held, model, knobs_of(model)))
+    problem = fit_problem(design(simulate(model, (128, 128), [(p, 4) for p in POINTS])))
+    return problem, derive(problem, start(problem, model, free_parameters(model)))
 
 
 def with_effect(state, name, **numbers):
@@ -45,9 +45,9 @@ def with_effect(state, name, **numbers):
 
 
 def test_several_settings_show_what_the_best_of_them_shows(state):
-    held, fitted = state
-    both = _View.of(held, fitted, [0, 2], Placing.SOMEWHERE)
-    alone = [_View.of(held, fitted, [s], Placing.SOMEWHERE) for s in (0, 2)]
+    problem, fitted = state
+    both = _View.of(problem, fitted, [0, 2], Placing.SOMEWHERE)
+    alone = [_View.of(problem, fitted, [s], Placing.SOMEWHERE) for s in (0, 2)]
     for name, numbers, best in (
         (OF_READOUT, {"sigma": 1.0}, 0), (OF_CHARGE, {"alpha": 0.03}, 1),
     ):  # fmt: skip
@@ -58,8 +58,8 @@ def test_several_settings_show_what_the_best_of_them_shows(state):
 
 
 def test_what_the_models_own_numbers_absorb_is_not_seen(state):
-    held, fitted = state
-    view = _View.of(held, fitted, [0], Placing.SOMEWHERE)
+    problem, fitted = state
+    view = _View.of(problem, fitted, [0], Placing.SOMEWHERE)
     noise = fitted.model.get("read_noise")
     moved = fitted.model.with_effect(replace(noise, sigma=noise.sigma * 1.05))
     (change,) = view.changes.by([moved])
@@ -68,20 +68,20 @@ def test_what_the_models_own_numbers_absorb_is_not_seen(state):
 
 @pytest.mark.parametrize(("name", "parameter"), [(OF_READOUT, "sigma"), (OF_CHARGE, "alpha")])
 def test_at_its_limit_an_effect_gains_about_what_is_asked(state, name, parameter):
-    held, fitted = state
-    found = detection_limits(held, fitted, {name: KNOWN[name]})[name]
+    problem, fitted = state
+    found = detection_limits(problem, fitted, {name: KNOWN[name]})[name]
     limit = found.value
     assert (found.effect, found.parameter) == (name, parameter)
     assert str(found).startswith(f"{name} is detectable from {parameter} = ")
-    view = _View.of(held, fitted, [0, 2], Placing.SOMEWHERE)
+    view = _View.of(problem, fitted, [0, 2], Placing.SOMEWHERE)
     gains = view.gains([with_effect(fitted, name, **{parameter: limit * f}) for f in (0.3, 1, 3)])
     # a power law carries the limit from where the effect shows plainly
-    assert CERTAIN / 5 < gains[1] < 5 * CERTAIN
-    assert gains[0] < CERTAIN / 2
-    assert gains[2] > 2 * CERTAIN
+    assert EVIDENCE_ODDS_10 / 5 < gains[1] < 5 * EVIDENCE_ODDS_10
+    assert gains[0] < EVIDENCE_ODDS_10 / 2
+    assert gains[2] > 2 * EVIDENCE_ODDS_10
 
 
 def test_what_is_in_the_model_or_has_no_strength_has_no_limit(state):
-    held, fitted = state
+    problem, fitted = state
     known = {n: KNOWN[n] for n in ("read_noise", "quantization")}
-    assert detection_limits(held, fitted, known) == {}
+    assert detection_limits(problem, fitted, known) == {}

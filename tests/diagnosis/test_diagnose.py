@@ -7,26 +7,26 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.diagnose import diagnose_on, judge
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.selection import OUTSIDE
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.fitting.state import start
-from dnanalyze.model.registry import BASE, EVERYDAY, WANG, built_in
+from dnanalyze.model.registry import BASE, BASELINE, WANG, built_in
 
-NEW = [n for n in EVERYDAY if n not in WANG]  # in a model of Wang 2025 that is rounded to codes
-FEW = (BASE, *EVERYDAY, "row_fpn", "row_noise", "column_fpn")
+NEW = [n for n in BASELINE if n not in WANG]  # in a model of Wang 2025 that is rounded to codes
+FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")
 KNOWN = {name: effect for name, effect in built_in().items() if name in FEW}
 SENSOR = draw_sensor(np.random.default_rng(11))
 
 
 def of(hidden):
     captures = generate(SENSOR, hidden, (128, 128), frames=4, seed=3)
-    return captures, bench(design(captures))
+    return captures, fit_problem(design(captures))
 
 
 @pytest.fixture(scope="module")
@@ -36,12 +36,12 @@ def rows():
 
 @pytest.fixture(scope="module")
 def found(rows):
-    captures, held = rows
-    return diagnose_on(captures, known=KNOWN, held=held)
+    captures, problem = rows
+    return diagnose_on(captures, known=KNOWN, problem=problem)
 
 
 def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
-    captures, held = rows
+    captures, problem = rows
     assert found.verdict == "missing"
     assert found.ordinary == NEW
     assert [c.effect for c in found.candidates[:4]] == ["row_fpn", *NEW]
@@ -52,30 +52,30 @@ def test_an_effect_is_found_beside_what_every_sensor_has(rows, found):
     assert len({c.error_after for c in every}) == 1  # they are fitted together
     share = (found.error - every[0].error_after) / (found.error - 1.0)
     assert all(c.explained == pytest.approx(min(1.0, max(0.0, share))) for c in every)
-    assert set(EVERYDAY) < set(found.model.names)
+    assert set(BASELINE) < set(found.model.names)
     # the model with what every sensor has is asked the same question, and nothing of that is new
-    again = diagnose_on(captures, found.model, known=KNOWN, held=held)
+    again = diagnose_on(captures, found.model, known=KNOWN, problem=problem)
     assert again.ordinary == []
     assert again.candidates[0].effect == "row_fpn"
-    assert not {c.effect for c in again.candidates} & set(EVERYDAY)
+    assert not {c.effect for c in again.candidates} & set(BASELINE)
     assert again.error == pytest.approx(every[-1].error_after, rel=0.1)
 
 
 def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
-    captures, held = of({})
+    captures, problem = of({})
     told = []
-    found = diagnose_on(captures, known=KNOWN, held=held, tell=told.append)
+    found = diagnose_on(captures, known=KNOWN, problem=problem, on_progress=told.append)
     assert found.verdict == "missing"
     assert [c.effect for c in found.candidates] == NEW
     assert "baseline effects" in told
-    full = diagnose_on(captures, found.model, known=KNOWN, held=held)
+    full = diagnose_on(captures, found.model, known=KNOWN, problem=problem)
     assert full.verdict == "adequate"
     assert full.error == pytest.approx(found.candidates[-1].error_after, rel=0.1)
 
 
 def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
-    captures, held = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
-    found = diagnose_on(captures, known=KNOWN, held=held)
+    captures, problem = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
+    found = diagnose_on(captures, known=KNOWN, problem=problem)
     assert found.verdict == "missing"
     first = found.candidates[0]
     assert first.effect in ("row_noise", "column_fpn")
@@ -86,8 +86,8 @@ def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
 
 
 def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another():
-    captures, held = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
-    found = diagnose_on(captures, known=KNOWN, held=held, exclude=["column_fpn"])
+    captures, problem = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
+    found = diagnose_on(captures, known=KNOWN, problem=problem, exclude=["column_fpn"])
     first = found.candidates[0]
     assert found.unexplained
     assert first.confidence <= 0.5
@@ -96,8 +96,8 @@ def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another
 
 def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
     """One story: the list says what the verdict says."""
-    captures, held = rows
-    null = Null.of(held, start(held, found.model, knobs_of(found.model)))
+    captures, problem = rows
+    null = FittedModel.of(problem, start(problem, found.model, free_parameters(found.model)))
     leader = found.trials[0]
     idle = replace(leader, effect="row_noise", state=null.state)  # corrects nothing
     told = judge(captures, null, [leader, idle], None, KNOWN)
@@ -113,36 +113,36 @@ def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
 
 
 def test_an_adequate_model_has_no_candidates(rows, found):
-    captures, held = rows
+    captures, problem = rows
     model = found.trials[0].state.model
-    null = Null.of(held, start(held, model, knobs_of(model)))
+    null = FittedModel.of(problem, start(problem, model, free_parameters(model)))
     told = judge(captures, null, [found.trials[0]], None, KNOWN)
     assert (told.verdict, told.candidates, told.unexplained) == ("adequate", [], [])
 
 
 def test_what_is_excluded_is_not_put_in(rows):
-    captures, held = rows
-    found = diagnose_on(captures, known=KNOWN, held=held, exclude=["quantization", "row_fpn"])
+    captures, problem = rows
+    found = diagnose_on(captures, known=KNOWN, problem=problem, exclude=["quantization", "row_fpn"])
     named = {c.effect for c in found.candidates}
     assert not named & {"quantization", "row_fpn"}
-    assert found.ordinary == [n for n in EVERYDAY if n != "quantization"]
+    assert found.ordinary == [n for n in BASELINE if n != "quantization"]
     assert "quantization" not in found.model.names
 
 
 def test_where_all_of_it_is_excluded_the_model_is_asked_as_it_is(rows):
-    captures, held = rows
-    found = diagnose_on(captures, known=KNOWN, held=held, exclude=EVERYDAY)
+    captures, problem = rows
+    found = diagnose_on(captures, known=KNOWN, problem=problem, exclude=BASELINE)
     assert found.ordinary == []
     assert found.model.names == [BASE]
-    assert not {c.effect for c in found.candidates} & set(EVERYDAY)
-    kept = refine_on(captures, known=KNOWN, held=held, exclude=EVERYDAY, max_effects=0)
+    assert not {c.effect for c in found.candidates} & set(BASELINE)
+    kept = refine_on(captures, known=KNOWN, problem=problem, exclude=BASELINE, max_effects=0)
     assert kept.effects == [BASE]
 
 
 def test_a_model_with_some_of_it_is_asked_as_it_is(rows, found):
-    captures, held = rows
+    captures, problem = rows
     some = found.model.without("quantization")
-    partly = diagnose_on(captures, some, known=KNOWN, held=held)
+    partly = diagnose_on(captures, some, known=KNOWN, problem=problem)
     assert partly.ordinary == []
     assert partly.candidates[0].effect in ("row_fpn", "quantization")
 
@@ -162,11 +162,13 @@ def nearly_all_alike(captures):
 
 def test_a_setting_whose_frames_are_nearly_all_alike_is_diagnosed_too():
     """A filter may leave that little; warnings are errors here."""
-    held = bench(design(nearly_all_alike(generate(SENSOR, {}, (128, 128), frames=4, seed=3))))
-    model = paper_start(held)
-    clues = Residual(held, start(held, model, knobs_of(model)))
+    problem = fit_problem(
+        design(nearly_all_alike(generate(SENSOR, {}, (128, 128), frames=4, seed=3)))
+    )
+    model = paper_start(problem)
+    clues = Residual(problem, start(problem, model, free_parameters(model)))
     for effect in built_in().values():
         assert all(isinstance(guess, effect) for guess in effect.guess(clues))
-    found = diagnose_on(held.plan.captures, model, known=KNOWN, held=held)
+    found = diagnose_on(problem.plan.captures, model, known=KNOWN, problem=problem)
     assert found.verdict in ("missing", "unexplained")
     assert np.isfinite(found.error)

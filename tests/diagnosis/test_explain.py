@@ -26,10 +26,10 @@ def half(name, measured, floor=1.0):
 
 def told(name, measured, train, test, after=0.0):
     side = half(name, measured)
-    bench = SimpleNamespace(train=side, test=side, plan=SimpleNamespace(settings=POINTS))
+    problem = SimpleNamespace(train=side, test=side, plan=SimpleNamespace(settings=POINTS))
     before = SimpleNamespace(train=np.array(train, float), test=np.array(test, float))
     ended = SimpleNamespace(train=before.train * after, test=before.test * after)
-    return evidence_for(bench, before, ended, RTS)
+    return evidence_for(problem, before, ended, RTS)
 
 
 def test_a_misfit_of_the_judged_half_alone_has_its_place_too():

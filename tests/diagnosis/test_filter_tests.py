@@ -10,7 +10,7 @@ import pytest
 from dnanalyze.diagnosis.filter_tests import denied, without_denied
 from dnanalyze.diagnosis.selection import Trial, confidence_of, significant
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.denoise import Denoise
@@ -22,20 +22,20 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
 POINTS = [(OperatingPoint(t, 1.0, 1.0), 4) for t in (25.0, 45.0)]
-PLAIN = NoiseModel(
+EVIDENCE_DECISIVE = NoiseModel(
     (ReadNoise(4.0), PixelFpn(2.0), HotPixels(), Quantization(12)), 64.0, POINTS[0][0], 1
 )
-STRONG = PLAIN.with_effect(Denoise(kind="median", strength=1.0))
-WEAK = PLAIN.with_effect(Denoise(kind="gaussian", space=0.2, strength=0.02))
+STRONG = EVIDENCE_DECISIVE.with_effect(Denoise(kind="median", strength=1.0))
+WEAK = EVIDENCE_DECISIVE.with_effect(Denoise(kind="gaussian", space=0.2, strength=0.02))
 
 
 def held_of(model):
-    return bench(design(simulate(model, (128, 128), POINTS)))
+    return fit_problem(design(simulate(model, (128, 128), POINTS)))
 
 
 @pytest.fixture(scope="module")
 def plain():
-    return held_of(PLAIN)
+    return held_of(EVIDENCE_DECISIVE)
 
 
 def test_a_filter_that_the_tests_would_find_is_denied(plain):
@@ -52,7 +52,7 @@ def test_a_filter_that_is_found_is_not_denied():
 
 
 def test_a_denied_candidate_is_never_named(plain):
-    state = start(plain, PLAIN, [])
+    state = start(plain, EVIDENCE_DECISIVE, [])
     found = Trial("denoise", state, 900.0, 900.0, 1.0, 1.0, falls=np.array([900.0, 900.0]))
     other = Trial("crosstalk", state, 800.0, 800.0, 1.0, 1.0, falls=np.array([800.0, 800.0]))
     assert significant(found)
@@ -63,12 +63,12 @@ def test_a_denied_candidate_is_never_named(plain):
 
 
 @pytest.mark.parametrize(
-    ("model", "kept"), [(PLAIN, {"crosstalk"}), (STRONG, {"crosstalk", "dpc"})]
+    ("model", "kept"), [(EVIDENCE_DECISIVE, {"crosstalk"}), (STRONG, {"crosstalk", "dpc"})]
 )
 def test_forms_of_a_filter_are_not_tried_where_the_tests_deny_it_beside_another_kind(model, kept):
-    held = held_of(model)
-    state = start(held, STRONG, [])
+    problem = held_of(model)
+    state = start(problem, STRONG, [])
     filters = Trial("dpc", state, 700.0, 700.0, 1.0, 1.0)
     other = Trial("crosstalk", state, 800.0, 800.0, 1.0, 1.0)
-    assert without_denied(held, other, [filters, other], {"crosstalk", "dpc"}) == kept
-    assert without_denied(held, filters, [filters, other], {"dpc"}) == {"dpc"}
+    assert without_denied(problem, other, [filters, other], {"crosstalk", "dpc"}) == kept
+    assert without_denied(problem, filters, [filters, other], {"dpc"}) == {"dpc"}

@@ -10,7 +10,7 @@ from dnanalyze.diagnosis.diagnose import diagnose_on, first_answer
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.fitting.design import LARGE, design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.registry import built_in
@@ -25,9 +25,9 @@ def sensor(side, frames):
 
 @pytest.fixture(scope="module")
 def large():
-    held = bench(design(sensor(512, 6)))
-    assert held.plan.pixels >= LARGE
-    return held
+    problem = fit_problem(design(sensor(512, 6)))
+    assert problem.plan.pixels >= LARGE
+    return problem
 
 
 def test_a_quarter_of_the_field_tells_the_hidden_effect(large):

@@ -6,12 +6,12 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.forms import completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import judged
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.denoise import Denoise
@@ -32,11 +32,11 @@ def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(see
         effects = ReadNoise(noise), PixelFpn(1.0), Quantization(12), TemporalDenoise(memory)
         return NoiseModel(effects, 64.0, point, seed)
 
-    held = bench(design(simulate(model(sigma, share, 1), (128, 128), [(point, 8)])))
+    problem = fit_problem(design(simulate(model(sigma, share, 1), (128, 128), [(point, 8)])))
     begun = model(0.8 * sigma, 0.25, seed)
-    null = Null(held, start(held, begun.without("temporal_denoise"), []))
-    found = judged(null, "temporal_denoise", start(held, begun, knobs_of(begun)))
-    ended = completed(held, found)
+    null = FittedModel(problem, start(problem, begun.without("temporal_denoise"), []))
+    found = judged(null, "temporal_denoise", start(problem, begun, free_parameters(begun)))
+    ended = completed(problem, found)
     # 16,384 pixels of 8 frames tell a memory to about .01
     assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
     assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
@@ -49,23 +49,23 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
         effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind)
         return NoiseModel(effects, 64.0, point, seed)
 
-    held = bench(design(simulate(model("median", 1), (128, 128), [(point, 8)])))
+    problem = fit_problem(design(simulate(model("median", 1), (128, 128), [(point, 8)])))
     begun = model("gaussian", 2)
-    null = Null(held, start(held, begun.without("denoise"), []))
-    found = judged(null, "denoise", start(held, begun, knobs_of(begun)))
-    ended = in_best_form(held, found)
+    null = FittedModel(problem, start(problem, begun.without("denoise"), []))
+    found = judged(null, "denoise", start(problem, begun, free_parameters(begun)))
+    ended = in_best_form(problem, found)
     assert ended.model.get("denoise").kind == "median"
     assert ended.loss < found.state.loss
-    assert in_best_form(held, judged(null, "denoise", ended)) is ended
+    assert in_best_form(problem, judged(null, "denoise", ended)) is ended
 
 
 def test_the_better_by_both_halves_is_preferred():
     drawn = draw_sensor(np.random.default_rng(11))
     hidden = {"row_fpn": {"level": "strong"}}
-    held = bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    problem = fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
     without, right = (
-        converge(held, start(held, m, knobs_of(m)))
-        for m in (ordinary_start(held), ordinary_start(held).with_effect(RowFpn(1.0)))
+        converge(problem, start(problem, m, free_parameters(m)))
+        for m in (baseline_model(problem), baseline_model(problem).with_effect(RowFpn(1.0)))
     )
     assert preferred(without, right) is right
     assert preferred(right, without) is right

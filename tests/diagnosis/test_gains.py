@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from dnanalyze.diagnosis.gains import _witnessed, judged, judged_by_prediction
-from dnanalyze.diagnosis.predictive_check import REPLICATES, Null
+from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import deviance, start
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
@@ -34,51 +34,53 @@ def of(*more: object, seed: int) -> NoiseModel:
     return NoiseModel((*BASE, *more), 64.0, POINTS[0][0], seed)
 
 
-def captures_of(*more: object, seed: int) -> Bench:
-    return bench(design(simulate(of(*more, seed=seed), (128, 128), POINTS)))
+def captures_of(*more: object, seed: int) -> FitProblem:
+    return fit_problem(design(simulate(of(*more, seed=seed), (128, 128), POINTS)))
 
 
-def null_of(held: Bench, model: NoiseModel) -> Null:
-    return Null(held, start(held, model, knobs_of(model)))
+def null_of(problem: FitProblem, model: NoiseModel) -> FittedModel:
+    return FittedModel(problem, start(problem, model, free_parameters(model)))
 
 
-def halves(held: Bench):
-    return held.train, held.test
+def halves(problem: FitProblem):
+    return problem.train, problem.test
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_by_prediction_a_drift_of_another_walk_is_no_misfit(seed):
     """Every sensor walks in its own way: one simulated walk is as far off as none."""
-    held = captures_of(DRIFT, seed=seed)
-    null = null_of(held, of(seed=20))
+    problem = captures_of(DRIFT, seed=seed)
+    null = null_of(problem, of(seed=20))
     for walk in (30, 40, 50):
-        after = null_of(held, of(DRIFT, seed=walk)).state
+        after = null_of(problem, of(DRIFT, seed=walk)).state
         assert judged_by_prediction(null, judged(null, "offset_drift", after)).evidence > 60.0
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_by_prediction_what_varies_without_being_there_is_evidence_against_it(seed):
-    held = captures_of(seed=seed)
-    null = null_of(held, of(seed=20))
-    after = null_of(held, of(DRIFT, seed=30)).state
+    problem = captures_of(seed=seed)
+    null = null_of(problem, of(seed=20))
+    after = null_of(problem, of(DRIFT, seed=30)).state
     assert judged_by_prediction(null, judged(null, "offset_drift", after)).evidence < 0.0
 
 
 def test_the_gain_is_that_of_the_density_under_nine_sensors_of_either_make():
-    held = captures_of(DRIFT, seed=1)
-    null = null_of(held, of(seed=20))
-    found = judged(null, "offset_drift", null_of(held, of(DRIFT, seed=30)).state)
+    problem = captures_of(DRIFT, seed=1)
+    null = null_of(problem, of(seed=20))
+    found = judged(null, "offset_drift", null_of(problem, of(DRIFT, seed=30)).state)
     made = judged_by_prediction(null, found)
     expected = [0.0, 0.0]
     for model, sign in ((null.state.model, 1.0), (found.state.model, -1.0)):
         sensors = [
-            held.coordinates(replace(model, seed=model.seed + n)) for n in range(REPLICATES + 1)
+            problem.coordinates(replace(model, seed=model.seed + n)) for n in range(REPLICATES + 1)
         ]
-        z = [np.array([half.z(s[i]) for s in sensors]) for i, half in enumerate(halves(held))]
-        for i, half in enumerate(halves(held)):
+        z = [np.array([half.z(s[i]) for s in sensors]) for i, half in enumerate(halves(problem))]
+        for i, half in enumerate(halves(problem)):
             for column, key in enumerate(half.keys):
                 both = [
-                    z[j][:, h.keys.index(key)] for j, h in enumerate(halves(held)) if key in h.keys
+                    z[j][:, h.keys.index(key)]
+                    for j, h in enumerate(halves(problem))
+                    if key in h.keys
                 ]
                 variance = np.mean([np.var(one, ddof=1) for one in both])
                 sd = np.sqrt(max(1.0, 10.0 / 9.0 * variance))
@@ -89,14 +91,14 @@ def test_the_gain_is_that_of_the_density_under_nine_sensors_of_either_make():
 
 
 def test_a_half_without_the_effect_is_evidence_against_it_only():
-    held = SimpleNamespace(plan=SimpleNamespace(windows=(UPPER, LOWER)))
+    problem = SimpleNamespace(plan=SimpleNamespace(windows=(UPPER, LOWER)))
     above, below, both = (
         DefectLines(axis="rows", lines=lines, offsets=(1.0,) * len(lines))
         for lines in ((10,), (60,), (10, 60))
     )
     for anywhere in (both, RowFpn(1.0), None):
-        assert _witnessed(held, anywhere, 30.0, 2.0) == (30.0, 2.0)
-    assert _witnessed(held, below, 30.0, 2.0) == (30.0, 30.0)
-    assert _witnessed(held, below, 30.0, -50.0) == (-20.0, -20.0)
-    assert _witnessed(held, above, 2.0, 30.0) == (30.0, 30.0)
-    assert _witnessed(held, above, -5.0, 30.0) == (25.0, 25.0)
+        assert _witnessed(problem, anywhere, 30.0, 2.0) == (30.0, 2.0)
+    assert _witnessed(problem, below, 30.0, 2.0) == (30.0, 30.0)
+    assert _witnessed(problem, below, 30.0, -50.0) == (-20.0, -20.0)
+    assert _witnessed(problem, above, 2.0, 30.0) == (30.0, 30.0)
+    assert _witnessed(problem, above, -5.0, 30.0) == (25.0, 25.0)

@@ -12,8 +12,8 @@ from dnanalyze.diagnosis.nuisance import (
     unbiased,
 )
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.denoise import Denoise
@@ -36,14 +36,16 @@ def of_noise(sigma: float, *more) -> NoiseModel:
 
 
 @pytest.fixture(scope="module")
-def held() -> Bench:
+def problem() -> FitProblem:
     model = of_noise(SIGMA, TemporalDenoise(SHARE))
-    return bench(design(simulate(model, (128, 128), [(POINT, 8)])))
+    return fit_problem(design(simulate(model, (128, 128), [(POINT, 8)])))
 
 
-def test_the_least_noise_is_that_of_the_frames(held):
+def test_the_least_noise_is_that_of_the_frames(problem):
     after = np.sqrt((SIGMA**2 + 1 / 12) * (1 - SHARE) / (1 + SHARE) + 1 / 12)
-    assert least_noise(held) == pytest.approx(after, rel=0.1)  # eight frames, the first unfiltered
+    assert least_noise(problem) == pytest.approx(
+        after, rel=0.1
+    )  # eight frames, the first unfiltered
 
 
 def test_parameters_are_corrected_by_factor_and_shift():
@@ -92,11 +94,11 @@ def test_another_strength_keeps_the_noise_that_is_measured():
     assert list(other_strengths(of_noise(SIGMA, RowNoise(1.0)), "row_noise", 1.0)) == []
 
 
-def test_the_baseline_starts_from_the_moments_less_what_an_effect_adds(held):
-    model, steps = ordinary_start(held), DarkCurrentSteps(step=5.0, mean_number=0.3)
-    begun, wanted = from_moments(held, model, steps), ordinary_start(held, steps)
+def test_the_baseline_starts_from_the_moments_less_what_an_effect_adds(problem):
+    model, steps = baseline_model(problem), DarkCurrentSteps(step=5.0, mean_number=0.3)
+    begun, wanted = from_moments(problem, model, steps), baseline_model(problem, steps)
     for name in (BASE, "dark_shot_noise", "read_noise"):
         assert begun.get(name) == wanted.get(name)
     assert begun.pedestal == wanted.pedestal
     assert wanted.get(BASE) != model.get(BASE)
-    assert from_moments(held, model, RowNoise(1.0)) is None
+    assert from_moments(problem, model, RowNoise(1.0)) is None

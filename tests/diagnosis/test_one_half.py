@@ -12,10 +12,10 @@ from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
 from dnanalyze.model.effects.row_fpn import RowFpn
-from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+from dnanalyze.model.registry import BASE, BASELINE, built_in
 
 UPPER, LOWER = Window(0, 50, 0, 80), Window(50, 100, 0, 80)
-KNOWN = {n: e for n, e in built_in().items() if n in (BASE, *EVERYDAY, "row_fpn", "defect_lines")}
+KNOWN = {n: e for n, e in built_in().items() if n in (BASE, *BASELINE, "row_fpn", "defect_lines")}
 
 
 @pytest.mark.parametrize(
@@ -65,12 +65,12 @@ def test_one_bad_row_is_named_whichever_half_it_lies_in(row):
     offset = float(np.rint(2.0 * sensor.noise_dn))
     found = refine_on(with_a_bad_row(plain, row, offset), known=KNOWN)
     assert found.verdict == "adequate"
-    assert [n for n in found.effects if n not in (BASE, *EVERYDAY)] == ["defect_lines"]
+    assert [n for n in found.effects if n not in (BASE, *BASELINE)] == ["defect_lines"]
     named = found.model.get("defect_lines")
     assert named.axis == "rows"
     assert named.lines == (row,)
     # of 20 frames of 192 pixels, beside pixel offsets and dark current
     assert named.sigma == pytest.approx(offset, rel=0.15)
     assert found.steps[-1].confidence > 0.9
-    own = [k.effect == "defect_lines" for k in found.state.knobs]
+    own = [k.effect == "defect_lines" for k in found.state.free]
     assert np.any(found.state.jacobian[:, own]) == (row == 40)  # the fitted half is the upper

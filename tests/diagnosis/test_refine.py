@@ -7,17 +7,17 @@ import pytest
 from dnanalyze.diagnosis.refine import add_on, refine_on
 from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
 from dnanalyze.errors import InputError
-from dnanalyze.model.registry import BASE, EVERYDAY, WANG
+from dnanalyze.model.registry import BASE, BASELINE, WANG
 
 
 def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, known):
     kept, told = [], []
-    whole = refine_on(striped, known=known, keep=kept.append, tell=told.append)
-    assert whole.effects == [BASE, *sorted(EVERYDAY, key=whole.effects.index), "row_fpn"]
-    assert [s.added for s in told] == [None, *(n for n in EVERYDAY if n not in WANG), "row_fpn"]
+    whole = refine_on(striped, known=known, on_result=kept.append, on_step=told.append)
+    assert whole.effects == [BASE, *sorted(BASELINE, key=whole.effects.index), "row_fpn"]
+    assert [s.added for s in told] == [None, *(n for n in BASELINE if n not in WANG), "row_fpn"]
     assert kept[-1].model == whole.model
     assert set(kept[0].model.names) == WANG
-    assert set(kept[1].effects) == {BASE, *EVERYDAY}
+    assert set(kept[1].effects) == {BASE, *BASELINE}
     assert not any(k.finished for k in kept)
     assert [s.added for s in kept[-1].steps] == [s.added for s in whole.steps]
     assert all(math.isnan(p.se) for p in kept[-1].parameters)

@@ -7,11 +7,11 @@ import pytest
 
 from dnanalyze.diagnosis.score_test import much_left, score_tests
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
@@ -32,17 +32,17 @@ def sensor(*more):
         *more,
     )
     model = NoiseModel(effects, 100.0, POINTS[0], seed=5)
-    return bench(design(simulate(model, (128, 128), [(p, 6) for p in POINTS])))
+    return fit_problem(design(simulate(model, (128, 128), [(p, 6) for p in POINTS])))
 
 
-def baseline(held):
+def baseline(problem):
     """The baseline model, fitted."""
-    model = ordinary_start(held)
-    return converge(held, start(held, model, knobs_of(model)))
+    model = baseline_model(problem)
+    return converge(problem, start(problem, model, free_parameters(model)))
 
 
 @pytest.fixture(scope="module")
-def held():
+def problem():
     """A sensor whose read noise has heavy tails."""
     return sensor(
         KNOWN["heavy_tailed_read_noise"](sigma=3.0, tail=-0.2),
@@ -52,13 +52,13 @@ def held():
 
 
 @pytest.fixture(scope="module")
-def state(held):
-    return baseline(held)
+def state(problem):
+    return baseline(problem)
 
 
-def test_the_hidden_effect_promises_most_and_no_more_than_the_loss(held, state):
+def test_the_hidden_effect_promises_most_and_no_more_than_the_loss(problem, state):
     known = {n: KNOWN[n] for n in ("heavy_tailed_read_noise", "row_noise", "column_fpn", "rts")}
-    seen = score_tests(held, state, known)
+    seen = score_tests(problem, state, known)
     assert seen[0].effect == "heavy_tailed_read_noise"
     promises = [g.promise for g in seen]
     assert promises == sorted(promises, reverse=True)
@@ -67,26 +67,26 @@ def test_the_hidden_effect_promises_most_and_no_more_than_the_loss(held, state):
         assert guess.model.get(guess.effect) is not None
 
 
-def test_a_guess_is_simulated_beside_parameters_that_its_absence_has_not_biased(held, state):
+def test_a_guess_is_simulated_beside_parameters_that_its_absence_has_not_biased(problem, state):
     name = "heavy_tailed_read_noise"
-    seen = score_tests(held, state, {name: KNOWN[name]})
+    seen = score_tests(problem, state, {name: KNOWN[name]})
     spreads = {g.model.get("read_noise").spread for g in seen}
     assert state.model.get("read_noise").spread > 0.0
     assert spreads == {0.0}  # the fit without it took the tails for noise that differs by pixel
 
 
-def test_an_effect_that_moves_nothing_promises_nothing(held, state):
+def test_an_effect_that_moves_nothing_promises_nothing(problem, state):
     class Still(Effect):
         name = "still"
 
         def apply(self, signal, site):
             return signal
 
-    (seen,) = score_tests(held, state, {"still": Still})
+    (seen,) = score_tests(problem, state, {"still": Still})
     assert seen.promise == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_guess_at_the_wrong_scale_promises_as_much(held, state):
+def test_a_guess_at_the_wrong_scale_promises_as_much(problem, state):
     """The score test goes along the line through the guess, not to the guess itself."""
 
     class Weak(KNOWN["row_noise"]):
@@ -94,22 +94,22 @@ def test_a_guess_at_the_wrong_scale_promises_as_much(held, state):
         def guess(cls, clues):
             return [cls(0.5), cls(0.7)]
 
-    seen = score_tests(held, state, {"row_noise": Weak})
+    seen = score_tests(problem, state, {"row_noise": Weak})
     weak, strong = sorted(seen, key=lambda g: g.model.get("row_noise").sigma)
     assert abs(weak.promise - strong.promise) < 0.05 * state.loss
 
 
 def test_the_promise_is_near_what_a_refit_brings():
-    held = sensor(
+    problem = sensor(
         KNOWN["read_noise"](sigma=3.0),
         KNOWN["pixel_fpn"](sigma=1.0),
         KNOWN["quantization"](),
         KNOWN["row_noise"](2.0),
     )
-    state = baseline(held)
-    first = score_tests(held, state, {"row_noise": KNOWN["row_noise"]})[0]
-    begun = start(held, first.model, knobs_of(first.model), like=state)
-    fell = state.loss - minimise(held, begun, 6).loss
+    state = baseline(problem)
+    first = score_tests(problem, state, {"row_noise": KNOWN["row_noise"]})[0]
+    begun = start(problem, first.model, free_parameters(first.model), like=state)
+    fell = state.loss - minimise(problem, begun, 6).loss
     # two of two operating points are simulated: all of what the refit sees
     assert first.promise == pytest.approx(fell, rel=0.15)
 
@@ -124,7 +124,7 @@ def test_a_median_mixed_into_few_codes_promises_most_at_its_share(share):
     """No derivative leads from another share to it: the residual changes by steps."""
     hidden = KNOWN["denoise"](share, kind="median")
     few_codes = KNOWN["read_noise"](0.6), KNOWN["pixel_fpn"](0.6), KNOWN["quantization"]()
-    held = sensor(*few_codes, hidden)
-    first = score_tests(held, baseline(held), {"denoise": KNOWN["denoise"]})[0]
+    problem = sensor(*few_codes, hidden)
+    first = score_tests(problem, baseline(problem), {"denoise": KNOWN["denoise"]})[0]
     found = first.model.get("denoise")
     assert (found.kind, found.strength) == (hidden.kind, hidden.strength)

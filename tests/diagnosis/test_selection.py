@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dnanalyze.diagnosis.candidates import by_standing
 from dnanalyze.diagnosis.selection import (
-    NOTHING,
+    EVIDENCE_NULL,
     OUTSIDE,
     Trial,
     apart,
@@ -75,9 +75,9 @@ def test_a_candidate_that_changes_nothing_has_that_of_all_statistics():
     assert overdispersion(np.empty(0, str), np.empty(0), np.empty(0)) == 1.0
 
 
-def made(effect: str, gain: float, spread: float = 1.0, error_fall: float = 0.5) -> Trial:
+def made(effect: str, gain: float, overdispersion: float = 1.0, error_fall: float = 0.5) -> Trial:
     state = State(NoiseModel(()), [], np.ones(4), given(np.ones(4)), np.zeros((4, 0)))
-    return Trial(effect, state, gain, gain, 1.0, error_fall, spread)
+    return Trial(effect, state, gain, gain, 1.0, error_fall, overdispersion)
 
 
 def test_they_sum_to_one_with_nothing_in_the_last_place():
@@ -88,7 +88,7 @@ def test_they_sum_to_one_with_nothing_in_the_last_place():
 
 
 def test_a_small_gain_is_nothing_and_so_is_one_that_raises_the_error():
-    assert confidences([made("a", NOTHING / 5)])[1] > 0.5
+    assert confidences([made("a", EVIDENCE_NULL / 5)])[1] > 0.5
     worse = made("a", 500.0, error_fall=-0.1)
     assert confidences([worse])[0] < 0.5
     assert not significant(worse)
@@ -110,22 +110,22 @@ def test_confidence_ranks_as_the_trials_are_ranked():
     assert chances[0] / chances[1] == pytest.approx(np.exp((300.0 - 200.0) / 4.0 / 16.0))
 
 
-def of(effect: Effect, gain: float, spread: float = 1.0) -> Trial:
-    found = made(effect.name, gain, spread)
+def of(effect: Effect, gain: float, overdispersion: float = 1.0) -> Trial:
+    found = made(effect.name, gain, overdispersion)
     return dataclasses.replace(
         found, state=dataclasses.replace(found.state, model=NoiseModel((effect,)))
     )
 
 
-@pytest.mark.parametrize("spread", [1.0, 3.0])
+@pytest.mark.parametrize("overdispersion", [1.0, 3.0])
 @pytest.mark.parametrize(("rare", "odds"), [(DarkCurrentSteps(), 10.0), (HotClusters(), 1 / 0.3)])
-def test_what_few_sensors_have_needs_its_odds_in_evidence(rare, odds, spread):
+def test_what_few_sensors_have_needs_its_odds_in_evidence(rare, odds, overdispersion):
     """Of a dozen hot pixels either law does: an equal share of both, ten hot pixels to one."""
-    few, hot = (of(e, 200.0 * spread, spread) for e in (rare, HotPixels()))
+    few, hot = (of(e, 200.0 * overdispersion, overdispersion) for e in (rare, HotPixels()))
     chances = confidences([few, hot])
     assert chances[1] / chances[0] == pytest.approx(odds)
     assert [t.effect for t in by_standing([few, hot])] == ["hot_pixels", rare.name]
-    sure = of(rare, 400.0 * spread, spread)
+    sure = of(rare, 400.0 * overdispersion, overdispersion)
     assert confidences([sure, hot])[0] > 0.99  # spacings that are seen speak for themselves
 
 
@@ -149,7 +149,7 @@ def test_a_near_rival_is_named():
 @pytest.mark.parametrize(("behind", "near"), [(5.9e3, ["b"]), (6.1e3, [])])
 def test_what_is_behind_by_more_than_sensors_vary_is_no_competitor(behind, near):
     """300 in units of the overdispersion, however large the share of the evidence."""
-    best, other = made("a", 40e3, spread=20.0), made("b", 40e3 - behind)
+    best, other = made("a", 40e3, overdispersion=20.0), made("b", 40e3 - behind)
     assert competitors(best, [best, other]) == near
 
 
@@ -196,14 +196,14 @@ def test_a_step_is_plain_with_much_evidence_and_no_rival_near(gain, rival, plain
     other = dataclasses.replace(made("row_noise", rival), falls=np.array([rival, 0.0]))
     elsewhere = dataclasses.replace(made("column_fpn", gain), falls=np.array([0.0, gain]))
     assert beyond_doubt(best, [best, other, elsewhere]) == plain
-    assert not beyond_doubt(dataclasses.replace(best, spread=2.0), [best, other, elsewhere])
+    assert not beyond_doubt(dataclasses.replace(best, overdispersion=2.0), [best, other, elsewhere])
 
 
 def test_what_explains_other_statistics_is_no_rival():
     """Row noise and column offsets, each missing: both are sure, and neither stands for both."""
-    rows = with_falls(made("a", 4400.0, spread=2.3), 8e3, 100.0, 0.0)
+    rows = with_falls(made("a", 4400.0, overdispersion=2.3), 8e3, 100.0, 0.0)
     columns = with_falls(made("b", 3900.0), 90.0, 0.0, 7e3)
-    like_rows = with_falls(made("c", 4100.0, spread=2.3), 7e3, 100.0, 50.0)
+    like_rows = with_falls(made("c", 4100.0, overdispersion=2.3), 7e3, 100.0, 50.0)
     tried = [rows, like_rows, columns]
     assert competitors(rows, tried) == ["c"]
     known = 1.0 - OUTSIDE
@@ -212,9 +212,9 @@ def test_what_explains_other_statistics_is_no_rival():
     assert confidence_of(like_rows, tried) == known * confidences([like_rows, rows])[0] < 0.01
 
 
-@pytest.mark.parametrize("spread", [1.0, 8.0])
-def test_nothing_is_credited_in_proportion_to_what_is_left(spread):
-    even = [made("a", NOTHING * spread, spread)]
+@pytest.mark.parametrize("overdispersion", [1.0, 8.0])
+def test_nothing_is_credited_in_proportion_to_what_is_left(overdispersion):
+    even = [made("a", EVIDENCE_NULL * overdispersion, overdispersion)]
     np.testing.assert_allclose(confidences(even), [0.5, 0.5])
 
 
@@ -229,9 +229,11 @@ def test_the_mean_gain_decides_and_either_half_gives_its_part(gain, fitted, enou
 
 
 @drawn(st.floats(1.0, 50.0), st.floats(-100.0, 1e4), st.floats(-100.0, 1e4))
-def test_significance_is_in_units_of_the_overdispersion(spread, gain, fitted):
+def test_significance_is_in_units_of_the_overdispersion(overdispersion, gain, fitted):
     found = dataclasses.replace(made("a", gain), fitted_gain=fitted)
-    scaled = dataclasses.replace(made("a", spread * gain, spread), fitted_gain=spread * fitted)
+    scaled = dataclasses.replace(
+        made("a", overdispersion * gain, overdispersion), fitted_gain=overdispersion * fitted
+    )
     assert significant(found, 59.9999) >= significant(scaled, 60.0)
     assert significant(scaled, 59.9999) >= significant(found, 60.0)
     assert not significant(dataclasses.replace(found, error_fall=0.0), 60.0)

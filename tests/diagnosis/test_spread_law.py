@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.predictive_check import Null
+from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.spread_law import in_words, spread_law, with_law
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.model.laws import ArrheniusLaw
@@ -49,45 +49,45 @@ def sensor(slope, seed=1):
     return CaptureSet("made", Sensor(SHAPE), tuple(settings))
 
 
-def ordinary(slope) -> tuple[Bench, State]:
-    held = bench(design(sensor(slope)))
-    model = ordinary_start(held)
-    return held, converge(held, start(held, model, knobs_of(model)), rounds=2)
+def ordinary(slope) -> tuple[FitProblem, State]:
+    problem = fit_problem(design(sensor(slope)))
+    model = baseline_model(problem)
+    return problem, converge(problem, start(problem, model, free_parameters(model)), rounds=2)
 
 
 def test_a_spread_that_falls_is_found_and_the_level_is_kept():
-    held, state = ordinary(-0.3)
-    found = spread_law(Null(held, state))
+    problem, state = ordinary(-0.3)
+    found = spread_law(FittedModel(problem, state))
     assert found is not None
-    assert found.error < Null(held, state).error - 0.2
-    ended = converge(held, found.state)
+    assert found.error < FittedModel(problem, state).error - 0.2
+    ended = converge(problem, found.state)
     law = ended.model.get(BASE).delta
     # 1.5 % of either spread on 96 x 48 pixels, over 1.6 / eV from end to end, and as much again of
     # a kernel weight that is not held at 0: its standard error of .01 is one of .08 in the variance
     assert law.ea_ev == pytest.approx(-0.3, abs=0.05)
     assert law.value == pytest.approx(0.2, rel=0.1)
-    assert held.level(ended.train, ended.test).kept
-    assert "falls from 0.2" in in_words(held, ended.model)
+    assert problem.level(ended.train, ended.test).kept
+    assert "falls from 0.2" in in_words(problem, ended.model)
 
 
 def test_a_constant_spread_stays_one_number():
-    held, state = ordinary(0.0)
-    assert spread_law(Null(held, state)) is None
+    problem, state = ordinary(0.0)
+    assert spread_law(FittedModel(problem, state)) is None
 
 
 def test_a_law_is_asked_for_once_and_of_several_temperatures():
-    held, state = ordinary(-0.3)
+    problem, state = ordinary(-0.3)
     lawful = replace(state, model=with_law(state.model))
-    assert spread_law(Null(held, lawful)) is None
-    assert spread_law(Null(held.only([1]), state)) is None
+    assert spread_law(FittedModel(problem, lawful)) is None
+    assert spread_law(FittedModel(problem.only([1]), state)) is None
 
 
 def test_the_law_begins_as_the_same_model_to_the_last_bit():
-    held, state = ordinary(0.0)
+    problem, state = ordinary(0.0)
     law = with_law(state.model).get(BASE).delta
     assert isinstance(law, ArrheniusLaw)
     assert law.ea_ev == 0.0
-    for point in (s.point for s in held.plan.captures.settings):
+    for point in (s.point for s in problem.plan.captures.settings):
         a, b = (
             list(simulate_frames(m, SHAPE, point, [0, 1]))
             for m in (state.model, with_law(state.model))

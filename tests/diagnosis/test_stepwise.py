@@ -8,9 +8,9 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import judged_by_prediction
-from dnanalyze.diagnosis.predictive_check import Null, error_of
+from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
-from dnanalyze.diagnosis.selection import CERTAIN, NOTHING, PLAIN, Trial
+from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, EVIDENCE_ODDS_10, Trial
 from dnanalyze.diagnosis.stepwise import (
     Path,
     Search,
@@ -22,10 +22,10 @@ from dnanalyze.diagnosis.stepwise import (
 )
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import carried, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
@@ -40,28 +40,28 @@ ROWS = {"row_fpn": RowFpn, "row_noise": RowNoise}
 
 def made(hidden):
     drawn = draw_sensor(np.random.default_rng(11))
-    return bench(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    return fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
 
 
 @pytest.fixture(scope="module")
-def held():
+def problem():
     return made({"row_fpn": {"level": "strong"}})
 
 
-def fitted(held, *effects):
-    model = ordinary_start(held)
+def fitted(problem, *effects):
+    model = baseline_model(problem)
     for effect in effects:
         model = model.with_effect(effect)
-    return converge(held, start(held, model, knobs_of(model)))
+    return converge(problem, start(problem, model, free_parameters(model)))
 
 
 @pytest.fixture(scope="module")
-def null(held):
-    return Null(held, fitted(held))
+def null(problem):
+    return FittedModel(problem, fitted(problem))
 
 
-def trial(null, gain, state=None, spread=1.0):
-    return Trial("row_fpn", state or null.state, gain, gain, 0.5 * null.error, 0.5, spread)
+def trial(null, gain, state=None, overdispersion=1.0):
+    return Trial("row_fpn", state or null.state, gain, gain, 0.5 * null.error, 0.5, overdispersion)
 
 
 def test_the_hidden_effect_is_chosen_first(null):
@@ -71,69 +71,73 @@ def test_the_hidden_effect_is_chosen_first(null):
     assert {t.effect for t in tried} <= set(ROWS)
 
 
-def test_nothing_is_chosen_where_nothing_is_missing(held):
-    _, best = choose(Null(held, fitted(held, RowFpn(1.0))), {"row_noise": RowNoise})
+def test_nothing_is_chosen_where_nothing_is_missing(problem):
+    _, best = choose(FittedModel(problem, fitted(problem, RowFpn(1.0))), {"row_noise": RowNoise})
     assert best is None
 
 
 def test_the_evidence_asked_for_goes_by_the_residual_that_a_candidate_corrects(null):
     """Replicates reject the model; a candidate that corrects that needs less evidence."""
-    right = fitted(null.held, RowFpn(1.0))
+    right = fitted(null.problem, RowFpn(1.0))
     assert null.corrects(null.left[:3], right)
     assert supported(null, []) is None
-    for state, least in ((right, NOTHING), (null.state, PLAIN)):
-        for spread in (1.0, 3.0):
-            enough, little = (trial(null, f * least * spread, state, spread) for f in (1.01, 0.99))
+    for state, least in ((right, EVIDENCE_NULL), (null.state, EVIDENCE_DECISIVE)):
+        for overdispersion in (1.0, 3.0):
+            enough, little = (
+                trial(null, f * least * overdispersion, state, overdispersion) for f in (1.01, 0.99)
+            )
             assert supported(null, [enough]) is enough
             assert supported(null, [little]) is None
-    done = Null(null.held, right)
+    done = FittedModel(null.problem, right)
     assert done.left == []
-    assert supported(done, [trial(done, 0.99 * CERTAIN)]) is None
-    assert supported(done, [trial(done, 1.01 * CERTAIN)]) is not None
+    assert supported(done, [trial(done, 0.99 * EVIDENCE_ODDS_10)]) is None
+    assert supported(done, [trial(done, 1.01 * EVIDENCE_ODDS_10)]) is not None
 
 
-def test_a_superfluous_effect_is_dropped_and_a_needed_one_kept(held):
-    state, gone = reduced(held, fitted(held, RowFpn(1.0), RowNoise(1e-3)))
+def test_a_superfluous_effect_is_dropped_and_a_needed_one_kept(problem):
+    state, gone = reduced(problem, fitted(problem, RowFpn(1.0), RowNoise(1e-3)))
     assert gone == ["row_noise"]
     assert state.model.get("row_fpn") is not None
-    again, gone = reduced(held, state)
+    again, gone = reduced(problem, state)
     assert gone == []
     assert again is state
 
 
-def test_a_confounded_effect_gives_way_to_the_hidden_one(held):
-    state = fitted(held, RowNoise(0.5))
-    found = swapped(held, state, ["row_noise"], {"row_fpn": RowFpn}, lambda _: None)
+def test_a_confounded_effect_gives_way_to_the_hidden_one(problem):
+    state = fitted(problem, RowNoise(0.5))
+    found = swapped(problem, state, ["row_noise"], {"row_fpn": RowFpn}, lambda _: None)
     assert found is not None
     gone, without, comes = found
     assert (gone, comes.effect) == ("row_noise", "row_fpn")
     assert without.state.model.get("row_noise") is None
-    null = Null.of(held, state)
+    null = FittedModel.of(problem, state)
     assert comes.error < null.error
     by_make = judged_by_prediction(null, comes)
     assert (comes.gain, comes.fitted_gain) == pytest.approx((by_make.gain, by_make.fitted_gain))
-    assert swapped(held, state, [], {"row_fpn": RowFpn}, lambda _: None) is None
+    assert swapped(problem, state, [], {"row_fpn": RowFpn}, lambda _: None) is None
 
 
-def test_the_right_effect_stays(held):
-    state = fitted(held, RowFpn(1.0))
-    assert swapped(held, state, ["row_fpn"], {"row_noise": RowNoise}, lambda _: None) is None
+def test_the_right_effect_stays(problem):
+    state = fitted(problem, RowFpn(1.0))
+    assert swapped(problem, state, ["row_fpn"], {"row_noise": RowNoise}, lambda _: None) is None
 
 
 def test_an_effect_at_a_wrong_place_is_guessed_again():
-    held = made({"amp_glow": {"level": "strong", "corner": [1, 1]}})
-    state = fitted(held, AmpGlow(1.0, 0.1, location="n"))
-    found = swapped(held, state, ["amp_glow"], {}, lambda _: None)
+    problem = made({"amp_glow": {"level": "strong", "corner": [1, 1]}})
+    state = fitted(problem, AmpGlow(1.0, 0.1, location="n"))
+    found = swapped(problem, state, ["amp_glow"], {}, lambda _: None)
     assert found is not None
     assert found[2].state.model.get("amp_glow").location == "se"
-    assert found[2].error < 0.5 * error_of(held, state)
+    assert found[2].error < 0.5 * error_of(problem, state)
 
 
-def test_a_search_states_its_steps_and_keeps_complete_models(held):
+def test_a_search_states_its_steps_and_keeps_complete_models(problem):
     told, kept, trying = [], [], []
     known = {**ROWS, "column_fpn": built_in()["column_fpn"]}
-    search = Search(held, known, tell=told.append, keep=kept.append, trying=trying.append)
-    path = search.run(fitted(held))
+    search = Search(
+        problem, known, on_step=told.append, on_path=kept.append, on_progress=trying.append
+    )
+    path = search.run(fitted(problem))
     assert [s.added for s in path.steps] == [None, "row_fpn"]
     # the last step is told before its last fit
     assert [(s.added, s.confidence) for s in told] == [(s.added, s.confidence) for s in path.steps]
@@ -144,41 +148,41 @@ def test_a_search_states_its_steps_and_keeps_complete_models(held):
     assert {"row_fpn", "row_noise"} <= set(trying)
 
 
-def test_a_refused_effect_is_open_again_once_another_is_in_the_model(held):
-    state = fitted(held)
-    begun = Path(state, (Step(None, error_of(held, state)),), refused=("row_noise",))
-    search = Search(held, {**ROWS, "column_fpn": built_in()["column_fpn"]})
+def test_a_refused_effect_is_open_again_once_another_is_in_the_model(problem):
+    state = fitted(problem)
+    begun = Path(state, (Step(None, error_of(problem, state)),), refused=("row_noise",))
+    search = Search(problem, {**ROWS, "column_fpn": built_in()["column_fpn"]})
     assert "row_noise" not in search._open(begun)
-    path = search._tested(begun, Null.of(held, state))
-    path = search._with(path, Null.of(held, state), path.best, math.inf)
+    path = search._tested(begun, FittedModel.of(problem, state))
+    path = search._with(path, FittedModel.of(problem, state), path.best, math.inf)
     assert path.steps[-1].added == "row_fpn"
     assert path.refused == ()
     assert "row_noise" in search._open(path)
 
 
-def test_an_effect_that_raises_the_error_is_not_taken(held):
-    begun = Path(fitted(held), (Step(None, 1e-3),))
-    path = Search(held, {"row_fpn": RowFpn})._searched(begun)
+def test_an_effect_that_raises_the_error_is_not_taken(problem):
+    begun = Path(fitted(problem), (Step(None, 1e-3),))
+    path = Search(problem, {"row_fpn": RowFpn})._searched(begun)
     assert path.refused == ("row_fpn",)
     assert path.steps == begun.steps
     assert path.state.model.get("row_fpn") is None
 
 
-def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(held):
-    state = fitted(held, RowFpn())
+def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(problem):
+    state = fitted(problem, RowFpn())
     steps = (Step(None, 1e-3), Step("row_fpn", 1e-4))
-    path = Search(held, ROWS)._converged(Path(state, steps, converged=False))
+    path = Search(problem, ROWS)._converged(Path(state, steps, converged=False))
     assert [s.added for s in path.steps] == [None, "row_fpn", "-row_fpn"]
     assert path.dropped == ("row_fpn",)
     assert path.state.model.get("row_fpn") is None
 
 
-def test_a_search_ends_at_the_users_limits(held):
-    state = fitted(held)
-    most = Search(held, ROWS, most=0).run(state)
+def test_a_search_ends_at_the_users_limits(problem):
+    state = fitted(problem)
+    most = Search(problem, ROWS, most=0).run(state)
     assert [s.added for s in most.steps] == [None]
     assert most.best.effect == "row_fpn"
-    enough = Search(held, ROWS, until_error=1e3).run(state)
+    enough = Search(problem, ROWS, until_error=1e3).run(state)
     assert enough.tried == ()
     assert enough.best is None
 
@@ -197,37 +201,37 @@ def far():
     model = NoiseModel(effects, 500.0, points[0], seed=4)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(designs, "LARGE", 0)
-        return bench(design(simulate(model, (256, 256), [(p, 4) for p in points])))
+        return fit_problem(design(simulate(model, (256, 256), [(p, 4) for p in points])))
 
 
 def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, monkeypatch):
-    fields, simulated = [], Bench.several
+    fields, simulated = [], FitProblem.several
 
     def several(self, models):
         fields.append((self.plan.windows, self.even))
         return simulated(self, models)
 
-    monkeypatch.setattr(Bench, "several", several)
+    monkeypatch.setattr(FitProblem, "several", several)
     known = {n: built_in()[n] for n in ("row_noise", "column_fpn", "row_fpn", "column_noise")}
     begun, told, kept = fitted(far), [], []
     assert far_off(carried(begun, far, far.part))
-    path = Search(far, known, tell=told.append, keep=kept.append).run(begun)
+    path = Search(far, known, on_step=told.append, on_path=kept.append).run(begun)
     assert {s.added for s in path.steps} == {None, "row_noise", "column_fpn"}
     assert (far.part.plan.windows, False) in fields  # a fit of the whole begins on an even part
     for state in (path.state, *(k.state for k in kept)):
         assert len(state.train) == len(far.train.keys)
-    assert path.error == pytest.approx(Null.of(far, path.state).error)
+    assert path.error == pytest.approx(FittedModel.of(far, path.state).error)
     assert path.error < 1.3
     # the first effect is stated as the part has it, with the error that it leaves on the whole, by
     # the yardstick of the part: of 8 replicates, good to a quarter
-    assert told[1].error == pytest.approx(Null.of(far, kept[1].state).error, rel=0.25)
+    assert told[1].error == pytest.approx(FittedModel.of(far, kept[1].state).error, rel=0.25)
     assert told[1].confidence > 0.9
 
 
 def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
     known = {n: built_in()[n] for n in ("rts", "persistence", "row_noise", "column_fpn")}
     tested: list[str] = []
-    search = Search(far, known, most=0, trying=tested.append)
+    search = Search(far, known, most=0, on_progress=tested.append)
     begun, path = search._on_part(state := fitted(far), ())
     assert {"row_noise", "column_fpn"} <= set(path.open) < set(known)
     assert path.state is state

@@ -10,8 +10,8 @@ from dnanalyze.diagnosis.diagnose import diagnose_on
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 
 NONE, PLENTY = 1e-6, 3600.0  # s
@@ -45,12 +45,12 @@ def test_without_time_the_starting_model_is_the_answer(captures):
     assert math.isfinite(found.steps[0].error)
     assert found.parameters
     assert all(math.isnan(p.se) for p in found.parameters)
-    found.bench.fitted_z(found.model)  # what is done with the result has no limit
+    found.problem.fitted_z(found.model)  # what is done with the result has no limit
 
 
 def test_what_is_known_directly_is_stated_without_time_too(captures):
     known = replace(captures, sensor=replace(captures.sensor, system_gain_dn_e=0.5))
-    begun = ordinary_start(bench(design(known)))
+    begun = baseline_model(fit_problem(design(known)))
     (gain,) = refine_on(known, begun, budget=NONE).direct
     assert (gain.quantity, gain.direct) == ("system gain, recorded", 0.5)
     assert gain.model == begun.get("dark_shot_noise").value("dn_per_e", begun.reference)

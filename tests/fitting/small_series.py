@@ -1,7 +1,7 @@
-"""A small simulated series and its bench, for what works on benches."""
+"""A small simulated series and its problem, for what works on problems."""
 
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
@@ -18,7 +18,7 @@ def model(**more) -> NoiseModel:
     return NoiseModel(tuple(KNOWN[n](**more.get(n, {})) for n in names), 64.0, POINTS[0], seed=4)
 
 
-def bench_of(cfa=None) -> Bench:
+def bench_of(cfa=None) -> FitProblem:
     """Three temperatures of four frames."""
     sensor = Sensor(SHAPE, cfa=cfa)
-    return bench(design(simulate(model(), SHAPE, [(p, 4) for p in POINTS], sensor=sensor)))
+    return fit_problem(design(simulate(model(), SHAPE, [(p, 4) for p in POINTS], sensor=sensor)))

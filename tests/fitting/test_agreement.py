@@ -12,18 +12,18 @@ from dnanalyze.demo.sensor import arrhenius
 from dnanalyze.fitting import agreement
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import ordinary_start
+from dnanalyze.fitting.fit import baseline_model
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 
 
 @pytest.fixture(scope="module")
 def fitted():
-    held = bench(design(with_bias()))
-    model = ordinary_start(held)
-    return held, converge(held, start(held, model, knobs_of(model)))
+    problem = fit_problem(design(with_bias()))
+    model = baseline_model(problem)
+    return problem, converge(problem, start(problem, model, free_parameters(model)))
 
 
 def test_of_a_right_model_every_quantity_agrees_with_the_frames_and_the_truth(fitted):
@@ -42,11 +42,11 @@ def test_of_a_right_model_every_quantity_agrees_with_the_frames_and_the_truth(fi
 
 
 def test_a_model_with_another_gain_and_black_level_is_told(fitted):
-    held, state = fitted
+    problem, state = fitted
     shot = state.model.get("dark_shot_noise")
     wrong = state.model.with_effect(replace(shot, dn_per_e=2.0 * shot.dn_per_e))
     wrong = replace(wrong, pedestal=state.model.pedestal - 30.0)
-    told = {a.quantity for a in agreements(held, replace(state, model=wrong)) if not a.kept}
+    told = {a.quantity for a in agreements(problem, replace(state, model=wrong)) if not a.kept}
     assert told >= {"system gain, photon transfer", "dark signal"}
 
 

@@ -12,9 +12,9 @@ import small_series as small
 from dnanalyze.fitting.black_level_restart import at_black_level
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.moments import moments
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.state import start
 from dnanalyze.fitting.ties import Tie
@@ -36,31 +36,31 @@ def series(seed: int, black: float = BLACK):
 
 
 @pytest.fixture(scope="module")
-def held():
-    return bench(design(simulate(series(9), (128, 128), [(p, 4) for p in small.POINTS])))
+def problem():
+    return fit_problem(design(simulate(series(9), (128, 128), [(p, 4) for p in small.POINTS])))
 
 
-def at_rest(held, model):
-    return derive(held, start(held, model, knobs_of(model)))
+def at_rest(problem, model):
+    return derive(problem, start(problem, model, free_parameters(model)))
 
 
 @pytest.mark.parametrize("black", [63.0, 64.6])
-def test_a_black_level_that_read_noise_and_charge_hide_comes_back(held, black):
-    state = at_rest(held, series(4, black))
-    ended = at_black_level(held, state, 12)
+def test_a_black_level_that_read_noise_and_charge_hide_comes_back(problem, black):
+    state = at_rest(problem, series(4, black))
+    ended = at_black_level(problem, state, 12)
     # the median of 128^2 / 2 pixels repeats to .02 DN; three temperatures tell the level to .1
     assert ended.model.pedestal == pytest.approx(BLACK, abs=0.15)
     assert ended.merit < state.merit
 
 
-def test_a_fit_at_the_level_by_the_moments_stays(held):
-    measured = moments(Readings(held.measured[0]), None).pedestal
-    state = at_rest(held, series(4, measured + 0.04))  # of .05 of the noise
-    assert at_black_level(held, state, 12) is state
+def test_a_fit_at_the_level_by_the_moments_stays(problem):
+    measured = moments(Readings(problem.measured[0]), None).pedestal
+    state = at_rest(problem, series(4, measured + 0.04))  # of .05 of the noise
+    assert at_black_level(problem, state, 12) is state
 
 
-def test_a_black_level_that_is_bound_stays(held):
-    state = at_rest(held, series(4, 63.0))
-    at = next(i for i, k in enumerate(state.knobs) if k.effect == "pedestal")
+def test_a_black_level_that_is_bound_stays(problem):
+    state = at_rest(problem, series(4, 63.0))
+    at = next(i for i, k in enumerate(state.free) if k.effect == "pedestal")
     bound = replace(state, ties=(Tie(at, 63.0, 0.01),))
-    assert at_black_level(held, bound, 12) is bound
+    assert at_black_level(problem, bound, 12) is bound

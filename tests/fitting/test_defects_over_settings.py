@@ -11,7 +11,7 @@ from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.line_defects import line_defects
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
@@ -63,9 +63,9 @@ def _with_defects(cfa: tuple[tuple[str, ...], ...] | None) -> CaptureSet:
 
 @pytest.mark.parametrize("cfa", [None, (("R", "G"), ("G", "B"))], ids=["mono", "mosaic"])
 def test_lines_are_found_where_they_are(cfa):
-    held = bench(design(_with_defects(cfa)))
-    model = paper_start(held)
-    clues = Residual(held, start(held, model, []))
+    problem = fit_problem(design(_with_defects(cfa)))
+    model = paper_start(problem)
+    clues = Residual(problem, start(problem, model, []))
     ((column, offset, begin, end),) = clues.defects("columns")
     assert column == 51
     assert offset == pytest.approx(400, rel=0.1)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import ALIGNED, BAND, BUDGET_PIXELS, LARGE, design
-from dnanalyze.fitting.fit import ordinary_start, with_seed
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.fit import baseline_model, with_seed
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 from dnanalyze.model.simulate import simulate
 
@@ -102,11 +102,14 @@ def test_a_fit_sees_stored_codes_as_codes(factor):
         return replace(frame, load=load)
 
     settings = tuple(replace(s, frames=tuple(map(stored, s.frames))) for s in codes.settings)
-    plain, scaled = bench(design(codes)), bench(design(replace(codes, settings=settings)))
+    plain, scaled = (
+        fit_problem(design(codes)),
+        fit_problem(design(replace(codes, settings=settings))),
+    )
     assert scaled.plan.unit == pytest.approx(factor, rel=1e-6)
     np.testing.assert_array_equal(plain.train.coordinates, scaled.train.coordinates)
     np.testing.assert_array_equal(plain.test.stated, scaled.test.stated)
-    model = ordinary_start(scaled)
+    model = baseline_model(scaled)
     points = [(s.point, 1) for s in codes.settings]
     made = simulate(model, (64, 64), points).settings[0].frames[0].read()
     own = simulate(replace(model, unit=1.0), (64, 64), points).settings[0].frames[0].read()
@@ -115,6 +118,6 @@ def test_a_fit_sees_stored_codes_as_codes(factor):
 
 def test_a_model_of_another_unit_is_refused():
     codes = generate(VirtualSensor(), {}, (64, 64), (40.0, 70.0), frames=3, seed=2)
-    held = bench(design(codes))
+    problem = fit_problem(design(codes))
     with pytest.raises(InputError, match="one DN of it is 16 in files"):
-        with_seed(held, replace(ordinary_start(held), unit=16.0), None)
+        with_seed(problem, replace(baseline_model(problem), unit=16.0), None)

@@ -11,10 +11,10 @@ from dnanalyze.fitting.changes import Changes, part_for
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
+from dnanalyze.fitting.free_parameters import free_parameters, positions, with_values
 from dnanalyze.fitting.from_part import converge, fitted
-from dnanalyze.fitting.knobs import knobs_of, positions, turned
 from dnanalyze.fitting.moments import moments
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import paper_models
 from dnanalyze.fitting.state import State, carried, given, start
@@ -42,73 +42,73 @@ def model(seed, **more):
 
 
 @pytest.fixture(scope="module")
-def held():
+def problem():
     """Two temperatures, with a part though they are small."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(designs, "LARGE", 0)
-        return bench(design(simulate(model(4), SHAPE, [(p, FRAMES) for p in POINTS])))
+        return fit_problem(design(simulate(model(4), SHAPE, [(p, FRAMES) for p in POINTS])))
 
 
 @pytest.fixture
 def simulated(monkeypatch):
-    """What of a bench is simulated, in order."""
-    made, whole = [], Bench.several
+    """What of a problem is simulated, in order."""
+    made, whole = [], FitProblem.several
 
     def several(self, models):
         made.extend([self.part is not None] * len(models))
         return whole(self, models)
 
-    monkeypatch.setattr(Bench, "several", several)
+    monkeypatch.setattr(FitProblem, "several", several)
     return made
 
 
-def test_a_part_is_measured_as_if_it_were_all_there_is(held):
-    alone = bench(held.part.plan)
-    for one, other in ((alone.train, held.part.train), (alone.test, held.part.test)):
+def test_a_part_is_measured_as_if_it_were_all_there_is(problem):
+    alone = fit_problem(problem.part.plan)
+    for one, other in ((alone.train, problem.part.train), (alone.test, problem.part.test)):
         assert one.keys == other.keys
         np.testing.assert_array_equal(one.coordinates, other.coordinates)
-        np.testing.assert_array_equal(one.floor, other.floor)
-    assert held.part.memo is held.memo
-    assert held.part.helpers is held.helpers
-    assert held.only([0]).part.train.keys == held.part.only([0]).train.keys
+        np.testing.assert_array_equal(one.reproducibility_sd, other.reproducibility_sd)
+    assert problem.part.memo is problem.memo
+    assert problem.part.helpers is problem.helpers
+    assert problem.only([0]).part.train.keys == problem.part.only([0]).train.keys
 
 
-def test_a_quarter_of_the_field_tells_each_number_half_as_well(held):
-    whole, part = held.train, held.part.train
+def test_a_quarter_of_the_field_tells_each_number_half_as_well(problem):
+    whole, part = problem.train, problem.part.train
     place = {k: i for i, k in enumerate(whole.keys)}
     ratio = [
-        floor / whole.floor[place[k]]
-        for k, floor in zip(part.keys, part.floor, strict=True)
+        reproducibility_sd / whole.reproducibility_sd[place[k]]
+        for k, reproducibility_sd in zip(part.keys, part.reproducibility_sd, strict=True)
         if k in place
     ]
     assert len(ratio) > 0.9 * len(whole.keys)
     assert 1.5 < np.median(ratio) < 2.5
 
 
-def test_derivatives_go_over_in_the_floors_of_where_they_are_used(held):
-    there = derive(held.part, start(held.part, model(4), knobs_of(model(4))))
-    here = carried(there, held.part, held)
-    place = {k: i for i, k in enumerate(held.part.train.keys)}
-    for i, key in enumerate(held.train.keys):
+def test_derivatives_go_over_in_the_floors_of_where_they_are_used(problem):
+    there = derive(problem.part, start(problem.part, model(4), free_parameters(model(4))))
+    here = carried(there, problem.part, problem)
+    place = {k: i for i, k in enumerate(problem.part.train.keys)}
+    for i, key in enumerate(problem.train.keys):
         if key in place:
             j = place[key]
             np.testing.assert_allclose(
-                here.jacobian[i] * held.train.floor[i],
-                there.jacobian[j] * held.part.train.floor[j],
+                here.jacobian[i] * problem.train.reproducibility_sd[i],
+                there.jacobian[j] * problem.part.train.reproducibility_sd[j],
             )
         else:
             assert not here.jacobian[i].any()
-    np.testing.assert_array_equal(here.train, held.fitted_z(model(4)))
-    back = carried(here, held, held.part)
-    common = [i for i, key in enumerate(held.part.train.keys) if key in set(held.train.keys)]
+    np.testing.assert_array_equal(here.train, problem.fitted_z(model(4)))
+    back = carried(here, problem, problem.part)
+    common = [i for i, key in enumerate(problem.part.train.keys) if key in set(problem.train.keys)]
     np.testing.assert_allclose(back.jacobian[common], there.jacobian[common])
 
 
-def test_they_are_nearly_those_of_the_whole_field(held):
-    begun = start(held, model(4), knobs_of(model(4)))
-    own = derive(held, begun).jacobian
-    there = derive(held.part, start(held.part, model(4), knobs_of(model(4))))
-    other = carried(there, held.part, held).jacobian
+def test_they_are_nearly_those_of_the_whole_field(problem):
+    begun = start(problem, model(4), free_parameters(model(4)))
+    own = derive(problem, begun).jacobian
+    there = derive(problem.part, start(problem.part, model(4), free_parameters(model(4))))
+    other = carried(there, problem.part, problem).jacobian
     size = np.linalg.norm(own, axis=0)
     plain = size > 200.0  # of what moves little, each draws the luck of its own pixels
     assert plain.sum() >= 5
@@ -117,69 +117,69 @@ def test_they_are_nearly_those_of_the_whole_field(held):
 
 
 @pytest.mark.parametrize("seed", [5, 6, 7])
-def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(held, simulated, seed):
+def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(problem, simulated, seed):
     begun = model(seed)
-    knobs = knobs_of(begun)
-    off = turned(begun, knobs, positions(begun, knobs) + [0.2 * k.log for k in knobs])
-    alone = converge(replace(held, part=None), start(held, off, knobs))
+    free = free_parameters(begun)
+    off = with_values(begun, free, positions(begun, free) + [0.2 * k.log for k in free])
+    alone = converge(replace(problem, part=None), start(problem, off, free))
     simulated.clear()
-    ended = fitted(held, off)
+    ended = fitted(problem, off)
     first = simulated.index(True)
     assert not any(simulated[:first])  # the part, then the whole, in a step or a few
     assert all(simulated[first:])
     assert len(simulated) - first < 16  # a round with derivatives of the part, and one to see
-    ended = converge(held, ended)
+    ended = converge(problem, ended)
     # nearer than the truth is chance: the valley is as flat as two simulated sensors differ
-    least = max(alone.loss, start(held, begun, knobs).loss)
-    assert ended.loss < least + 0.05 * len(held.train.keys)
+    least = max(alone.loss, start(problem, begun, free).loss)
+    assert ended.loss < least + 0.05 * len(problem.train.keys)
 
 
-def test_what_lies_somewhere_is_fitted_to_the_whole_at_once(held, simulated):
+def test_what_lies_somewhere_is_fitted_to_the_whole_at_once(problem, simulated):
     shaded = model(4, amp_glow={"amplitude": 5.0})
-    assert part_for(held, shaded) is None
-    assert part_for(held, model(4)) is held.part
+    assert part_for(problem, shaded) is None
+    assert part_for(problem, model(4)) is problem.part
     asked = []
-    fitted(held, shaded, lambda on, state: asked.append(on) or state)
-    assert asked == [held]
+    fitted(problem, shaded, lambda on, state: asked.append(on) or state)
+    assert asked == [problem]
     assert all(simulated)
 
 
-def test_without_a_part_the_fit_is_of_the_whole_alone(held):
+def test_without_a_part_the_fit_is_of_the_whole_alone(problem):
     asked = []
-    fitted(replace(held, part=None), model(4), lambda on, state: asked.append(state) or state)
+    fitted(replace(problem, part=None), model(4), lambda on, state: asked.append(state) or state)
     assert np.isnan(asked[0].jacobian).all()
 
 
-def test_the_papers_pedestal_is_chosen_on_the_part(held, simulated):
-    chosen = paper_start(held)
+def test_the_papers_pedestal_is_chosen_on_the_part(problem, simulated):
+    chosen = paper_start(problem)
     assert simulated == [False] * 4
-    tried = paper_models(moments(Readings(held.measured[0]), None))
+    tried = paper_models(moments(Readings(problem.measured[0]), None))
     assert chosen.without("quantization") in tried
 
 
-def test_derivatives_of_what_is_everywhere_are_taken_on_the_part(held, simulated):
-    state = start(held, model(1), knobs_of(model(1)))
+def test_derivatives_of_what_is_everywhere_are_taken_on_the_part(problem, simulated):
+    state = start(problem, model(1), free_parameters(model(1)))
     assert np.isnan(state.jacobian).all()
     blank = replace(state, jacobian=np.zeros_like(state.jacobian))
     simulated.clear()
-    found = derive(held, blank, anew=True)
+    found = derive(problem, blank, anew=True)
     assert found.model is state.model
     np.testing.assert_array_equal(found.train, state.train)
     assert not any(simulated)
-    near = derive(held.part, carried(blank, held, held.part), anew=True)
-    np.testing.assert_array_equal(found.jacobian, carried(near, held.part, held).jacobian)
+    near = derive(problem.part, carried(blank, problem, problem.part), anew=True)
+    np.testing.assert_array_equal(found.jacobian, carried(near, problem.part, problem).jacobian)
 
 
-def test_derivatives_of_what_has_a_place_are_taken_on_the_whole(held, simulated):
+def test_derivatives_of_what_has_a_place_are_taken_on_the_whole(problem, simulated):
     placed = model(1, amp_glow={"amplitude": 5.0})
-    state = start(held, placed, knobs_of(placed))
+    state = start(problem, placed, free_parameters(placed))
     simulated.clear()
-    found = derive(held, state)
-    of_glow = [k.effect == "amp_glow" for k in state.knobs]
-    groups = {k.group for k in state.knobs}
-    assert sum(simulated) >= len({k.group for k in state.knobs if k.effect == "amp_glow"})
+    found = derive(problem, state)
+    of_glow = [k.effect == "amp_glow" for k in state.free]
+    groups = {k.group for k in state.free}
+    assert sum(simulated) >= len({k.group for k in state.free if k.effect == "amp_glow"})
     assert simulated.count(False) >= len({g for g in groups if "amp_glow" not in g})
-    alone = derive(replace(held, part=None), state)
+    alone = derive(replace(problem, part=None), state)
     np.testing.assert_array_equal(found.jacobian[:, of_glow], alone.jacobian[:, of_glow])
 
 
@@ -204,19 +204,19 @@ def test_a_fit_ends_where_a_round_gains_nothing_a_hopeless_one_after_the_first(
 
 
 @pytest.mark.parametrize("beside", [{}, {"row_fpn": {}}, {"column_taps": {}}, {"amp_glow": {}}])
-def test_what_lies_everywhere_changes_the_part_as_the_whole(held, beside):
+def test_what_lies_everywhere_changes_the_part_as_the_whole(problem, beside):
     before = model(4, **beside)
     after = before.with_effect(KNOWN["read_noise"](sigma=3.3))
-    part = Changes.of(held, before, Placing.EVERYWHERE)
-    whole = Changes.of(held, before, Placing.SOMEWHERE)
-    assert part.bench is held.part
-    assert whole.bench is held
+    part = Changes.of(problem, before, Placing.EVERYWHERE)
+    whole = Changes.of(problem, before, Placing.SOMEWHERE)
+    assert part.problem is problem.part
+    assert whole.problem is problem
     (near,), (true,) = part.by([after]), whole.by([after])
     assert np.linalg.norm(near - true) < 0.2 * np.linalg.norm(true)
 
 
-def test_what_lies_at_places_of_its_own_is_simulated_on_the_whole(held):
+def test_what_lies_at_places_of_its_own_is_simulated_on_the_whole(problem):
     placed = model(4, column_taps={})
-    assert not Changes.of(held, placed, Placing.ANYWHERE).bench.even
-    assert not Changes.of(held, model(4), Placing.SOMEWHERE).bench.even
-    assert Changes.of(held, model(4), Placing.ANYWHERE).bench.even
+    assert not Changes.of(problem, placed, Placing.ANYWHERE).problem.even
+    assert not Changes.of(problem, model(4), Placing.SOMEWHERE).problem.even
+    assert Changes.of(problem, model(4), Placing.ANYWHERE).problem.even

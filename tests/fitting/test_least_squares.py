@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.fitting.knobs import knobs_of, positions
+from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import HOPE, minimise, within_reach
 from dnanalyze.fitting.state import State, given, start
 from dnanalyze.fitting.ties import Direct
@@ -23,32 +23,32 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
     since what the damping takes off the step the slope adds).
     """
     model = small.model()
-    knobs = knobs_of(model)[:1]
-    here = positions(model, knobs)
+    free = free_parameters(model)[:1]
+    here = positions(model, free)
     slope = np.full((500, 1), 2.0 * far)
 
     def z(moved):
-        return far - slope[:, 0] * (positions(moved, knobs) - here)
+        return far - slope[:, 0] * (positions(moved, free) - here)
 
-    held = SimpleNamespace(bounds=lambda _: None)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=held, direct=Direct())
-    begun = State(model, knobs, z(model), given(z(model)), -factor * slope, not true)
+    problem = SimpleNamespace(bounds=lambda _: None)
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, direct=Direct())
+    begun = State(model, free, z(model), given(z(model)), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
     assert ended.loss < 0.5 * begun.loss
     assert ended.at_rest == true
-    assert not start(straight, ended.model, knobs, like=ended).at_rest
+    assert not start(straight, ended.model, free, like=ended).at_rest
     assert not minimise(straight, replace(begun, at_rest=True), below=-1e9).at_rest
 
 
 def test_the_last_bits_of_linear_algebra_do_not_choose_the_path(monkeypatch):
     """Libraries that solve the same equations differ by some 1e-13; the models must not."""
-    held, begun = small.bench_of(), replace(small.model(), pedestal=60.0)
+    problem, begun = small.bench_of(), replace(small.model(), pedestal=60.0)
     exact, rng = np.linalg.solve, np.random.default_rng(4)
-    ended = minimise(held, start(held, begun, knobs_of(begun)), iterations=3)
+    ended = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
     monkeypatch.setattr(
         np.linalg, "solve", lambda a, b: exact(a, b) * (1 + 1e-13 * rng.normal(size=b.shape))
     )
-    again = minimise(held, start(held, begun, knobs_of(begun)), iterations=3)
+    again = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
     assert again.model == ended.model != begun
     np.testing.assert_array_equal(again.train, ended.train)
 
@@ -56,10 +56,10 @@ def test_the_last_bits_of_linear_algebra_do_not_choose_the_path(monkeypatch):
 @pytest.mark.parametrize(("share", "reached"), [(0.5, False), (2.0, True)])
 def test_a_loss_is_within_reach_up_to_some_times_what_a_step_promises(share, reached):
     model = small.model()
-    knobs = knobs_of(model)[:2]
+    free = free_parameters(model)[:2]
     slope = np.zeros((500, 2))
     slope[:50, 0] = 1.0  # moves a tenth of the numbers
     slope[:, 1] = np.nan  # not known: it promises nothing
-    state = State(model, knobs, np.full(500, 0.1), given(np.zeros(1)), slope)
+    state = State(model, free, np.full(500, 0.1), given(np.zeros(1)), slope)
     promised = 50 * 0.1**2
     assert within_reach(state, state.loss - HOPE * promised / share) == reached

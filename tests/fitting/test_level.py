@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.diagnosis.predictive_check import Null
-from dnanalyze.fitting.knobs import knobs_of, positions
+from dnanalyze.diagnosis.predictive_check import FittedModel
+from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import DarkSignals, allowed, level
 from dnanalyze.fitting.state import given, start
@@ -65,67 +65,69 @@ def test_the_level_is_that_of_both_halves_together():
 
 
 def test_a_model_of_another_level_is_not_adequate_whatever_its_error():
-    held = small.bench_of()
-    right = start(held, small.model(), [])
-    mean = [np.where(half.names == "mean", 0.2, 0.0) for half in (held.train, held.test)]
+    problem = small.bench_of()
+    right = start(problem, small.model(), [])
+    mean = [np.where(half.names == "mean", 0.2, 0.0) for half in (problem.train, problem.test)]
     for size, kept in ((1.0, True), (40.0, False)):
         train, test = (size * z for z in mean)
-        found = Null(held, replace(right, train=train, unseen=given(test)))
+        found = FittedModel(problem, replace(right, train=train, unseen=given(test)))
         assert found.adequate == kept
         assert found.left == ([] if kept else ["mean"])
 
 
 def test_the_signal_is_above_the_measured_black_level():
-    """A fit may miss the median by half of 1 % of it, or by 2 floors where there is hardly any."""
-    held = small.bench_of()
-    at = held.train.names == "median"
-    assert np.isinf(held.train.bounds()[~at]).all()
-    values, floors = held.train.values[at], held.train.floor[at]
-    noise = held.train.values[held.train.names == "temporal_noise_core"]
+    """A fit may miss the median by half of 1 % of it, or by 2 standard deviations at no signal."""
+    problem = small.bench_of()
+    at = problem.train.names == "median"
+    assert np.isinf(problem.train.bounds()[~at]).all()
+    values, floors = problem.train.values[at], problem.train.reproducibility_sd[at]
+    noise = problem.train.values[problem.train.names == "temporal_noise_core"]
     tolerance = np.maximum(0.005 * (values - 64.0), 0.025 * noise)
     np.testing.assert_allclose(
-        held.train.bounds()[at], np.maximum(2.0, tolerance / floors), rtol=0.05
+        problem.train.bounds()[at], np.maximum(2.0, tolerance / floors), rtol=0.05
     )
 
 
 @pytest.mark.parametrize(("shift", "wanted"), [(0.0, 2.0), (30.0, 60.0)])
 def test_a_level_beyond_the_laws_may_be_off_by_twice_that(shift, wanted):
-    """Four exposures of a signal of 10 DN/s at 100 DN, floors of 1 DN; one level is off."""
+    """Four exposures of 10 DN/s above 100 DN, errors of 1 DN; one level is off."""
     points = [OperatingPoint(20.0, float(t)) for t in range(6)]
     values = np.array([100.0, 110.0, 120.0, 130.0 + shift, 140.0, 150.0])
     keys = tuple(Key(s, "", "median") for s in range(6))
-    held = Target(keys, values, values, np.ones(6), np.full(6, "level"))
-    held = replace(held, allowed=allowed(held, DarkSignals(np.zeros(6), np.zeros(6)), points))
-    assert held.bounds()[3] == pytest.approx(wanted, rel=0.05)
-    assert held.bounds()[[0, 1, 2, 4, 5]] == pytest.approx(2.0, rel=0.2)
+    problem = Target(keys, values, values, np.ones(6), np.full(6, "level"))
+    problem = replace(
+        problem, allowed=allowed(problem, DarkSignals(np.zeros(6), np.zeros(6)), points)
+    )
+    assert problem.bounds()[3] == pytest.approx(wanted, rel=0.05)
+    assert problem.bounds()[[0, 1, 2, 4, 5]] == pytest.approx(2.0, rel=0.2)
 
 
 @pytest.mark.parametrize(("overdispersion", "bound"), [(0.5, 2.0), (1.0, 2.0), (16.0, 0.5)])
 def test_what_is_wrong_with_a_model_narrows_the_bounds_of_its_levels(overdispersion, bound):
     """By its root, as it does for all that binds a fit; what a level may be off anyway stays."""
     keys = tuple(Key(s, "", "median") for s in range(2))
-    held = Target(keys, np.zeros(2), np.zeros(2), np.full(2, 0.1), np.full(2, "level"))
-    held = replace(held, allowed=np.array([0.0, 0.3]))
-    assert held.bounds(overdispersion) == pytest.approx([bound, 3.0])
+    problem = Target(keys, np.zeros(2), np.zeros(2), np.full(2, 0.1), np.full(2, "level"))
+    problem = replace(problem, allowed=np.array([0.0, 0.3]))
+    assert problem.bounds(overdispersion) == pytest.approx([bound, 3.0])
 
 
 @pytest.mark.parametrize("bound", [np.inf, 4.0])
 def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
-    """All others want the knob elsewhere; the loss of one number that is far off is small."""
+    """All others want the parameter elsewhere; the loss of one number that is far off is small."""
     model = small.model()
-    knobs = knobs_of(model)[:1]
-    here = positions(model, knobs)[0]
+    free = free_parameters(model)[:1]
+    here = positions(model, free)[0]
     bounds = np.full(21, np.inf)
     bounds[0] = bound
 
     def z(moved):
-        x = positions(moved, knobs)[0] - here
+        x = positions(moved, free)[0] - here
         return np.concatenate([[30.0 * x], np.full(20, 60.0 * (x - 1.0))])
 
-    held = SimpleNamespace(bounds=lambda _: bounds)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=held, direct=Direct())
+    problem = SimpleNamespace(bounds=lambda _: bounds)
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, direct=Direct())
     slope = np.concatenate([[30.0], np.full(20, 60.0)])[:, None]
-    ended = minimise(straight, replace(start(straight, model, knobs), jacobian=slope), 12)
+    ended = minimise(straight, replace(start(straight, model, free), jacobian=slope), 12)
     if np.isinf(bound):
         assert ended.train[0] == pytest.approx(30.0, rel=0.05)
     else:
@@ -134,10 +136,12 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
 
 def test_bounds_that_are_kept_change_no_step():
     model = small.model()
-    held = small.bench_of()
-    free = replace(held, train=replace(held.train, allowed=None))
-    knobs = knobs_of(model)[:2]
-    wide = replace(held, train=replace(held.train, allowed=1e9 * held.train.floor))
-    ended = [minimise(b, start(b, model, knobs), 1) for b in (wide, free)]
+    problem = small.bench_of()
+    unbound = replace(problem, train=replace(problem.train, allowed=None))
+    free = free_parameters(model)[:2]
+    wide = replace(
+        problem, train=replace(problem.train, allowed=1e9 * problem.train.reproducibility_sd)
+    )
+    ended = [minimise(b, start(b, model, free), 1) for b in (wide, unbound)]
     assert ended[0].model == ended[1].model
     assert ended[0].merit == ended[1].loss

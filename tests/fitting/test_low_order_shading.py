@@ -58,7 +58,7 @@ def test_floors_are_told_by_both_colours():
     for i, key in enumerate(seen[0].keys):
         both = np.mean([found[key.name].se ** 2 for found in alone])
         for found, values in zip(seen, alone, strict=True):
-            assert found.floor[i] == pytest.approx((2.0 * both) ** 0.5)
+            assert found.reproducibility_sd[i] == pytest.approx((2.0 * both) ** 0.5)
             assert found.coordinates[i] == pytest.approx(values[key.name].value)
 
 

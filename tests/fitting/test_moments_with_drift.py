@@ -6,7 +6,7 @@ import pytest
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.moments import Moments, moments, pedestal_guess
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import FAINT, SEEN, ordinary_model
 from dnanalyze.loaders.captures import OperatingPoint
@@ -21,8 +21,8 @@ def temporal(drift: float) -> np.ndarray:
     sensor = VirtualSensor(1.0, 3.0, 1.0, 20.0, 0.2, 0.6, 100.0, 0.1)
     hidden = {"offset_drift": {"e": drift}} if drift else {}
     at = [p.temperature_c for p in POINTS]
-    held = bench(design(generate(sensor, hidden, (128, 128), at, seed=5)))
-    return moments(Readings(held.measured[0]), None).temporal
+    problem = fit_problem(design(generate(sensor, hidden, (128, 128), at, seed=5)))
+    return moments(Readings(problem.measured[0]), None).temporal
 
 
 def test_what_moves_whole_frames_is_no_noise_of_pixels():

@@ -19,14 +19,14 @@ from dnanalyze.processors import cpu_count
 
 
 @pytest.fixture(scope="module")
-def held():
+def problem():
     return small.bench_of()
 
 
 @contextmanager
-def helped(held):
-    """The bench with one helper, and nothing simulated yet."""
-    made = replace(held, helpers=Helpers(1), predictions=Memo())
+def helped(problem):
+    """The problem with one helper, and nothing simulated yet."""
+    made = replace(problem, helpers=Helpers(1), predictions=Memo())
     try:
         yield made
     finally:
@@ -41,10 +41,10 @@ def values(made):
     ]
 
 
-def test_a_helper_takes_its_share_until_it_is_no_more(held, taken):
+def test_a_helper_takes_its_share_until_it_is_no_more(problem, taken):
     first, second = small.model(), small.model(read_noise={"sigma": 2.5})
-    expected = [values(held.statistics(m)) for m in (first, second)]
-    with helped(held) as made:
+    expected = [values(problem.statistics(m)) for m in (first, second)]
+    with helped(problem) as made:
         for model, known in zip((first, second), expected, strict=True):
             taken.clear()
             assert values(made.statistics(model)) == known
@@ -58,8 +58,8 @@ def test_a_helper_takes_its_share_until_it_is_no_more(held, taken):
             assert len(taken) == 2 * len(small.POINTS)
 
 
-def test_helpers_end_with_what_they_were_made_for(held):
-    with helped(held) as made:
+def test_helpers_end_with_what_they_were_made_for(problem):
+    with helped(problem) as made:
         made.statistics(small.model())
         (worker,) = made.helpers.workers
         assert worker.is_alive()
@@ -78,9 +78,9 @@ class Tilt(Effect):
         return signal + np.float32(3.0)
 
 
-def test_a_users_effect_is_simulated_here(held, taken):
-    plain = values(held.statistics(small.model()))
-    with helped(held) as made:
+def test_a_users_effect_is_simulated_here(problem, taken):
+    plain = values(problem.statistics(small.model()))
+    with helped(problem) as made:
         taken.clear()
         tilted = values(made.statistics(small.model().with_effect(Tilt())))
         assert len(taken) == 2 * len(small.POINTS)
@@ -89,13 +89,13 @@ def test_a_users_effect_is_simulated_here(held, taken):
         assert after["mean"] - before["mean"] == pytest.approx(3.0, abs=0.02)
 
 
-def test_others_are_shared_beside_a_users_effect(held, taken):
+def test_others_are_shared_beside_a_users_effect(problem, taken):
     models = small.model(), small.model().with_effect(Tilt()), small.model(pixel_fpn={"sigma": 3.0})
-    expected = held.several(models)
-    with helped(held) as made:
+    expected = problem.several(models)
+    with helped(problem) as made:
         taken.clear()
         found = made.several(models)
-    plan = held.plan
+    plan = problem.plan
     job = Job(models[0], plan.captures.sensor, plan.windows, plan.settings, half=0)
     share = sum(map(len, shared([job, job], 2)[-1]))
     assert len(taken) == share + len(job.parts())  # of two models, and all of the user's
@@ -113,16 +113,16 @@ def test_before_it_is_asked_a_helper_simulates_every_effect(monkeypatch):
 
 
 @pytest.mark.parametrize("wrong", [0, 1])
-def test_the_error_of_either_process_is_told_and_the_next_job_is_its_own(held, wrong):
+def test_the_error_of_either_process_is_told_and_the_next_job_is_its_own(problem, wrong):
     """Of one setting the helper takes the upper half, this process the lower."""
-    windows = list(held.plan.windows)
+    windows = list(problem.plan.windows)
     windows[wrong] = Window(0, 4, 0, 4)  # too few to analyse
-    plan = held.plan
+    plan = problem.plan
     job = Job(small.model(), plan.captures.sensor, tuple(windows), plan.settings[:1])
-    with helped(held) as made:
+    with helped(problem) as made:
         with pytest.raises(InputError):
             made.helpers.statistics([job], room())
-        assert values(made.statistics(small.model())) == values(held.statistics(small.model()))
+        assert values(made.statistics(small.model())) == values(problem.statistics(small.model()))
 
 
 def test_helpers_are_started_only_where_there_is_much_to_do():

@@ -11,9 +11,9 @@ import small_series as small
 
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
+from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of, positions
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
@@ -28,8 +28,8 @@ def truth(seed: int = 9):
 
 
 @pytest.fixture(scope="module")
-def held():
-    return bench(design(simulate(truth(), (128, 128), POINTS)))
+def problem():
+    return fit_problem(design(simulate(truth(), (128, 128), POINTS)))
 
 
 def with_gain(gain: float):
@@ -39,35 +39,35 @@ def with_gain(gain: float):
 
 
 @pytest.mark.parametrize("gain", [1.1e-4, 1e-3, 0.05])
-def test_a_gain_of_any_size_ends_where_the_true_one_does(held, gain):
+def test_a_gain_of_any_size_ends_where_the_true_one_does(problem, gain):
     """The truth is .5 DN/e-; at 1.1e-4 no statistic moves with the logarithm of the gain."""
     model = with_gain(gain)
-    ended = converge(held, start(held, model, knobs_of(model)))
+    ended = converge(problem, start(problem, model, free_parameters(model)))
     found = ended.model.get("dark_shot_noise").dn_per_e
     # photon transfer over 320 DN: sqrt(2 / (3 * 128^2)) of either sensor, and the baseline's share
     assert found == pytest.approx(0.5, rel=0.1)
 
 
-def test_a_far_step_of_a_logarithm_is_that_of_the_amplitude(held):
+def test_a_far_step_of_a_logarithm_is_that_of_the_amplitude(problem):
     """What is proportional to an amplitude grows by exp(step) - 1 times what it is."""
     model = with_gain(1.1e-4)
-    knobs = [k for k in knobs_of(model) if k.name == "dark_shot_noise.dn_per_e"]
-    (slope,) = derive(held, start(held, model, knobs)).jacobian.T
-    whole = held.train.z(held.fitted_coordinates(with_gain(0.05))) - held.fitted_z(model)
+    free = [k for k in free_parameters(model) if k.name == "dark_shot_noise.dn_per_e"]
+    (slope,) = derive(problem, start(problem, model, free)).jacobian.T
+    whole = problem.train.z(problem.fitted_coordinates(with_gain(0.05))) - problem.fitted_z(model)
     # of the variance at .05 DN/e-, 1.1e-4 gives 1 / 450: chance of codes apart
     assert np.linalg.norm(slope) < 0.1 * np.linalg.norm(whole)
-    knob = knobs[0]
-    assert knob.change(0.0, 3.0) == pytest.approx(math.expm1(3.0))
-    assert knob.change(0.0, 0.5) == 0.5
-    linear = knobs_of(model)[0]
+    parameter = free[0]
+    assert parameter.change(0.0, 3.0) == pytest.approx(math.expm1(3.0))
+    assert parameter.change(0.0, 0.5) == 0.5
+    linear = free_parameters(model)[0]
     assert not linear.logarithmic
     assert linear.change(1.0, 9.0) == 8.0
 
 
-def test_nothing_is_lost_at_the_truth(held):
+def test_nothing_is_lost_at_the_truth(problem):
     model = truth(seed=4)
-    state = derive(held, start(held, model, knobs_of(model)))
-    again = restarted(held, state, 3)
+    state = derive(problem, start(problem, model, free_parameters(model)))
+    again = restarted(problem, state, 3)
     np.testing.assert_allclose(
-        positions(again.model, again.knobs), positions(state.model, state.knobs)
+        positions(again.model, again.free), positions(state.model, state.free)
     )

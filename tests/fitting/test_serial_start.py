@@ -5,7 +5,7 @@ import pytest
 
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.moments import serial_correlation
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
@@ -24,7 +24,7 @@ HERE = OperatingPoint(25.0, 1.0, 1.0)
 def found(*effects, frames=6):
     model = NoiseModel(effects, 100.0, HERE)
     captures = simulate(model, (256, 256), [(HERE, frames)])
-    return serial_correlation(Readings(bench(design(captures)).measured[0]))
+    return serial_correlation(Readings(fit_problem(design(captures)).measured[0]))
 
 
 @pytest.mark.parametrize("serial", [(-0.1, 0.0), (0.05, 0.0), (-0.17, 0.12)])

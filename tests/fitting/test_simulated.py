@@ -42,12 +42,12 @@ def test_shares_of_several_jobs_weigh_that_of_one_half_little_is_wanted(settings
 
 def test_the_mirror_image_of_a_half_shows_the_shading_of_even_fields():
     """By its law: as far from none, and as often to either side, as a half that is drawn."""
-    held, drawn = small.bench_of(), {}
-    rows = [k.name.startswith("shading_") and k.name[-1].isdigit() for k in held.train.keys]
+    problem, drawn = small.bench_of(), {}
+    rows = [k.name.startswith("shading_") and k.name[-1].isdigit() for k in problem.train.keys]
     for even in (False, True):
-        bench = replace(held, even=even)
+        problem = replace(problem, even=even)
         made = [replace(small.model(), seed=n) for n in range(SENSORS)]
-        drawn[even] = np.array(bench.several(made))[:, rows]
+        drawn[even] = np.array(problem.several(made))[:, rows]
     assert not np.array_equal(drawn[False], drawn[True])
     power = {even: np.log(np.mean(found**2, axis=0)) for even, found in drawn.items()}
     number = sum(rows)
@@ -60,9 +60,9 @@ def test_the_mirror_image_of_a_half_shows_the_shading_of_even_fields():
 
 
 def test_of_even_models_nothing_of_the_other_half_is_simulated(taken):
-    held = replace(small.bench_of(), even=True)
-    held.fitted_z(small.model())
+    problem = replace(small.bench_of(), even=True)
+    problem.fitted_z(small.model())
     assert taken == [(n, 0) for n in range(len(small.POINTS))]
     taken.clear()
-    held.coordinates(small.model())
+    problem.coordinates(small.model())
     assert len(taken) == 2 * len(small.POINTS)

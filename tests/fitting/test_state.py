@@ -9,33 +9,33 @@ from hypothesis import given as drawn
 from hypothesis import strategies as st
 
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import SCALE, deviance, start, with_derivatives_of
 
 
 def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkeypatch):
-    asked, whole = [], Bench.judged_z
+    asked, whole = [], FitProblem.judged_z
     monkeypatch.setattr(
-        Bench, "judged_z", lambda self, model: asked.append(model) or whole(self, model)
+        FitProblem, "judged_z", lambda self, model: asked.append(model) or whole(self, model)
     )
-    held, knobs = small.bench_of(), knobs_of(small.model())
-    ended = minimise(held, start(held, small.model(), knobs))
+    problem, free = small.bench_of(), free_parameters(small.model())
+    ended = minimise(problem, start(problem, small.model(), free))
     assert not asked
     assert np.isfinite(ended.test).all()
-    assert len(ended.test) == len(held.test.keys)
+    assert len(ended.test) == len(problem.test.keys)
     assert ended.test is ended.test
     assert asked == [ended.model]
 
 
 def test_derivatives_of_another_model_are_taken_over_by_name():
-    held, model = small.bench_of(), small.model()
-    knobs = knobs_of(model)
-    first = derive(held, start(held, model, knobs))
+    problem, model = small.bench_of(), small.model()
+    free = free_parameters(model)
+    first = derive(problem, start(problem, model, free))
     other = with_derivatives_of(
-        start(held, model, knobs[::-1]),
-        replace(first, knobs=knobs[:-1], jacobian=first.jacobian[:, :-1]),
+        start(problem, model, free[::-1]),
+        replace(first, free=free[:-1], jacobian=first.jacobian[:, :-1]),
     )
     np.testing.assert_array_equal(other.jacobian[:, 1:], first.jacobian[:, :-1][:, ::-1])
     assert np.isnan(other.jacobian[:, 0]).all()

@@ -10,11 +10,11 @@ import pytest
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import fit_on, ordinary_start
+from dnanalyze.fitting.fit import baseline_model, fit_on
+from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.from_part import converge
-from dnanalyze.fitting.knobs import knobs_of, positions
 from dnanalyze.fitting.moments import BlackLevel
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.fitting.ties import Direct, Known, Tie, direct, misfits
 from dnanalyze.loaders.arrays import from_arrays
@@ -52,19 +52,19 @@ def test_a_recorded_gain_is_good_to_a_tenth():
 
 
 def knobs_and_model():
-    held = bench(design(with_bias()))
-    model = ordinary_start(held)
-    return held, model, knobs_of(model)
+    problem = fit_problem(design(with_bias()))
+    model = baseline_model(problem)
+    return problem, model, free_parameters(model)
 
 
 def test_a_gain_binds_the_parameter_less_a_digital_gain():
-    _, model, knobs = knobs_and_model()
+    _, model, free = knobs_and_model()
     known = Direct(((1.0, Known(0.9, 0.09, "photon transfer")), (4.0, Known(9.0, 1.0, "recorded"))))
-    (tie,) = known.ties(model, knobs)
-    assert knobs[tie.at].name == "dark_shot_noise.dn_per_e"
+    (tie,) = known.ties(model, free)
+    assert free[tie.at].name == "dark_shot_noise.dn_per_e"
     assert (tie.position, tie.error) == (pytest.approx(np.log(0.9)), pytest.approx(0.1))
     times = model.with_effect(catalogue()["digital_gain"](gain=1.5))
-    (tie,) = known.ties(times, knobs_of(times))
+    (tie,) = known.ties(times, free_parameters(times))
     assert tie.position == pytest.approx(np.log(0.6))
 
 
@@ -72,7 +72,7 @@ def test_none_where_a_filter_lowers_the_noise():
     _, model, _ = knobs_and_model()
     smoothed = model.with_effect(catalogue()["denoise"]())
     known = Direct(((None, Known(0.9, 0.09, "recorded")),))
-    assert not known.ties(smoothed, knobs_of(smoothed))
+    assert not known.ties(smoothed, free_parameters(smoothed))
 
 
 def test_rows_of_the_black_level_are_bound_at_their_temperatures():
@@ -80,9 +80,9 @@ def test_rows_of_the_black_level_are_bound_at_their_temperatures():
     points = tuple(OperatingPoint(t, None, 1.0) for t in (40.0, 80.0))
     level = BlackLevel(TableLaw(points, (60.0, 70.0)), np.array([0.1, 0.2]))
     moving = replace(model, pedestal=level.law)
-    ties = Direct(level=level).ties(moving, knobs_of(moving))
+    ties = Direct(level=level).ties(moving, free_parameters(moving))
     assert [(t.position, t.error) for t in ties] == [(60.0, 0.1), (70.0, 0.2)]
-    assert Direct(level=level).ties(model, knobs_of(model)) == ()  # one level for all
+    assert Direct(level=level).ties(model, free_parameters(model)) == ()  # one level for all
 
 
 def moved_by(shift):
@@ -108,13 +108,13 @@ def test_a_session_of_another_black_level_is_told_and_its_row_bound():
     assert sessions is not None
     assert sessions.moved == (at,)
     assert sessions.law.at(at) == pytest.approx(SENSOR.pedestal_dn + 40.0, abs=1.0)
-    held = bench(design(made))
-    model = ordinary_start(held)
-    assert model.pedestal.points == tuple(point for point, _ in held.plan.settings)
-    assert model.pedestal.at(at) == held.direct.sessions.law.at(at)
-    bound = held.direct.ties(model, knobs_of(model))
-    assert len(bound) == len(held.plan.settings)
-    ended = fit_on(made, model, replicates=0, held=held)
+    problem = fit_problem(design(made))
+    model = baseline_model(problem)
+    assert model.pedestal.points == tuple(point for point, _ in problem.plan.settings)
+    assert model.pedestal.at(at) == problem.direct.sessions.law.at(at)
+    bound = problem.direct.ties(model, free_parameters(model))
+    assert len(bound) == len(problem.plan.settings)
+    ended = fit_on(made, model, replicates=0, problem=problem)
     assert any("black level there differs by +4" in text for text in ended.undetermined)
     assert at not in [a.point for a in ended.direct]
 
@@ -130,15 +130,15 @@ def test_misfits_are_in_standard_errors():
 
 @pytest.mark.parametrize("factor", [1 / 30, 5.0])
 def test_a_fit_ends_at_the_gain_wherever_it_begins(factor):
-    held, model, knobs = knobs_and_model()
+    problem, model, free = knobs_and_model()
     shot = model.get("dark_shot_noise")
     off = model.with_effect(replace(shot, dn_per_e=shot.dn_per_e * factor))
-    ended = converge(held, start(held, off, knobs))
+    ended = converge(problem, start(problem, off, free))
     assert ended.model.get("dark_shot_noise").dn_per_e == pytest.approx(0.5, rel=0.1)
 
 
 def test_the_merit_counts_what_the_ties_are_off():
-    held, model, knobs = knobs_and_model()
-    state = start(held, model, knobs)
-    off = misfits(state.ties, positions(model, knobs))
+    problem, model, free = knobs_and_model()
+    state = start(problem, model, free)
+    off = misfits(state.ties, positions(model, free))
     assert state.merit == pytest.approx(replace(state, ties=()).merit + float(off @ off))

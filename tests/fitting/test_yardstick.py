@@ -11,8 +11,8 @@ from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.statistics import Scale
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.predictor import Bench, bench
+from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.fitting.vectors import MISSING, Key, Target
 from dnanalyze.fitting.yardstick import REPLICATES, by_design, expressed, measured_by, scales
@@ -35,14 +35,14 @@ def of(*more: object) -> NoiseModel:
     return NoiseModel((*PLAIN, *more), 64.0, POINT, 1)
 
 
-def held_of(model: NoiseModel) -> Bench:
-    return bench(design(simulate(model, (128, 128), [(POINT, 6)])))
+def held_of(model: NoiseModel) -> FitProblem:
+    return fit_problem(design(simulate(model, (128, 128), [(POINT, 6)])))
 
 
-def spread(held: Bench, model: NoiseModel, name: str) -> float:
+def spread(problem: FitProblem, model: NoiseModel, name: str) -> float:
     """Standard deviation of the difference of two further sensors, on the statistic's scale."""
-    (at,) = np.flatnonzero(held.train.names == name)
-    seen = [held.replicate(model, n)[0][at] for n in FURTHER]
+    (at,) = np.flatnonzero(problem.train.names == name)
+    seen = [problem.replicate(model, n)[0][at] for n in FURTHER]
     return float(np.sqrt(2.0) * np.std(seen, ddof=1))
 
 
@@ -58,9 +58,11 @@ def spread(held: Bench, model: NoiseModel, name: str) -> float:
 def test_the_floor_is_what_two_sensors_differ_by(more, name):
     """Of 8 and of 24 replicates: within 3 times sqrt(1 / (2 * 14) + 1 / (2 * 23))."""
     model = of(*more)
-    held = held_of(model)
-    floor = by_design(held, model).train.floor[held.train.names == name]
-    ratio = float(floor[0]) / spread(held, model, name)
+    problem = held_of(model)
+    reproducibility_sd = by_design(problem, model).train.reproducibility_sd[
+        problem.train.names == name
+    ]
+    ratio = float(reproducibility_sd[0]) / spread(problem, model, name)
     assert abs(np.log(ratio)) < 3.0 * np.sqrt(1 / 28 + 1 / 46)
 
 
@@ -126,25 +128,30 @@ def test_replicates_without_scatter_tell_nothing():
 
 def test_a_state_keeps_its_model_and_its_misfit_in_units_of_the_statistics():
     model = of(FlickerFpn(3.0, 2.0))
-    held = held_of(model)
-    knobs = knobs_of(model)
-    state = derive(held, start(held, model, knobs))
-    there, moved = measured_by(held, state)
+    problem = held_of(model)
+    free = free_parameters(model)
+    state = derive(problem, start(problem, model, free))
+    there, moved = measured_by(problem, state)
     for half, other, z, z_there in (
-        (held.train, there.train, state.train, moved.train),
-        (held.test, there.test, state.test, moved.test),
+        (problem.train, there.train, state.train, moved.train),
+        (problem.test, there.test, state.test, moved.test),
     ):
-        assert not np.array_equal(half.floor, other.floor)
-        np.testing.assert_allclose(z * half.floor, z_there * other.floor, atol=1e-9)
-    plain, scaled = held.train.floor[:, None], there.train.floor[:, None]
+        assert not np.array_equal(half.reproducibility_sd, other.reproducibility_sd)
+        np.testing.assert_allclose(
+            z * half.reproducibility_sd, z_there * other.reproducibility_sd, atol=1e-9
+        )
+    plain, scaled = (
+        problem.train.reproducibility_sd[:, None],
+        there.train.reproducibility_sd[:, None],
+    )
     np.testing.assert_allclose(state.jacobian * plain, moved.jacobian * scaled, atol=1e-9)
-    back = expressed(moved, there, held)
+    back = expressed(moved, there, problem)
     np.testing.assert_allclose(back.train, state.train)
 
 
 def test_a_statistic_that_the_model_lacks_is_a_misfit_by_any_yardstick():
-    held = target(1.0, "mean", "median")
-    z = held.z(np.array([np.nan, 0.5]))
+    problem = target(1.0, "mean", "median")
+    z = problem.z(np.array([np.nan, 0.5]))
     assert z[0] == MISSING
-    assert held.expressed(z, held.scaled(np.array([2.0, 2.0])))[0] == MISSING
-    np.testing.assert_array_equal(held.predicted(z), [np.nan, 0.5])
+    assert problem.expressed(z, problem.scaled(np.array([2.0, 2.0])))[0] == MISSING
+    np.testing.assert_array_equal(problem.predicted(z), [np.nan, 0.5])

@@ -206,7 +206,7 @@ def refinement(**more: object) -> Refinement:
         parameters=fit().parameters,
         model=model(),
         diagnosis=diagnosis("adequate"),
-        bench=None,
+        problem=None,
         **more,
     )
 

@@ -13,7 +13,7 @@ from dnanalyze.comparator.rivals import Rival, Rivals, of_steps, unfiltered
 from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.effects.denoise import Denoise
@@ -134,8 +134,8 @@ def test_fields_are_the_mean_and_the_scatter_of_the_frames():
 @pytest.fixture(scope="module")
 def fitted():
     captures = tiny()
-    held = bench(design(captures))
-    return captures, held, dnanalyze.fit(captures).model
+    problem = fit_problem(design(captures))
+    return captures, problem, dnanalyze.fit(captures).model
 
 
 def test_the_row_of_frames_ends_with_the_difference(fitted):
@@ -147,20 +147,20 @@ def test_the_row_of_frames_ends_with_the_difference(fitted):
 
 
 def test_the_named_effect_stands_beside_the_model_of_the_step_before(fitted):
-    _, held, model = fitted
+    _, problem, model = fitted
     with_it = model.with_effect(ColumnFpn(sigma=2.0))
     steps = [Step(None, 5.0, model=model), Step("column_fpn", 2.0, model=with_it)]
-    found = of_steps(held, steps, ["column_fpn"])
+    found = of_steps(problem, steps, ["column_fpn"])
     assert found.effect == "column_fpn"
     assert (found.before.model, found.after.model) == (model, with_it)
     assert found.raw is None
-    assert of_steps(held, steps, []).before is None
+    assert of_steps(problem, steps, []).before is None
 
 
 def test_a_filtered_model_is_shown_without_its_filters(fitted):
-    _, held, model = fitted
-    assert unfiltered(held, model) is None
-    raw = unfiltered(held, model.with_effect(Denoise()))
+    _, problem, model = fitted
+    assert unfiltered(problem, model) is None
+    raw = unfiltered(problem, model.with_effect(Denoise()))
     assert raw.model == model
 
 

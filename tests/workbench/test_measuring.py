@@ -10,28 +10,28 @@ import pytest
 
 import dnanalyze
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.model.memo import Memo
 from dnanalyze.workbench.evaluation import judged
 from dnanalyze.workbench.measuring import Interruptible, Measurements, Superseded
 
 
 @pytest.fixture(scope="module")
-def held(folder):
-    return bench(design(dnanalyze.load(str(folder))))
+def problem(folder):
+    return fit_problem(design(dnanalyze.load(str(folder))))
 
 
-def made(held, **calls):
+def made(problem, **calls):
     calls = {"told": lambda _: None, "failed": lambda _: None, "busy": lambda: False} | calls
     found = Measurements(**calls)
-    found.begin(held)
+    found.begin(problem)
     return found
 
 
-def test_parts_taken_one_by_one_are_the_same_simulation(held, fitted):
-    job = held._job(fitted, None)
+def test_parts_taken_one_by_one_are_the_same_simulation(problem, fitted):
+    job = problem._job(fitted, None)
     (one,) = Interruptible(lambda: False).statistics([job], Memo(0))
-    (other,) = held.helpers.statistics([job], Memo(0))
+    (other,) = problem.helpers.statistics([job], Memo(0))
     assert one.keys() == other.keys()
     for part in one:
         for a, b in zip(one[part], other[part], strict=True):
@@ -40,27 +40,29 @@ def test_parts_taken_one_by_one_are_the_same_simulation(held, fitted):
             )
 
 
-def test_a_simulation_ends_where_a_slider_has_just_moved(held, fitted):
-    measurements = made(held)
+def test_a_simulation_ends_where_a_slider_has_just_moved(problem, fitted):
+    measurements = made(problem)
     measurements.moved()
     with pytest.raises(Superseded):
         measurements.now(fitted)
     assert measurements.rest()
-    assert measurements.now(fitted).error == judged(held, fitted).error
+    assert measurements.now(fitted).error == judged(problem, fitted).error
 
 
-def test_nothing_more_is_simulated_once_it_is_closed(held, fitted):
-    measurements = made(held)
+def test_nothing_more_is_simulated_once_it_is_closed(problem, fitted):
+    measurements = made(problem)
     measurements.close()
     assert not measurements.rest()
     with pytest.raises(Superseded):
         measurements.now(fitted)
 
 
-def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(held, fitted, monkeypatch):
+def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(
+    problem, fitted, monkeypatch
+):
     told, failures, over = [], [], threading.Event()
     measurements = made(
-        held, told=lambda e: (told.append(e), over.set()), failed=failures.append
+        problem, told=lambda e: (told.append(e), over.set()), failed=failures.append
     )  # fmt: skip
     known = measurements.now(fitted)
     assert not known.exact
@@ -84,7 +86,7 @@ def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(held, f
     assert measurements.now(other.model) is told[-1]
 
 
-def test_an_earlier_model_becomes_exact_after_the_present_one(held, fitted):
+def test_an_earlier_model_becomes_exact_after_the_present_one(problem, fitted):
     told, over = [], threading.Event()
 
     def tell(found):
@@ -92,11 +94,14 @@ def test_an_earlier_model_becomes_exact_after_the_present_one(held, fitted):
         if len(told) == 2:
             over.set()
 
-    measurements = made(held, told=tell)
+    measurements = made(problem, told=tell)
     measurements.now(fitted)
     present = measurements.now(replace(fitted, pedestal=fitted.pedestal + 1.0))
     measurements.refine(present)
     assert over.wait(60)
     assert told == [present.model, fitted]
     after = measurements.now(replace(fitted, pedestal=fitted.pedestal + 2.0))
-    assert np.array_equal(after.bench.test.floor, measurements.now(present.model).bench.test.floor)
+    assert np.array_equal(
+        after.problem.test.reproducibility_sd,
+        measurements.now(present.model).problem.test.reproducibility_sd,
+    )

@@ -35,7 +35,7 @@ def _session(**more):
     history = History.begun(NoiseModel(()), "begun").measured(0, 4.0, {})
     rows = [_row("pattern_columns_0.1_0.3", 76.0, 2.0, 30.0)]
     known = {
-        "bench": object(), "history": history, "evaluation": SimpleNamespace(rows=rows),
+        "problem": object(), "history": history, "evaluation": SimpleNamespace(rows=rows),
         "diagnosis": None, "answers": {}, "stage": "statistics of 4 frames",
     }  # fmt: skip
     return SimpleNamespace(**(known | more))
@@ -50,7 +50,7 @@ def test_before_a_diagnosis_the_worst_statistic_is_told_in_words():
 @pytest.mark.parametrize(
     ("more", "text"),
     [
-        ({"bench": None}, "Statistics of 4 frames."),
+        ({"problem": None}, "Statistics of 4 frames."),
         ({"evaluation": None, "stage": "error of the first model"}, "Error of the first model."),
         (
             {"history": History.begun(NoiseModel(()), "fit")},

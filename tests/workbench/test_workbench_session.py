@@ -71,7 +71,7 @@ def test_the_error_is_that_of_compare_and_of_the_copied_commands(
 
 def test_a_preview_is_near_the_full_error_and_says_so(session):
     name = "convolved_lognormal.delta[2]"
-    value = next(s.value for s in session.sliders() if s.knob.name == name)
+    value = next(s.value for s in session.sliders() if s.parameter.name == name)
     model = session.with_value(name, 1.5 * value)
     quick = session.preview(model)
     assert quick.preview
@@ -90,7 +90,7 @@ def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(se
     session.listeners.append(lambda what: told.append((what, session.present.exact)))
     session.set_value("convolved_lognormal.delta[2]", 1.0)
     assert not session.present.exact
-    assert session.evaluation.bench is before.bench
+    assert session.evaluation.problem is before.problem
     assert np.isfinite(session.present.error)
     assert session.settle()
     assert ("yardstick", True) in told

@@ -43,11 +43,13 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
         )
         return
     with session.progress("Reading frames") as progress:
-        held = progress.bench(found)
+        problem = progress.fit_problem(found)
         if own is None:
-            own = fit_on(found, replicates=0, held=held, tell=progress.fitting(held)).model
+            own = fit_on(
+                found, replicates=0, problem=problem, on_state=progress.fitting(problem)
+            ).model
         progress.now(f"Adding {effect} and refitting")
-        result = run(found, effect, own, known=known, held=held)
+        result = run(found, effect, own, known=known, problem=problem)
         progress.now("Standard errors of the parameters")
         _ = result.parameters
     session.show(result)

@@ -29,7 +29,7 @@ def analyze(
     from dnanalyze.analyzers.analyze import analyze as run
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
-    from dnanalyze.fitting.predictor import bench
+    from dnanalyze.fitting.problem import fit_problem
 
     if system_gain is not None and not 0 < system_gain < float("inf"):
         raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e⁻")
@@ -41,7 +41,9 @@ def analyze(
             tick(0, None)
             tick.now("Storing statistics")
             with suppress(InputError):  # too small to halve, which these commands will say
-                bench(design(found))  # kept for compare, diagnose, refine: they read no frame again
+                fit_problem(
+                    design(found)
+                )  # kept for compare, diagnose, refine: they read no frame again
         if repeatability:
             from dnanalyze.analyzers.repeatability import repeatability as repeated
 

@@ -47,25 +47,25 @@ def compare(
     session = options.session("compare")
     found, own = options.begin(session)
     with session.progress("Comparing") as progress:
-        held = progress.bench(found)
-        tell = progress.fitting(held)
+        problem = progress.fit_problem(found)
+        tell = progress.fitting(problem)
         if own is not None and options.model is None:  # of that seed: fitted like any
-            own = fit_on(found, own, replicates=0, held=held, tell=tell).model
-        comparison = run(found, model=own, held=held, tell=tell)
+            own = fit_on(found, own, replicates=0, problem=problem, on_state=tell).model
+        comparison = run(found, model=own, problem=problem, on_state=tell)
         judged = None
         if classifier:
             from dnanalyze.classifier.classify import classify
 
             progress.now("Training the classifier")
             model, seed = comparison.model, options.seed or 0
-            judged = classify(found, model, seed=seed, helpers=held.helpers)
+            judged = classify(found, model, seed=seed, helpers=problem.helpers)
     session.show(comparison)
     session.print(classification.line(judged))
 
     def page() -> Page:
         from dnanalyze.comparator.rivals import Rivals, unfiltered
 
-        beside = Rivals(raw=unfiltered(held, comparison.model))
+        beside = Rivals(raw=unfiltered(problem, comparison.model))
         return report.page(comparison, judged, beside)
 
     more = {} if judged is None else {"classifier": classification.body(judged)}

@@ -86,7 +86,7 @@ def _tell(
     session.show(first)
     print("3. Missing effects, added until no further one is detectable (`dnanalyze refine`):\n")
     with session.progress("Refining") as progress:
-        result = refine_on(found, trying=progress.trying)
+        result = refine_on(found, on_progress=progress.trying)
         progress.now("Standard errors of the parameters")
         _ = result.parameters
     session.show(result)

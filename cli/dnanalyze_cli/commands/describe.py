@@ -67,14 +67,14 @@ def describe(
     if map_file is not None:
         check_pattern(found, own)
     with session.progress("Reading frames") as progress:
-        held = progress.bench(found)
+        problem = progress.fit_problem(found)
         result = run(
             found,
             own,
             budget=session.remaining(budget),
             known=session.known(),
-            held=held,
-            tell=progress.now,
+            problem=problem,
+            on_progress=progress.now,
         )
         pattern = None
         if map_file is not None:

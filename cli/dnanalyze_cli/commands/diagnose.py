@@ -35,19 +35,21 @@ def diagnose(
         over_channels.diagnose(session, found, own, known, session.remaining(budget))
         return
     with session.progress("Reading frames") as progress:
-        held = progress.bench(found)
+        problem = progress.fit_problem(found)
         diagnosis = run(
             found,
             model=own,
             exclude=tuple(exclude or ()),
             budget=session.remaining(budget),
             known=known,
-            held=held,
-            tell=progress.trying,
+            problem=problem,
+            on_progress=progress.trying,
             first=progress.first,
         )
     session.show(diagnosis)
-    more = {} if no_describe else describe_residual(session, found, held, diagnosis, known, budget)
+    more = (
+        {} if no_describe else describe_residual(session, found, problem, diagnosis, known, budget)
+    )
 
     def page() -> Page:
         from dnanalyze.comparator.compare import compare_on
@@ -55,8 +57,8 @@ def diagnose(
         from dnanalyze.report.results import diagnosis as report
 
         with session.progress("Comparing the model with the captures"):
-            comparison = compare_on(found, diagnosis.model, held=held)
-            beside = of_diagnosis(held, diagnosis)
+            comparison = compare_on(found, diagnosis.model, problem=problem)
+            beside = of_diagnosis(problem, diagnosis)
         return report.page(diagnosis, comparison, beside)
 
     session.finish(diagnosis, page, more)

@@ -46,14 +46,14 @@ def fit(
     if start is not None:
         start = over_channels.spread(start, found)
     with session.progress("Fitting") as progress:
-        held = progress.bench(found)
+        problem = progress.fit_problem(found)
         result = run(
             found,
             model=start,
             frozen=frozen or (),
             replicates=REPLICATES if replicates is None else replicates,
-            held=held,
-            tell=progress.fitting(held),
+            problem=problem,
+            on_state=progress.fitting(problem),
         )
     session.show(result)
     session.finish(result)

@@ -109,28 +109,30 @@ def refine(
     so_far: list[Refinement] = []
     with kept_when_stopped(session.files, so_far, go_on):
         with session.progress("Reading frames") as progress:
-            held = progress.bench(found)
+            problem = progress.fit_problem(found)
             result = run(
                 found,
                 model=own,
-                held=held,
+                problem=problem,
                 exclude=excluded,
                 max_effects=max_effects,
                 until_error=until_error,
                 budget=session.remaining(budget),
                 known=known,
-                tell=lambda step: progress.note(
+                on_step=lambda step: progress.note(
                     f"{words.number(step.error):>7}  {words.step_name(step.added, 0)}"
                 ),
-                trying=progress.trying,
-                keep=keep,
+                on_progress=progress.trying,
+                on_result=keep,
                 first=progress.first,
             )
             if not result.timed_out:
                 progress.now("Standard errors of the parameters")
                 _ = result.parameters
         session.show(result)
-        more = {} if no_describe else describe_residual(session, found, held, result, known, budget)
+        more = (
+            {} if no_describe else describe_residual(session, found, problem, result, known, budget)
+        )
         session.not_kept()
         if result.timed_out and (line := go_on()):
             text = shlex.join([*line, "--time-limit", f"{budget:g}"])

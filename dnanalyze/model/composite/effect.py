@@ -143,7 +143,7 @@ class CompositeEffect(Effect):
         if self.what == "noise" and self.when != "fixed":
             raise InputError(f"{self.name}.when: valid with what: noise: fixed")
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """What the words do not use."""
         used = {*WORDS, *OWN.get(self.where, ()), "gain" if self.what == "gain" else "amplitude"}
         varied = self.when in ("frame", "persisting", "switching")
@@ -163,7 +163,7 @@ class CompositeEffect(Effect):
 
     def to_plain(self) -> dict[str, Any]:
         """As written in YAML, without what the words do not use."""
-        idle = self.idle()
+        idle = self.inactive_parameters()
         return {name: value for name, value in super().to_plain().items() if name not in idle}
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:

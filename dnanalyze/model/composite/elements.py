@@ -32,16 +32,17 @@ def over_time(
     value of the last frame that drew anew, each with probability 1 - rho.
     """
     if effect.when == "fixed":
-        return draw(site.silicon.child("values"))
+        return draw(site.fixed_stream.child("values"))
     if effect.when == "frame":
-        return draw(site.moment.child("values"))
+        return draw(site.frame_stream.child("values"))
     if effect.when == "drifting":
-        return np.float32(site.frame) * draw(site.silicon.child("values"))
+        return np.float32(site.frame) * draw(site.fixed_stream.child("values"))
     tau = effect.value("tau", site.point)
     rho = math.exp(-1.0 / tau)
     count = min(MOST_PAST, max(2, math.ceil(8.0 * tau)))
     past = [
-        site.silicon.child("frame", repr(site.point), site.frame - back) for back in range(count)
+        site.fixed_stream.child("frame", repr(site.point), site.frame - back)
+        for back in range(count)
     ]
     if effect.when == "persisting":
         weight = rho ** np.arange(count)
@@ -78,7 +79,7 @@ def values(effect: Any, site: Site, cells: Window, width: int) -> np.ndarray:
     """Values of some cells at this frame; 0 in those that the silicon does not choose."""
     made = over_time(effect, site, lambda stream: drawn(effect, stream, cells, width), cells, width)
     if effect.share < 1.0:
-        made = made * (site.silicon.child("chosen").uniform(cells, width) < effect.share)
+        made = made * (site.fixed_stream.child("chosen").uniform(cells, width) < effect.share)
     return made
 
 
@@ -228,5 +229,5 @@ def column_segments(effect: Any, site: Site) -> np.ndarray:
 
 def turns(effect: Any, site: Site, line: Window, width: int) -> np.ndarray:
     """Where lines jump, as a share of their length; new in every frame unless all is fixed."""
-    stream = site.silicon if effect.when == "fixed" else site.moment
+    stream = site.fixed_stream if effect.when == "fixed" else site.frame_stream
     return stream.child("turns").uniform(line, width)

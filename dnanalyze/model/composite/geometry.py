@@ -55,7 +55,7 @@ def polynomial(
 def blob(effect: Any, site: Site) -> np.ndarray:
     """A Gaussian spot of height 1: in its place, or elsewhere in every frame."""
     if effect.when == "frame":
-        place = site.moment.child("place").uniform(Window(0, 1, 0, 2), 2)[0]
+        place = site.frame_stream.child("place").uniform(Window(0, 1, 0, 2), 2)[0]
         centre = float(place[0]) * site.shape[0], float(place[1]) * site.shape[1]
         size = 1.0
     else:

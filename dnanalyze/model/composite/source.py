@@ -88,7 +88,7 @@ def own_effect(effect: CompositeEffect, title: str) -> str:
 
 def _active(effect: CompositeEffect) -> list[str]:
     """Its parameters in order, without those that its words do not use."""
-    idle = effect.idle()
+    idle = effect.inactive_parameters()
     return [name for name in effect.parameters() if name not in idle]
 
 

@@ -63,7 +63,7 @@ class ColumnFpn(Effect):
     length: float = parameter(50.0, "column", 1.0, 1e4, "columns l over which it settles by e")
     first: str = choice("left", "side that is read first", "left", "right")
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The transient where there is none."""
         return ("settle", "length") if self.settle == 0.0 else ()
 
@@ -86,7 +86,7 @@ class ColumnFpn(Effect):
     def _offsets(self, site: Site) -> np.ndarray:
         """Unit offsets of the window's columns; the recursion runs over the whole row."""
         rho = self.value("rho", site.point)
-        stream = site.silicon.child("columns")
+        stream = site.fixed_stream.child("columns")
         if rho == 0.0:
             return site.columns(stream)
         return site.keep("offsets", lambda: _autoregressive(stream, site, rho))

@@ -46,6 +46,6 @@ class ColumnGain(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Multiply every column."""
-        gain = site.columns(site.silicon.child("columns"))
+        gain = site.columns(site.fixed_stream.child("columns"))
         signal *= 1 + np.float32(self.value("sigma", site.point)) * gain
         return signal

@@ -42,7 +42,7 @@ class ColumnNoise(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
-        signal += np.float32(sigma) * site.columns(site.moment.child("columns"))
+        signal += np.float32(sigma) * site.columns(site.frame_stream.child("columns"))
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

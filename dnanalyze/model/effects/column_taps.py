@@ -95,7 +95,7 @@ class ColumnTaps(Effect):
                 "give one a tap, not all alike, or none"
             )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The settling where there is none."""
         return () if self.begins and self.settle != 0.0 else ("settle", "length")
 
@@ -124,7 +124,7 @@ class ColumnTaps(Effect):
         """Level of each tap as named, or drawn once a sensor."""
         if self.levels:
             return np.array(self.levels, np.float32)
-        return site.silicon.child("taps").normal(Window(0, 1, 0, count), count)[0]
+        return site.fixed_stream.child("taps").normal(Window(0, 1, 0, count), count)[0]
 
     def _strips(self, site: Site, lines: int) -> np.ndarray:
         """Offsets of all lines of the frame, float32; mean 0 and rms 1 before they settle."""

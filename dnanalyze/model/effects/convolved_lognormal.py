@@ -96,17 +96,17 @@ class ConvolvedLognormal(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the convolved seed to the signal."""
-        taps = site.moment.child("kernel").key
+        taps = site.frame_stream.child("kernel").key
         mu, delta, phi, sigma = self._numbers(site)
         if self.seed == "fixed":
-            key = site.silicon.child("seed").key
+            key = site.fixed_stream.child("seed").key
             mean, norm = site.keep(
                 "seed", lambda: draws.lognormal(key, mu, delta, phi, site.window, site.shape[1])
             )
             return draws.add_scaled_normal(
                 signal, mean, norm, sigma, taps, site.window, site.shape[1]
             )
-        key = site.moment.child("seed").key
+        key = site.frame_stream.child("seed").key
         return draws.add_lognormal(
             signal, mu, delta, phi, sigma, (key, taps), site.window, site.shape[1]
         )

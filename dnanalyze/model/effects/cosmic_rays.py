@@ -114,7 +114,7 @@ class CosmicRays(Effect):
         exposure = site.point.exposure_s
         mean = self.value("rate", site.point) * rows * columns * 1e-6
         mean *= 1.0 if exposure is None else exposure
-        random = site.moment.generator()
+        random = site.frame_stream.generator()
         number = poisson_quantile(random.random(), mean)
         u = random.random((number, 5))
         mean_length = self.value("length", site.point)
@@ -138,7 +138,7 @@ class CosmicRays(Effect):
         charge = energy[track] / steps[track]
         if self.charge == "landau":
             place = track * MOST_STEPS + np.minimum(along, MOST_STEPS - 1)
-            charge *= moyal(site.moment.child("landau").uniform_at(place))
+            charge *= moyal(site.frame_stream.child("landau").uniform_at(place))
         return y, x, charge
 
     def variance(self, point: OperatingPoint) -> float | None:

@@ -73,7 +73,7 @@ class DarkCurrentFpn(Effect):
             return gamma_deviates(normal, rms)
         return np.maximum(np.float32(1.0) + np.float32(rms) * normal, np.float32(0.0))
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A log-normal seed alone takes its standard deviation for its own; its mean stays."""
         rms = self.rms if isinstance(self.rms, (int, float)) else 0.0
         if name == "convolved_lognormal.delta":

@@ -81,7 +81,7 @@ class DarkGradient(Effect):
         0.0, "DN", -1e5, 1e5, "dark signal of the row that is read last, at any exposure", "linear"
     )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """What is 0 beside others: half a field does not hold them apart. And the energy of a share
         of the dark signal, which grows as that does.
         """

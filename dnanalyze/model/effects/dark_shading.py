@@ -84,7 +84,7 @@ class DarkShading(Effect):
         cell = _cell(site.shape)
         rows, columns = (math.ceil(n / cell) + int(cell > 1) for n in site.shape)
         whole = Window.whole((2 * rows, 2 * columns))
-        white = site.silicon.child("field").normal(whole, 2 * columns)
+        white = site.fixed_stream.child("field").normal(whole, 2 * columns)
         clouds = pink.field(white, self.value("alpha", site.point))[:rows, :columns]
         clouds = clouds.astype(np.float64)
         clouds -= clouds.mean()

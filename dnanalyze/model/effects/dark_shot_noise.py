@@ -60,4 +60,4 @@ class DarkShotNoise(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Replace the mean charge by a count."""
         k = self.value("dn_per_e", site.point) * site.gain_ratio
-        return draws.counts(signal, k, site.moment.child("").key, site.window, site.shape[1])
+        return draws.counts(signal, k, site.frame_stream.child("").key, site.window, site.shape[1])

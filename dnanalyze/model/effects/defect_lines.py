@@ -77,7 +77,7 @@ class DefectLines(Effect):
                 "give one a line, not all 0"
             )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The share, where the lines are named."""
         return ("fraction",) if self.lines else ()
 
@@ -149,12 +149,12 @@ class DefectLines(Effect):
     def _drawn(self, site: Site) -> np.ndarray:
         lines = site.shape[1 if self.axis == "columns" else 0]
         whole = Window(0, 1, 0, lines)
-        place = site.silicon.child("place").uniform(whole, lines)[0]
+        place = site.fixed_stream.child("place").uniform(whole, lines)[0]
         count = round(self.value("fraction", site.point) * lines)
         chosen = np.argsort(place, kind="stable")[:count]
         offsets = np.zeros(lines, np.float32)
         if chosen.size:
-            size = site.silicon.child("size").normal(whole, lines)[0][chosen]
+            size = site.fixed_stream.child("size").normal(whole, lines)[0][chosen]
             offsets[chosen] = size / np.sqrt(np.mean(size**2))
         return offsets
 

@@ -86,7 +86,7 @@ class Denoise(Effect):
     )
     window: int = choice(11, "pixels a side that are searched (nlm)", 7, 9, 11, 13, 21)
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """What the present kind does not use; a share in quarters is a maker's, and stays."""
         used = {
             "gaussian": ("space",),
@@ -104,7 +104,7 @@ class Denoise(Effect):
         nearest = min(PLAIN, key=lambda q: abs(q - self.strength))
         return [replace(self, strength=nearest)] if abs(nearest - self.strength) < 0.1 else []
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Noise of independent pixels is that much smaller, and the seed seems smooth by itself.
 
         What goes by the size of noise leaves some places of a field less of it than others, and may

@@ -54,7 +54,7 @@ class DigitalGain(Effect):
         codes = rounded_products((signal - np.float32(b)) * np.float32(s) + np.float32(b))
         return np.minimum(codes, np.float32(self.value("top", site.point)))
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Whatever comes before is that much smaller than the codes say."""
         if not (isinstance(self.gain, (int, float)) and isinstance(self.offset, (int, float))):
             return 1.0, 0.0

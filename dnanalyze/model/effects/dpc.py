@@ -94,7 +94,7 @@ class Dpc(Effect):
     neighbours: int = choice(8, "number of neighbours compared (excess, clamp, ratio)", 8, 24)
     spacing: int = choice(1, "distance of neighbours: 2 within a colour of a mosaic", 1, 2)
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """What the present kind does not use."""
         used = {
             "excess": ("threshold", "sides", "replacement", "neighbours"),

@@ -102,12 +102,12 @@ class ElectronMultiplication(Effect):
             held = small > 0
             exponent = np.zeros(few.size)
             for i in range(int(ROUND)):
-                u = site.moment.child("gain", i).uniform_at(index).astype(np.float64)
+                u = site.frame_stream.child("gain", i).uniform_at(index).astype(np.float64)
                 exponent += np.log(u) / np.where(held, small + i, 1.0)
             out.flat[few] *= np.where(held, np.exp(exponent), 0.0)
         return out.astype(np.float32)
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """Photon transfer without it has F2 times the conversion gain."""
         if name == "dark_shot_noise.dn_per_e" and isinstance(self.excess, (int, float)):
             return 1.0 / self.excess, 0.0

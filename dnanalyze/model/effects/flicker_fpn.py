@@ -63,7 +63,7 @@ class FlickerFpn(Effect):
         """Add the field."""
 
         def make() -> np.ndarray:
-            stream = site.silicon.child("field")
+            stream = site.fixed_stream.child("field")
             whole = Window.whole(site.shape)
             if site.window == whole:
                 white = site.field(stream, "normal")

@@ -60,7 +60,7 @@ class FlickerNoise(Effect):
     )
     chains: int = choice(1, "chains that read every so many columns, each with its noise", 1, 2, 4)
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """A cutoff that is not there."""
         return ("cutoff",) if self.cutoff == 0.0 else ()
 
@@ -80,9 +80,9 @@ class FlickerNoise(Effect):
             if site.window == whole:
                 white = site.normal("raster")
             else:
-                white = site.moment.child("raster").normal(whole, period)
+                white = site.frame_stream.child("raster").normal(whole, period)
             count = self.chains
-            levels = site.moment.child("level").normal(Window(0, 1, 0, count), count)[0]
+            levels = site.frame_stream.child("level").normal(Window(0, 1, 0, count), count)[0]
             if count == 1:
                 return made(white, float(levels[0]))
             white = np.asarray(white)

@@ -73,7 +73,7 @@ class HeavyTailedReadNoise(Effect):
         5.0, "1", 2.1, 30.0, "degrees of freedom nu of Student's t; 30 is nearly Gaussian"
     )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The number of the other distribution."""
         return ("tail",) if self.form == "student" else ("freedom",)
 
@@ -86,10 +86,10 @@ class HeavyTailedReadNoise(Effect):
             return signal
         tail = self.value("tail", site.point)
         scale = self.value("sigma", site.point) * site.gain_ratio / robust_scale(tail)
-        signal += np.float32(scale) * bent(site.normal(), tail)
+        signal += np.float32(scale) * tukey_lambda(site.normal(), tail)
         return signal
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none."""
         return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
 
@@ -103,7 +103,7 @@ class HeavyTailedReadNoise(Effect):
         return (self.value("sigma", point) / robust_scale(tail)) ** 2 * tukey_variance(tail)
 
 
-def bent(z: np.ndarray, tail: float) -> np.ndarray:
+def tukey_lambda(z: np.ndarray, tail: float) -> np.ndarray:
     """Standard normal deviates to Tukey-lambda deviates, by way of their probability.
 
     In double precision: NumPy's exponentials differ by the last bit from processor to processor,

@@ -82,7 +82,7 @@ class HotClusters(HotTail):
         at = np.flatnonzero(site.fixed_uniform("parent") < self.value("density", site.point))
         row, column = np.divmod(at, site.window.shape[1])
         index = (row + site.window.top) * site.shape[1] + column + site.window.left
-        stream = site.silicon.child("offspring")
+        stream = site.fixed_stream.child("offspring")
         # arrival times of a unit Poisson process: the number before ``members`` is Pois(members),
         # and a change of ``members`` adds or removes only the last ones
         arrival = np.zeros(index.size)

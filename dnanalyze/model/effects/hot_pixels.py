@@ -86,11 +86,11 @@ class HotPixels(HotTail):
         0.1, "1", 1e-3, 0.5, "standard deviation w of a narrow peak over its mean"
     )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The numbers of the other laws."""
         if self.law == "narrow":
             return ("tail",)
-        return ("width",) if self.law == "power" else (*super().idle(), "width")
+        return ("width",) if self.law == "power" else (*super().inactive_parameters(), "width")
 
     def relatives(self) -> list[Effect]:
         """The heavy tail, and the power law, that have as much at a tenth of the pixels."""

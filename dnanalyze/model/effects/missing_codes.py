@@ -81,7 +81,7 @@ class MissingCodes(Effect):
     def _levels(self, site: Site, first: int, last: int) -> np.ndarray:
         """Lower ends T_k of the codes of blocks ``first`` to ``last``, float32."""
         sigma = self.value("sigma", site.point)
-        stream = site.silicon.child("widths")
+        stream = site.fixed_stream.child("widths")
         if self.kind == "periodic":
             d = np.array(self.widths, float)
             if not self.widths:

@@ -74,7 +74,7 @@ class NoisyPixels(Effect):
         chosen = site.fixed_uniform("place") < np.float32(self.value("fraction", site.point))
         return sigma * chosen.astype(np.float32)
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A fit without them has the read noise of all pixels higher, and unlike."""
         if name == "read_noise.spread":
             return 0.0, 0.0

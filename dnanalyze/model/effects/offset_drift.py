@@ -53,7 +53,7 @@ class OffsetDrift(Effect):
     )
     form: str = choice("added", "a level, or a share of the dark signal", "added", "scaled")
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The numbers of a transient and of a white offset that are not there."""
         still = ("transient", "settling") if self.transient == 0.0 else ()
         return (*still, "white") if self.white == 0.0 else still
@@ -61,12 +61,17 @@ class OffsetDrift(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the level of this frame; settings start anew."""
         frame = max(0, site.frame)
-        walk = site.silicon.child("walk", repr(site.point)).generator().standard_normal(frame).sum()
+        walk = (
+            site.fixed_stream.child("walk", repr(site.point))
+            .generator()
+            .standard_normal(frame)
+            .sum()
+        )
         start = math.exp(-frame / self.value("settling", site.point))
         level = self.value("step", site.point) * walk + self.value("transient", site.point) * start
         white = self.value("white", site.point)
         if white:
-            level += white * site.moment.child("white").generator().standard_normal()
+            level += white * site.frame_stream.child("white").generator().standard_normal()
         if self.form == "scaled":
             signal *= np.float32(max(0.0, 1.0 + level))
         else:

@@ -61,7 +61,7 @@ class OffsetGradient(Effect):
         0.0, "DN", -1e5, 1e5, "twist of the corners, rms over the field", "linear"
     )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """Terms that are 0 beside others: half a field does not hold them apart."""
         unused = tuple(n for n in TERMS if getattr(self, n) == 0.0)
         return unused if len(unused) < len(TERMS) else ()

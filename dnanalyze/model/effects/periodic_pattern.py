@@ -10,8 +10,8 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.clues import Located
-from dnanalyze.model.effect import Effect, Site, Stage, Told, choice, parameter
+from dnanalyze.model.clues import MeasuredLines
+from dnanalyze.model.effect import Effect, MeasuredParameter, Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.wave import Wave, strongest_wave
 
@@ -99,7 +99,7 @@ class PeriodicPattern(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the waves; sin(a + b) is made of one sine a column and one a row."""
-        stream = site.silicon if self.phase == "fixed" else site.moment
+        stream = site.fixed_stream if self.phase == "fixed" else site.frame_stream
         amplitude = self.value("amplitude", site.point) * site.gain_ratio
         first = self.value("u", site.point), self.value("v", site.point), 1.0
         for n, (u, v, relative) in enumerate([first, *self.further]):
@@ -117,7 +117,7 @@ class PeriodicPattern(Effect):
         relative = 1.0 + sum(a**2 for _, _, a in self.further)
         return self.value("amplitude", point) ** 2 / 2.0 * relative
 
-    def told(self, measured: Located) -> dict[str, Told]:
+    def measured_parameters(self, measured: MeasuredLines) -> dict[str, MeasuredParameter]:
         """The frequency of the line within a mode of its own, or else of the strongest."""
         if not (isinstance(self.u, (int, float)) and isinstance(self.v, (int, float))):
             return {}
@@ -130,7 +130,10 @@ class PeriodicPattern(Effect):
         line = strongest_wave(near or patterns)
         if line is None:
             return {}
-        return {"u": Told(line.u, line.u_error), "v": Told(line.v, line.v_error)}
+        return {
+            "u": MeasuredParameter(line.u, line.u_error),
+            "v": MeasuredParameter(line.v, line.v_error),
+        }
 
 
 def lies_at(wave: Wave, u: float, v: float, field: tuple[int, int]) -> bool:

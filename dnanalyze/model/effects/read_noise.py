@@ -74,7 +74,7 @@ class ReadNoise(Effect):
         0.0, "1", -0.45, 0.45, "correlation with the pixel read before that one", "linear"
     )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """Correlations where there are none: pixels that are read side by side have none."""
         return tuple(name for name in ("serial", "serial2") if getattr(self, name) == 0)
 
@@ -82,7 +82,7 @@ class ReadNoise(Effect):
         """Add the noise."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
         spread = np.float32(self.value("spread", site.point))
-        key = site.moment.child("").key
+        key = site.frame_stream.child("").key
         serial = self.value("serial", site.point), self.value("serial2", site.point)
         if spread == 0 and not any(serial):
             return draws.add_normal(signal, sigma, key, site.window, site.shape[1])

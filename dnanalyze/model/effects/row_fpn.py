@@ -43,7 +43,7 @@ class RowFpn(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
-        signal += np.float32(sigma) * site.rows(site.silicon.child("rows"))[:, None]
+        signal += np.float32(sigma) * site.rows(site.fixed_stream.child("rows"))[:, None]
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

@@ -47,7 +47,7 @@ class RowNoise(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
-        signal += np.float32(sigma) * site.rows(site.moment.child("rows"))[:, None]
+        signal += np.float32(sigma) * site.rows(site.frame_stream.child("rows"))[:, None]
         return signal
 
     def variance(self, point: OperatingPoint) -> float:

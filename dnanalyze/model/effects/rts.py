@@ -91,7 +91,7 @@ class Rts(Effect):
         "spread",
     )
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
@@ -100,7 +100,7 @@ class Rts(Effect):
         dwell = self.dwell_frames
         return not isinstance(dwell, (int, float)) or dwell <= 10.0 * frames
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
         return (0.0 if name == "read_noise.spread" else 1.0), 0.0
 
@@ -137,7 +137,7 @@ class Rts(Effect):
         """Add the step to the blinking pixels that are in their upper level."""
         at, index, step, occupancy = site.keep("steps", lambda: self._steps(site))
         renew = 1.0 - np.exp(-1.0 / self.value("dwell_frames", site.point))
-        root = site.silicon.child("telegraph", repr(site.point))
+        root = site.fixed_stream.child("telegraph", repr(site.point))
         names = ("state", "second") if self.polarity == "three" else ("state",)
         states = [Telegraph(root, n, site.frame, index, occupancy, renew) for n in names]
         below = occupancy if self.polarity == "centred" else None
@@ -145,7 +145,7 @@ class Rts(Effect):
 
     def _occupancy(self, index: np.ndarray, site: Site) -> np.ndarray:
         if self.occupancies == "spread":
-            return site.silicon.child("occupancy").uniform_at(index)
+            return site.fixed_stream.child("occupancy").uniform_at(index)
         return np.full(index.size, self.value("occupancy", site.point), np.float32)
 
     def _steps(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -164,7 +164,7 @@ class Rts(Effect):
         else:
             step = np.ones(at.size, np.float32)
         if self.polarity in ("both", "centred"):
-            down = site.silicon.child("polarity").uniform_at(index) < 0.5
+            down = site.fixed_stream.child("polarity").uniform_at(index) < 0.5
             step = np.where(down, -step, step)
         step = (np.float32(scale) * step).astype(np.float32)
         return at, index, step, self._occupancy(index, site)

@@ -64,7 +64,7 @@ class StuckPixels(Effect):
         codes = np.full(rows.size, top, np.float32)
         if self.codes == "any":
             index = (site.window.top + rows) * site.shape[1] + site.window.left + columns
-            share = 3.0 * site.silicon.child("code").uniform_at(index)
+            share = 3.0 * site.fixed_stream.child("code").uniform_at(index)
             drawn = np.where(share < 1.0, 0.0, np.where(share < 2.0, 1.0, share - 2.0))
             codes = np.rint(top * drawn).astype(np.float32)
         if not (self.columns or self.rows):

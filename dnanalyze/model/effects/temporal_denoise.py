@@ -66,11 +66,11 @@ class TemporalDenoise(Effect):
             return 0
         return min(self.memory, math.ceil(math.log(TRACE) / math.log(share)))
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The threshold where there is none."""
         return ("threshold",) if self.motion == "off" else ()
 
-    def bent(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
+    def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """The recursion leaves (1 - a)/(1 + a) of the variance between frames."""
         if not isinstance(self.share, (int, float)):
             return 1.0, 0.0

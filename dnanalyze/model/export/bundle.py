@@ -29,9 +29,10 @@ REPLACED = {
 # What a simulation does not call: text for users, guesses from measurements, checks, reading and
 # writing.
 DROPPED = {
-    "guess", "variance", "idle", "parameters", "from_plain", "to_plain", "__post_init__",
+    "guess", "variance", "inactive_parameters", "measured_parameters", "parameters", "from_plain",
+    "to_plain", "__post_init__",
     "summary", "physics", "formula", "references", "fingerprint", "confused_with", "varies",
-    "bent", "relatives", "lies_in",
+    "nuisance_bias", "relatives", "lies_in",
 }  # fmt: skip
 DROPPED_DECORATORS = {"recordable"}  # frames of one file are always drawn
 DROPPED_OF = {

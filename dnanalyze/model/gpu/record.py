@@ -22,11 +22,11 @@ class RecordedSite(Site):
 
     def normal(self, name: str = "") -> Any:
         """Standard normal field of this frame; on the host where its values are asked for."""
-        return self._drawn(self.moment.child(name), "normal")
+        return self._drawn(self.frame_stream.child(name), "normal")
 
     def uniform(self, name: str = "") -> Any:
         """Uniform field of this frame; on the host where its values are asked for."""
-        return self._drawn(self.moment.child(name), "uniform")
+        return self._drawn(self.frame_stream.child(name), "uniform")
 
     def _drawn(self, stream: Stream, kind: str) -> Recorded:
         step = self.tape.step(kind, self.tape.number(stream.key))

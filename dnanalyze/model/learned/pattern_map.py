@@ -55,13 +55,13 @@ class PatternMap(Effect):
         assert isinstance(made, PatternMap)
         return replace(made, map=FieldMap.from_plain(raw.get("map")))
 
-    def idle(self) -> tuple[str, ...]:
+    def inactive_parameters(self) -> tuple[str, ...]:
         """The energy of a constant pattern."""
         return () if self.law == "thermal" else ("ea_ev",)
 
     def to_plain(self) -> dict[str, Any]:
         """As written in YAML, without what the law does not use."""
-        return {k: v for k, v in super().to_plain().items() if k not in self.idle()}
+        return {k: v for k, v in super().to_plain().items() if k not in self.inactive_parameters()}
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the map.

@@ -53,4 +53,6 @@ def _one(figure: Figure, drawn: Callable[[], Sequence[Layer]]) -> object:
 
 def simulated(result: Any) -> Sequence[Layer]:
     """The held-out data beside a simulation of the model, of a result that has both."""
-    return layers(result.bench.measured[1], result.bench.statistics(result.model, errors=True)[1])
+    return layers(
+        result.problem.measured[1], result.problem.statistics(result.model, errors=True)[1]
+    )

@@ -81,7 +81,7 @@ def page(result: Any) -> Page:
     """The report: which effect belongs where, each channel's steps, the one model compared."""
     from dnanalyze.comparator.compare import compare_on
 
-    comparison = compare_on(result.captures, result.model, held=result.bench)
+    comparison = compare_on(result.captures, result.model, problem=result.problem)
     return page_of(
         result.captures,
         "Refinement over channels",

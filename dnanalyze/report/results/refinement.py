@@ -105,8 +105,8 @@ def page(result: Any) -> Page:
     from dnanalyze.comparator.compare import compare_on
     from dnanalyze.comparator.rivals import of_steps
 
-    comparison = compare_on(result.captures, result.model, held=result.bench)
-    beside = of_steps(result.bench, result.steps, named_effects(result.steps))
+    comparison = compare_on(result.captures, result.model, problem=result.problem)
+    beside = of_steps(result.problem, result.steps, named_effects(result.steps))
     return page_so_far(result, comparison, beside)
 
 

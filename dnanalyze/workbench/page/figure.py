@@ -79,7 +79,7 @@ class CurveFigure:
 
     def _draw(self) -> None:
         session, address = self.context.session, self.context.address
-        if session.bench is None or address is None:
+        if session.problem is None or address is None:
             return
         self.view.visible = True
         axes, labels, found = self._curves()
@@ -89,7 +89,7 @@ class CurveFigure:
             f"<b>{html.escape(info.title)}</b>{explained(info.title)} "
             f"<span class=quiet>{html.escape(where)}</span>"
         )
-        measured = session.bench.measured[1]
+        measured = session.problem.measured[1]
         marks = [] if labels else curves.marks(address, measured)
         band = None if labels else curves.band(address)
         self.plot.show(axes, labels, found, (address, bool(labels)), marks, band)
@@ -111,14 +111,14 @@ class CurveFigure:
 def layers(context: Context) -> dict[str, tuple[Statistics, curves.Change | None]]:
     """Statistics of each layer, with the change that a preview makes to them."""
     session = context.session
-    assert session.bench is not None
+    assert session.problem is not None
     models = {
         "Wang 2025 model": session.baseline,
         "present model": context.shown,
         "candidate": context.candidate[1] if context.candidate else None,
     }
     found = {k: (e.simulated, e.change) for k, e in models.items() if e is not None}
-    return {"measured": (session.bench.measured[1], None), **found}
+    return {"measured": (session.problem.measured[1], None), **found}
 
 
 def curves_of(

@@ -56,7 +56,7 @@ class Histogram:
         if address is None:
             return
         where = html.escape(labelled(address.point, address.plane))
-        if session.bench is None:
+        if session.problem is None:
             self.title.object = f"<span class=loading>histogram at {where} …</span>"
             return
         found = layers(self.context)

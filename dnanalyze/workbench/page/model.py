@@ -87,7 +87,7 @@ class Model:
             plain_name(n): n for n in sorted(session.known) if n not in present
         }
         sliders = session.sliders()
-        shape = [s.knob.name for s in sliders], tuple(model.names), tuple(session.removed)
+        shape = [s.parameter.name for s in sliders], tuple(model.names), tuple(session.removed)
         if shape == self._drawn:
             self._set(sliders)
             return
@@ -96,7 +96,7 @@ class Model:
         made: list[Any] = []
         by_effect: dict[str, list[Slider]] = {}
         for slider in sliders:
-            by_effect.setdefault(slider.knob.effect, []).append(slider)
+            by_effect.setdefault(slider.parameter.effect, []).append(slider)
         made += self._parameters(by_effect.pop("pedestal", []))
         for effect in model.chain:
             made.append(self._header(effect, True))
@@ -110,7 +110,7 @@ class Model:
         """Rows of an effect; numbers over many operating points share one."""
         groups: dict[str, list[Slider]] = {}
         for slider in sliders:
-            groups.setdefault(slider.knob.group, []).append(slider)
+            groups.setdefault(slider.parameter.group, []).append(slider)
         made = []
         for name, group in groups.items():
             if len(group) >= TABLE:
@@ -125,10 +125,10 @@ class Model:
         """Show other values of the same parameters."""
         groups: dict[str, list[Slider]] = {}
         for slider in sliders:
-            if slider.knob.name in self._rows:
-                self._rows[slider.knob.name].set(slider)
+            if slider.parameter.name in self._rows:
+                self._rows[slider.parameter.name].set(slider)
             else:
-                groups.setdefault(slider.knob.group, []).append(slider)
+                groups.setdefault(slider.parameter.group, []).append(slider)
         for name, group in groups.items():
             self._tables[name].set(group)
 
@@ -160,7 +160,7 @@ class Model:
 
     def _row(self, slider: Slider) -> Any:
         row = ParameterRow(slider, self.style, self._move, self._pin)
-        self._rows[slider.knob.name] = row
+        self._rows[slider.parameter.name] = row
         return row.view
 
     def _pin(self, name: str, pinned: bool) -> None:

@@ -17,7 +17,7 @@ from bokeh.models import (
 )
 
 from dnanalyze.digits import number, symbol, unit_text
-from dnanalyze.fitting.knobs import Knob
+from dnanalyze.fitting.free_parameters import FreeParameter
 from dnanalyze.workbench.page.style import Palette, hover, inner, plain_figure
 from dnanalyze.workbench.sliders import Slider
 
@@ -85,7 +85,7 @@ class ParameterRow:
         The slider keeps its range where it stands at that value already: a handle that is being
         moved must not jump.
         """
-        other = slider.knob.name != self.slider.knob.name or not self.label.object
+        other = slider.parameter.name != self.slider.parameter.name or not self.label.object
         stands = slider.value == self._value and not other
         self.slider, self._value = slider, slider.value
         self._quiet = True
@@ -98,18 +98,18 @@ class ParameterRow:
             if not stands:
                 self._low, self._high = slider_range(slider)
                 self._bubble.args = {
-                    "low": self._low, "high": self._high, "log": slider.knob.log
+                    "low": self._low, "high": self._high, "log": slider.parameter.log
                 }  # fmt: skip
-                self.bar.value = self._share(slider.knob.position(slider.value))
-                self.number.value = shown_value(slider.knob, slider.value)
+                self.bar.value = self._share(slider.parameter.position(slider.value))
+                self.number.value = shown_value(slider.parameter, slider.value)
         finally:
             self._quiet = False
 
     def _name(self, slider: Slider) -> None:
-        knob = slider.knob
-        unit = f" <span class=quiet>{html.escape(symbol(knob.unit))}</span>"
-        name = html.escape(slider.label or knob.name)
-        self.label.object = f"<span title='{html.escape(limits(knob))}'>{name}{unit}</span>"
+        parameter = slider.parameter
+        unit = f" <span class=quiet>{html.escape(symbol(parameter.unit))}</span>"
+        name = html.escape(slider.label or parameter.name)
+        self.label.object = f"<span title='{html.escape(limits(parameter))}'>{name}{unit}</span>"
 
     def _note(self, text: str, wrong: bool = False) -> None:
         kind = "wrong" if wrong else "quiet"
@@ -121,40 +121,44 @@ class ParameterRow:
 
     def _pin(self, event: Any) -> None:
         if not self._quiet:
-            knob = self.slider.knob
-            owner = knob.effect if not knob.parameter else f"{knob.effect}.{knob.parameter}"
+            parameter = self.slider.parameter
+            owner = (
+                parameter.effect
+                if not parameter.parameter
+                else f"{parameter.effect}.{parameter.parameter}"
+            )
             self._pinned(owner, event.new)
 
     def _slid(self, event: Any) -> None:
         if self._quiet:
             return
-        knob = self.slider.knob
-        value = knob.plain(self._low + event.new * (self._high - self._low))
+        parameter = self.slider.parameter
+        value = parameter.plain(self._low + event.new * (self._high - self._low))
         self._quiet = True
         try:
-            self.number.value = shown_value(knob, value)
+            self.number.value = shown_value(parameter, value)
             self._note("")  # the error was that of the fitted value
         finally:
             self._quiet = False
         self._value = value
-        self._move(knob.name, value)
+        self._move(parameter.name, value)
 
     def _typed(self, event: Any) -> None:
         """A value within the limits is taken; any other stays as typed, with the limits."""
         if self._quiet:
             return
-        knob = self.slider.knob
+        parameter = self.slider.parameter
         try:
             value = float(event.new.replace("−", "-").replace(",", ""))
         except ValueError:
-            self._note(f"not a number; {limits(knob)}", wrong=True)
+            self._note(f"not a number; {limits(parameter)}", wrong=True)
             return
-        if not knob.lower <= value <= knob.upper:
-            self._note(f"not applied; {limits(knob)}", wrong=True)
+        if not parameter.lower <= value <= parameter.upper:
+            self._note(f"not applied; {limits(parameter)}", wrong=True)
             return
         self._note("")
-        if event.new != shown_value(knob, self._value):  # as it stands: all digits are kept
-            self._move(knob.name, value)
+        if event.new != shown_value(parameter, self._value):  # as it stands: all digits are kept
+            self._move(parameter.name, value)
 
 
 class TableRow:
@@ -167,11 +171,11 @@ class TableRow:
         self._at = 0
         self._sliders = list(sliders)
         self._source = ColumnDataSource({"x": [], "y": [], "where": [], "text": []})
-        knob = sliders[0].knob
+        parameter = sliders[0].parameter
         positive = all(s.value > 0 for s in sliders)
         self.figure = made = plain_figure(
             p, sizing_mode="stretch_width", height=84, tools="tap", min_border_left=34,
-            y_axis_type="log" if knob.log and positive else "linear",
+            y_axis_type="log" if parameter.log and positive else "linear",
             x_range=(-0.5, len(sliders) - 0.5),
         )  # fmt: skip
         made.line("x", "y", source=self._source, color=p.present, line_width=1.4)
@@ -179,7 +183,7 @@ class TableRow:
             "x", "y", source=self._source, color=p.present, size=8,
             nonselection_fill_alpha=0.35, nonselection_line_alpha=0.35,
         )  # fmt: skip
-        made.add_tools(hover(p, [dots], ("", "@where"), (knob.parameter, "@text")))
+        made.add_tools(hover(p, [dots], ("", "@where"), (parameter.parameter, "@text")))
         made.select_one(TapTool).renderers = [dots]
         self._ends = made.yaxis.ticker = FixedTicker(ticks=[])
         made.ygrid.ticker = self._ends
@@ -191,9 +195,9 @@ class TableRow:
         self.row = ParameterRow(sliders[0], style, move, pin)
         self.view = pn.Column(
             pn.pane.HTML(
-                f"<b>{html.escape(knob.parameter or knob.effect)}</b> <span class=quiet>"
-                f"{html.escape(symbol(knob.unit))} at {len(sliders)} operating points; a click "
-                "on a dot chooses one</span>",
+                f"<b>{html.escape(parameter.parameter or parameter.effect)}</b> <span class=quiet>"
+                f"{html.escape(symbol(parameter.unit))} at {len(sliders)} operating points; a "
+                "click on a dot chooses one</span>",
                 stylesheets=style, margin=(3, 0, 0, 14),
             ),
             pn.pane.Bokeh(made, margin=0, sizing_mode="stretch_width"),
@@ -209,7 +213,9 @@ class TableRow:
             "x": list(range(len(sliders))),
             "y": [s.value for s in sliders],
             "where": [_place(s.label) for s in sliders],
-            "text": [shown_value(s.knob, s.value) + unit_text(s.knob.unit) for s in sliders],
+            "text": [
+                shown_value(s.parameter, s.value) + unit_text(s.parameter.unit) for s in sliders
+            ],
         }
         values = [s.value for s in sliders]
         ends = sorted({min(values), max(values)})
@@ -230,31 +236,35 @@ def _place(label: str) -> str:
     return label.partition(", ")[2] or label
 
 
-def limits(knob: Knob) -> str:
+def limits(parameter: FreeParameter) -> str:
     """The values that a parameter may take."""
-    return f"valid: {number(knob.lower)} to {number(knob.upper)}{unit_text(knob.unit)}"
+    return (
+        f"valid: {number(parameter.lower)} to {number(parameter.upper)}{unit_text(parameter.unit)}"
+    )
 
 
-def shown_value(knob: Knob, value: float) -> str:
+def shown_value(parameter: FreeParameter, value: float) -> str:
     """A value as its field shows it; 0 where it is only the rounding of one.
 
     Examples
     --------
-    >>> from dnanalyze.fitting.knobs import Knob
+    >>> from dnanalyze.fitting.free parameters import FreeParameter
     >>> from dnanalyze.workbench.page.parameters import shown_value
-    >>> shown_value(Knob("e", "rho", "value", False, -1.0, 1.0, "1"), 1.1e-16)
+    >>> shown_value(FreeParameter("e", "rho", "value", False, -1.0, 1.0, "1"), 1.1e-16)
     '0'
     """
-    if not knob.log and abs(value) < ZERO * max(abs(knob.lower), abs(knob.upper), 1.0):
+    if not parameter.log and abs(value) < ZERO * max(
+        abs(parameter.lower), abs(parameter.upper), 1.0
+    ):
         return "0"
     return f"{value:.4g}"
 
 
 def slider_range(slider: Slider) -> tuple[float, float]:
     """Ends of a slider on the parameter's own scale, within its bounds."""
-    knob, value = slider.knob, slider.value
-    at = knob.position(value)
-    span = min(knob.upper - knob.lower, 20.0)
-    reach = math.log(SPAN) if knob.log else max(abs(value), 0.05 * span)
-    low, high = knob.inside(at - reach), knob.inside(at + reach)
+    parameter, value = slider.parameter, slider.value
+    at = parameter.position(value)
+    span = min(parameter.upper - parameter.lower, 20.0)
+    reach = math.log(SPAN) if parameter.log else max(abs(value), 0.05 * span)
+    low, high = parameter.inside(at - reach), parameter.inside(at + reach)
     return (low, high) if high > low else (low - 0.5, high + 0.5)

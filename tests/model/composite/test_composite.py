@@ -8,7 +8,7 @@ import pytest
 
 from dnanalyze.diagnosis.candidates import candidates_of
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.composite.effect import FORMS, CompositeEffect
 from dnanalyze.model.composite.source import own_effect
@@ -278,7 +278,7 @@ def test_only_what_the_words_use_is_written_and_fitted():
         "phase", "envelope",
     }  # fmt: skip
     model = NoiseModel((made,), 0.0)
-    assert [k.name for k in knobs_of(model)] == [
+    assert [k.name for k in free_parameters(model)] == [
         "pedestal", "composite.amplitude", "composite.ea_ev",
     ]  # fmt: skip
 

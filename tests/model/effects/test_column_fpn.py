@@ -67,8 +67,8 @@ def test_a_settling_level_follows_gain_alone_and_is_idle_where_it_is_none():
     effect = ColumnFpn(1e-4, settle=20.0, length=40.0)
     loud = offsets(effect, point=OperatingPoint(85.0, 10.0, 4.0))
     np.testing.assert_allclose(loud, 4 * offsets(effect), atol=2e-3)
-    assert effect.idle() == ()
-    assert ColumnFpn(1.0).idle() == ("settle", "length")
+    assert effect.inactive_parameters() == ()
+    assert ColumnFpn(1.0).inactive_parameters() == ("settle", "length")
 
 
 @pytest.mark.parametrize(("first", "margin"), [("left", 0), ("left", 60), ("right", 0)])

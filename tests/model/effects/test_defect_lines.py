@@ -96,7 +96,7 @@ def test_guess_names_the_lines_that_stand_out():
     assert effect.sigma == pytest.approx(np.sqrt(10.0))
     assert effect.offsets[0] / effect.offsets[1] == pytest.approx(-2.0, rel=1e-3)
     assert effect.begins == effect.ends == ()
-    assert "fraction" in effect.idle()
+    assert "fraction" in effect.inactive_parameters()
     assert effect.variance(POINT) is None
 
 

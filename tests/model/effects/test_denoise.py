@@ -121,7 +121,7 @@ def test_a_bilateral_that_is_wide_for_the_noise_is_guessed_from_what_it_leaves(s
     assert guess.space == pytest.approx(space, rel=0.1)
     # kernel cut at two pixels, likeness of 30 DN, codes: a tenth of the noise
     assert guess.range == pytest.approx(1.5 * WIDE * 5.0, rel=0.15)
-    factor, shift = guess.bent("read_noise.sigma", "DN", left)
+    factor, shift = guess.nuisance_bias("read_noise.sigma", "DN", left)
     assert left * factor + shift == pytest.approx(5.0, rel=0.15)
 
 
@@ -135,12 +135,12 @@ def test_what_goes_by_the_size_of_noise_is_tried_on_codes(kind, share, noise):
     y = frames(ReadNoise(noise), MissingCodes(1e-3), hidden, count=4, shape=(200, 200))
     y = y.astype(float) - y.mean()
     left, alike = y.std(), np.mean(y[..., 1:] * y[..., :-1]) / y.var()
-    factor, before = hidden.bent("read_noise.sigma", "DN", left)
+    factor, before = hidden.nuisance_bias("read_noise.sigma", "DN", left)
     assert factor == 0.0
     assert before == pytest.approx(noise, rel=0.2)  # where between codes the mean lies matters
-    assert hidden.bent("read_noise.spread", "1", left) == (0.0, 0.0)
-    assert hidden.bent("pixel_fpn.sigma", "DN", left)[1] > 0
-    assert hidden.bent("dark_shot_noise.dn_per_e", "DN/e-", left) == (1.0, 0.0)
+    assert hidden.nuisance_bias("read_noise.spread", "1", left) == (0.0, 0.0)
+    assert hidden.nuisance_bias("pixel_fpn.sigma", "DN", left)[1] > 0
+    assert hidden.nuisance_bias("dark_shot_noise.dn_per_e", "DN/e-", left) == (1.0, 0.0)
     clues = Given(
         seen={"temporal_corr_10": alike, "temporal_corr_20": 0.0, "temporal_noise": left},
         off={"temporal_psd_0.5_0.71": -8.0},
@@ -151,7 +151,10 @@ def test_what_goes_by_the_size_of_noise_is_tried_on_codes(kind, share, noise):
 
 @pytest.mark.parametrize("noise", [0.0, np.inf])
 def test_frames_without_noise_tell_nothing_of_what_was_before(noise):
-    assert Denoise(1.0, 4.0, 0.8, "nlm").bent("read_noise.sigma", "DN", noise) == (1.0, 0.0)
+    assert Denoise(1.0, 4.0, 0.8, "nlm").nuisance_bias("read_noise.sigma", "DN", noise) == (
+        1.0,
+        0.0,
+    )
 
 
 def test_the_filter_is_read_off_the_quietest_setting_whose_codes_change_often_enough():
@@ -179,22 +182,22 @@ def test_the_filter_is_read_off_the_quietest_setting_whose_codes_change_often_en
 
 def test_a_filter_whose_range_varies_bends_nothing_that_is_known():
     varying = Denoise(1.0, ArrheniusLaw(30.0, 25.0, 0.5), 0.85, "bilateral")
-    assert varying.bent("read_noise.sigma", "DN", 1.0) == (1.0, 0.0)
+    assert varying.nuisance_bias("read_noise.sigma", "DN", 1.0) == (1.0, 0.0)
 
 
 def test_idle_parameters():
-    assert Denoise(kind="median").idle() == ("range", "space", "patch", "window")
-    assert Denoise(kind="gaussian").idle() == ("range", "patch", "window")
-    assert Denoise(kind="bilateral").idle() == ("patch", "window")
-    assert Denoise(kind="nlm").idle() == ("space",)
+    assert Denoise(kind="median").inactive_parameters() == ("range", "space", "patch", "window")
+    assert Denoise(kind="gaussian").inactive_parameters() == ("range", "patch", "window")
+    assert Denoise(kind="bilateral").inactive_parameters() == ("patch", "window")
+    assert Denoise(kind="nlm").inactive_parameters() == ("space",)
 
 
 def test_a_share_near_a_quarter_is_tried_as_one_and_then_held():
     (plain,) = Denoise(strength=0.46, kind="median").relatives()
     assert plain.strength == 0.5
-    assert "strength" in plain.idle()
+    assert "strength" in plain.inactive_parameters()
     assert plain.relatives() == []
-    assert "strength" not in Denoise(strength=1.0, kind="gaussian").idle()
+    assert "strength" not in Denoise(strength=1.0, kind="gaussian").inactive_parameters()
     assert Denoise(strength=0.95).relatives() == []
 
 
@@ -203,11 +206,13 @@ def test_a_share_near_a_quarter_is_tried_as_one_and_then_held():
 def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_filter_leaves(kind, strength):
     filtered = Denoise(strength, 1e-2, 0.7, kind)  # a range below the noise changes nothing
     y = frames(*SENSOR, filtered, count=4, shape=(200, 200))
-    factor, shift = filtered.bent("read_noise.sigma", "DN")
+    factor, shift = filtered.nuisance_bias("read_noise.sigma", "DN")
     # smoothed pixels are worth a few times fewer
     assert y.std() * factor + shift == pytest.approx(5.0, rel=5 * 3 / np.sqrt(2 * y.size))
-    assert filtered.bent("dark_shot_noise.dn_per_e", "DN/e-")[0] == pytest.approx(factor**2)
-    assert filtered.bent("convolved_lognormal.phi", "1") == (0.0, 0.0)
+    assert filtered.nuisance_bias("dark_shot_noise.dn_per_e", "DN/e-")[0] == pytest.approx(
+        factor**2
+    )
+    assert filtered.nuisance_bias("convolved_lognormal.phi", "1") == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("spacing", [1, 2])

@@ -123,13 +123,13 @@ def test_saturated_codes_stay_at_the_top_of_the_output():
 
 def test_what_comes_before_is_smaller_by_the_gain():
     gain = DigitalGain(1.6, 20.0)
-    before, after = ReadNoise(5.0), ReadNoise(5.0 * gain.bent("read_noise.sigma", "DN")[0])
-    factor, shift = gain.bent("pedestal", "DN")
+    before, after = ReadNoise(5.0), ReadNoise(5.0 * gain.nuisance_bias("read_noise.sigma", "DN")[0])
+    factor, shift = gain.nuisance_bias("pedestal", "DN")
     plain = frames(before, count=4, pedestal=100.0)
     put_in = frames(after, gain, count=4, pedestal=factor * 100.0 + shift)
     n = plain.size
     assert put_in.mean() == pytest.approx(plain.mean(), abs=5 * 5.0 * np.sqrt(2 / n) + 0.05)
     assert put_in.std() == pytest.approx(plain.std(), rel=5 / np.sqrt(n) + 0.01)
-    factor, shift = gain.bent("convolved_lognormal.mu[0]", "ln DN")
+    factor, shift = gain.nuisance_bias("convolved_lognormal.mu[0]", "ln DN")
     assert np.exp(factor * 2.0 + shift) == pytest.approx(np.exp(2.0) / 1.6)
-    assert gain.bent("convolved_lognormal.delta", "ln DN") == (1.0, 0.0)
+    assert gain.nuisance_bias("convolved_lognormal.delta", "ln DN") == (1.0, 0.0)

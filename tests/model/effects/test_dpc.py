@@ -111,9 +111,9 @@ def test_static_correction_replaces_the_brightest_of_the_silicon_at_every_settin
 
 
 def test_idle_parameters():
-    assert Dpc(kind="median").idle() == ("factor", "black", "fraction", "neighbours")
-    assert Dpc(kind="ratio").idle() == ("fraction", "sides", "unit")
-    assert set(Dpc(kind="static").idle()) == {
+    assert Dpc(kind="median").inactive_parameters() == ("factor", "black", "fraction", "neighbours")
+    assert Dpc(kind="ratio").inactive_parameters() == ("fraction", "sides", "unit")
+    assert set(Dpc(kind="static").inactive_parameters()) == {
         "threshold", "factor", "black", "sides", "unit", "neighbours",
     }  # fmt: skip
 
@@ -126,13 +126,13 @@ def test_idle_is_what_changes_nothing(kind):
         "replacement": "mean", "unit": "local", "neighbours": 24,
     }  # fmt: skip
     effect = Dpc(threshold=6.0, factor=1.5, black=60.0, fraction=0.005, kind=kind)
-    silicon = (ReadNoise(2.0), PixelFpn(4.0), HotPixels(0.02, 60.0))
-    plain = frames(*silicon, effect, count=1)
+    sensor = (ReadNoise(2.0), PixelFpn(4.0), HotPixels(0.02, 60.0))
+    plain = frames(*sensor, effect, count=1)
     same = {
         name for name, value in other.items()
-        if np.array_equal(frames(*silicon, replace(effect, **{name: value}), count=1), plain)
+        if np.array_equal(frames(*sensor, replace(effect, **{name: value}), count=1), plain)
     }  # fmt: skip
-    assert same == set(effect.idle())
+    assert same == set(effect.inactive_parameters())
 
 
 def test_guess_takes_the_threshold_from_what_is_missing():
@@ -222,13 +222,13 @@ def test_guess_of_a_list_from_the_hot_pixels_that_are_not_there():
 
 def test_a_list_made_where_it_is_warm_holds_what_is_hot_there():
     hot, share = OperatingPoint(65.0, 1.0, 1.0), 0.01
-    silicon = (ReadNoise(0.5), PixelFpn(10.0), HotPixels(share, 5.0, ea_ev=0.7))
-    bare = frames(*silicon, count=1, point=hot)[0]
+    sensor = (ReadNoise(0.5), PixelFpn(10.0), HotPixels(share, 5.0, ea_ev=0.7))
+    bare = frames(*sensor, count=1, point=hot)[0]
     sites = frames(HotPixels(share, 5.0, ea_ev=0.7), count=1, point=hot)[0] - 64.0 > 60.0
     assert sites.sum() > 50
     # grown 25-fold, the hot pixels stand far out of offsets that hide them at the reference
     cold, warm = (Dpc(fraction=share, warmer=by, kind="static") for by in (0.0, 40.0))
-    left, gone = (frames(*silicon, d, count=1, point=hot)[0] != bare for d in (cold, warm))
+    left, gone = (frames(*sensor, d, count=1, point=hot)[0] != bare for d in (cold, warm))
     assert gone[sites].mean() > 0.9
     assert left[sites].mean() < 0.5
 

@@ -120,5 +120,5 @@ def test_it_is_guessed_from_the_skewness_of_the_noise_alone():
 
 def test_photon_transfer_without_it_has_the_gain_too_large():
     effect = ElectronMultiplication(1.8)
-    assert effect.bent("dark_shot_noise.dn_per_e", "DN/e-") == (1 / 1.8, 0.0)
-    assert effect.bent("read_noise.sigma", "DN") == (1.0, 0.0)
+    assert effect.nuisance_bias("dark_shot_noise.dn_per_e", "DN/e-") == (1 / 1.8, 0.0)
+    assert effect.nuisance_bias("read_noise.sigma", "DN") == (1.0, 0.0)

@@ -158,7 +158,7 @@ def test_serial_read_noise_is_correlated_with_the_next_pixels_of_the_row_alone(s
     assert (z[:, :, :2].std() - 1) < 5 / np.sqrt(2 * z[:, :, :2].size)
     assert abs(np.mean(z[:, 1:] * z[:, :-1])) < 2 * five
     assert abs(np.mean(z[1:] * z[:-1])) < five
-    idle = ReadNoise(3.0, serial=serial, serial2=serial2).idle()
+    idle = ReadNoise(3.0, serial=serial, serial2=serial2).inactive_parameters()
     assert ("serial" in idle, "serial2" in idle) == (serial == 0, serial2 == 0)
 
 

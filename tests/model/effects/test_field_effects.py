@@ -423,8 +423,8 @@ def test_a_scaled_gradient_multiplies_every_pixel_and_follows_the_dark_signal():
     plain = frames(HotPixels(0.3, 20.0), (64, 96))[0]
     both = frames((HotPixels(0.3, 20.0), DarkGradient(x=0.1, yy=0.05, **form)), (64, 96))[0]
     np.testing.assert_allclose(both, plain * (1 + added), rtol=1e-5, atol=1e-5)
-    assert DarkGradient(**form).idle() == ("wait", "ea_ev")
-    assert "ea_ev" not in DarkGradient(wait=1.0, **form).idle()
+    assert DarkGradient(**form).inactive_parameters() == ("wait", "ea_ev")
+    assert "ea_ev" not in DarkGradient(wait=1.0, **form).inactive_parameters()
 
 
 def test_a_share_is_guessed_from_the_slope_over_the_level():
@@ -474,9 +474,9 @@ def test_rows_that_wait_collect_charge_at_any_exposure():
     up = frames(DarkGradient(wait=-16.0), (64, 32))[0]
     assert up[0, 0] == pytest.approx(16.0)  # the first row waits longest, and none is negative
     assert 0 <= up.min() < 1
-    assert DarkGradient().idle() == ("wait",)
-    assert effect.idle() == ("x", "y", "xx", "yy", "xy")
-    assert DarkGradient(x=1.0, yy=2.0).idle() == ("y", "xx", "xy", "wait")
+    assert DarkGradient().inactive_parameters() == ("wait",)
+    assert effect.inactive_parameters() == ("x", "y", "xx", "yy", "xy")
+    assert DarkGradient(x=1.0, yy=2.0).inactive_parameters() == ("y", "xx", "xy", "wait")
     assert effect.variance(HERE) is None
 
 

@@ -92,7 +92,7 @@ def test_below_the_cutoff_the_spectrum_is_flat():
     )
     assert np.polyfit(np.log(f[above]), np.log(s[above]), 1)[0] == pytest.approx(-1.5, abs=0.1)
     assert d.var() == pytest.approx(1.0, rel=0.1)
-    assert FlickerNoise(cutoff=0.1).idle() == ()
+    assert FlickerNoise(cutoff=0.1).inactive_parameters() == ()
 
 
 @pytest.mark.parametrize("width", [256, 255])

@@ -7,8 +7,8 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.heavy_tailed_read_noise import (
     QUARTILE,
     HeavyTailedReadNoise,
-    bent,
     student,
+    tukey_lambda,
 )
 
 SHAPE = (256, 256)
@@ -89,7 +89,7 @@ def test_each_deviate_is_exact_in_single_precision(tail):
     z = np.array([-5.5, -2.0, -1e-3, 1e-3, 0.7, 3.0, 6.0], np.float32)
     p = norm.cdf(z.astype(float))
     exact = tukeylambda.ppf(p, tail) if tail else np.log(p) - norm.logsf(z.astype(float))
-    np.testing.assert_allclose(bent(z, tail), exact, rtol=2.0**-23)
+    np.testing.assert_allclose(tukey_lambda(z, tail), exact, rtol=2.0**-23)
 
 
 @pytest.mark.parametrize("freedom", [2.1, 5.0, 30.0])

@@ -490,7 +490,7 @@ def test_of_a_heavy_tail_the_exponential_law_of_the_same_median_is_told(tail):
 def test_a_heavier_relative_is_as_strong_at_a_tenth_of_the_hot_pixels():
     other, power = HotPixels(0.01, 30.0).relatives()
     assert other.relatives() == power.relatives() == []
-    assert list(other.idle()) == list(power.idle()) == ["width"]
+    assert list(other.inactive_parameters()) == list(power.inactive_parameters()) == ["width"]
     assert power.scale * 10.0**power.tail == pytest.approx(30.0 * np.log(10.0))
     law = stats.genpareto(other.tail, 0, other.scale)
     assert law.isf(0.1) == pytest.approx(stats.expon(0, 30.0).isf(0.1), rel=1e-6)
@@ -517,4 +517,4 @@ def test_rates_of_a_narrow_peak_are_normal_about_it():
     assert stats.kstest(rate, stats.norm(50.0, 5.0).cdf).pvalue > 1e-6
     p = 0.02
     assert effect.variance(HERE) == pytest.approx(p * (2500 + 25) - (p * 50) ** 2)
-    assert effect.idle() == ("tail",)
+    assert effect.inactive_parameters() == ("tail",)

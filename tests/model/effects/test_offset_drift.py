@@ -45,8 +45,8 @@ def test_guess_of_the_step_and_of_a_transient():
     clues.curves["frame_means"] = [np.array([70.0, 64.1, 64.0, 63.9, 64.0, 64.1])]
     first = OffsetDrift.guess(clues)[0]
     assert first.transient == pytest.approx(6.0, abs=0.1)
-    assert first.idle() == ("white",)
-    assert OffsetDrift(0.1).idle() == ("transient", "settling", "white")
+    assert first.inactive_parameters() == ("white",)
+    assert OffsetDrift(0.1).inactive_parameters() == ("transient", "settling", "white")
 
 
 def test_white_offsets_have_the_stated_variance_and_no_memory():

@@ -37,8 +37,8 @@ def test_it_follows_the_gain_alone():
 
 
 def test_only_the_terms_in_use_are_fitted():
-    assert TRUTH.idle() == ("yy",)
-    assert OffsetGradient().idle() == ()
+    assert TRUTH.inactive_parameters() == ("yy",)
+    assert OffsetGradient().inactive_parameters() == ()
 
 
 def test_it_is_guessed_from_the_block_means():

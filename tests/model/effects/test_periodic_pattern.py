@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from readout_bench import POINT, Given, added, frames
 
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.knobs import knobs_of
+from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
 from dnanalyze.model.noise_model import NoiseModel, load_model
@@ -64,15 +64,15 @@ def test_guess_takes_the_line_that_stands_highest_and_all_that_is_measured_of_it
 def test_a_pattern_is_told_where_its_own_line_lies_else_the_strongest():
     waves = [line(0.3, 0.1, ratio=50.0), line(0.1005, -0.2, error=1e-4, ratio=20.0)]
     clues = Given(spectral={"temporal": waves})
-    told = PeriodicPattern(u=-0.1, v=0.2).told(clues)
+    told = PeriodicPattern(u=-0.1, v=0.2).measured_parameters(clues)
     assert (told["u"].value, told["u"].se) == (pytest.approx(-0.1005), pytest.approx(1e-4))
-    told = PeriodicPattern(u=0.01, v=0.4).told(clues)
+    told = PeriodicPattern(u=0.01, v=0.4).measured_parameters(clues)
     assert (told["u"].value, told["v"].value) == (pytest.approx(0.3), pytest.approx(0.1))
-    assert PeriodicPattern(phase="fixed").told(clues) == {}
+    assert PeriodicPattern(phase="fixed").measured_parameters(clues) == {}
 
 
 def test_frequency_is_left_alone_by_a_fit():
-    names = [k.name for k in knobs_of(NoiseModel((PeriodicPattern(),), 64.0))]
+    names = [k.name for k in free_parameters(NoiseModel((PeriodicPattern(),), 64.0))]
     assert names == ["pedestal", "periodic_pattern.amplitude"]
 
 
@@ -136,7 +136,7 @@ class OneSine(PeriodicPattern):
     """The effect as it was before it had further lines."""
 
     def apply(self, signal, site):
-        stream = site.silicon if self.phase == "fixed" else site.moment
+        stream = site.fixed_stream if self.phase == "fixed" else site.frame_stream
         start = 2.0 * np.pi * float(stream.child("phase").generator().random())
         along = 2.0 * np.pi * self.u * site.column_index
         down = 2.0 * np.pi * self.v * site.row_index + start
@@ -155,7 +155,7 @@ def test_frames_of_one_line_are_what_they_were(phase):
 def test_a_model_file_keeps_the_lines(tmp_path):
     NoiseModel((SEVERAL,), 64.0).save(tmp_path / "model.yaml")
     assert load_model(tmp_path / "model.yaml").get("periodic_pattern") == SEVERAL
-    assert "more" not in [k.name for k in knobs_of(NoiseModel((SEVERAL,), 64.0))]
+    assert "more" not in [k.name for k in free_parameters(NoiseModel((SEVERAL,), 64.0))]
 
 
 @pytest.mark.parametrize(
@@ -236,5 +236,5 @@ def test_fixed_lines_of_taps_are_no_further_ones():
 def test_the_first_line_is_told_beside_the_further_ones():
     waves = [line(0.3, 0.1, ratio=50.0), line(0.1005, -0.2, error=1e-4, ratio=20.0)]
     clues = Given(spectral={"temporal": waves})
-    told = PeriodicPattern(u=0.4, v=0.4, more=(0.3, 0.1, 0.5)).told(clues)
+    told = PeriodicPattern(u=0.4, v=0.4, more=(0.3, 0.1, 0.5)).measured_parameters(clues)
     assert (told["u"].value, told["v"].value) == (pytest.approx(0.1005), pytest.approx(-0.2))

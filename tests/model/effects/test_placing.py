@@ -10,11 +10,11 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, EVERYDAY, built_in
+from dnanalyze.model.registry import BASE, BASELINE, built_in
 from dnanalyze.model.simulate import simulate
 
 KNOWN = built_in()
-OTHERS = {n: e for n, e in KNOWN.items() if n not in (BASE, *EVERYDAY)}
+OTHERS = {n: e for n, e in KNOWN.items() if n not in (BASE, *BASELINE)}
 EVERYWHERE = [n for n, effect in OTHERS.items() if effect.placing is Placing.EVERYWHERE]
 ANYWHERE = [n for n, effect in OTHERS.items() if effect.placing is Placing.ANYWHERE]
 PLAIN = {

@@ -86,7 +86,7 @@ def test_survives_a_model_file(effect):
 
     model = NoiseModel((*BASE[1:], effect), 64.0, POINT, 3)
     assert model_from_plain(yaml.safe_load(dump_model(model)), "test") == model
-    assert set(effect.idle()) <= {f.name for f in dataclasses.fields(effect)}
+    assert set(effect.inactive_parameters()) <= {f.name for f in dataclasses.fields(effect)}
 
 
 @pytest.mark.parametrize("name", NAMES)

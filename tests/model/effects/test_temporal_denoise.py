@@ -77,7 +77,7 @@ def test_guess_from_the_autocorrelation(share, count):
     plain, moving = TemporalDenoise.guess(clues)
     assert plain.share == pytest.approx(share, abs=0.07)
     assert (plain.motion, moving.motion) == ("off", "on")
-    assert plain.idle() == ("threshold",)
+    assert plain.inactive_parameters() == ("threshold",)
     assert TemporalDenoise.guess(Given(off={"temporal_r1": -9.0})) == []
 
 
@@ -111,7 +111,7 @@ def _rounded(sigma, memory, count):
 def test_a_fit_without_it_takes_the_noise_for_smaller_by_what_the_recursion_leaves():
     share, noise = 0.4, 3.0
     y = frames(ReadNoise(noise), TemporalDenoise(share), count=40, shape=(64, 64))
-    factor = TemporalDenoise(share).bent("read_noise.sigma", "DN")[0]
+    factor = TemporalDenoise(share).nuisance_bias("read_noise.sigma", "DN")[0]
     # 40 frames in a row are correlated: (1 + a)/(1 - a) times fewer count
     n = y.size * (1 - share) / (1 + share)
     assert y.std(axis=0, ddof=1).mean() * factor == pytest.approx(

@@ -16,7 +16,7 @@ PEDESTAL = "pedestal"
 
 
 @dataclass(frozen=True)
-class Knob:
+class FreeParameter:
     """One free number.
 
     Parameters
@@ -74,23 +74,23 @@ class Knob:
         return math.expm1(step) if self.logarithmic and abs(step) > 1.0 else step
 
     def inside(self, position: float) -> float:
-        """A position on the knob's scale, moved within its bounds."""
+        """A position on the parameter's scale, moved within its bounds."""
         low, high = (self.position(b) for b in (self.lower, self.upper))
         return min(max(position, low), high)
 
     def position(self, value: float) -> float:
-        """Plain value to the knob's scale."""
+        """Plain value to the parameter's scale."""
         if not self.log:
             return value
         return math.log(max(value, self.lower, 1e-30))
 
     def plain(self, position: float) -> float:
-        """The knob's scale to the plain value, within bounds."""
+        """The parameter's scale to the plain value, within bounds."""
         value = math.exp(min(position, 700.0)) if self.log else position
         return min(max(value, self.lower), self.upper)
 
 
-def knobs_of(model: NoiseModel, frozen: Sequence[str] = ()) -> list[Knob]:
+def free_parameters(model: NoiseModel, frozen: Sequence[str] = ()) -> list[FreeParameter]:
     """Every number that a fit may move, in the order of the model.
 
     Parameters
@@ -106,50 +106,50 @@ def knobs_of(model: NoiseModel, frozen: Sequence[str] = ()) -> list[Knob]:
         for name, info in effect.parameters().items():
             if info.scale in ("choice", "held") or f"{effect.name}.{name}" in frozen:
                 continue
-            if name in effect.idle():
+            if name in effect.inactive_parameters():
                 continue
             law = getattr(effect, name)
             log, ends = info.scale == "log", (info.lower, info.upper)
-            knobs = _of_law(effect.name, name, law, log, *ends, info.unit)
-            found += [_one_sided(k, law) for k in knobs] if info.scale == "signed" else knobs
+            free = _of_law(effect.name, name, law, log, *ends, info.unit)
+            found += [_one_sided(k, law) for k in free] if info.scale == "signed" else free
     return found
 
 
-def _one_sided(knob: Knob, law: Law) -> Knob:
-    """The knob kept on its side of 0, where it is on one."""
-    value = _read(law, knob.part)
-    if knob.part == "ea_ev" or value == 0.0:
-        return knob
-    return replace(knob, lower=0.0) if value > 0.0 else replace(knob, upper=0.0)
+def _one_sided(parameter: FreeParameter, law: Law) -> FreeParameter:
+    """The parameter kept on its side of 0, where it is on one."""
+    value = _read(law, parameter.part)
+    if parameter.part == "ea_ev" or value == 0.0:
+        return parameter
+    return replace(parameter, lower=0.0) if value > 0.0 else replace(parameter, upper=0.0)
 
 
 def _of_law(
     effect: str, name: str, law: Law, log: bool, lower: float, upper: float, unit: str
-) -> list[Knob]:
+) -> list[FreeParameter]:
     if log and not isinstance(law, (TableLaw, ArrheniusLaw)) and law <= lower:
         return []  # an amplitude at its lower bound is switched off
     if isinstance(law, TableLaw):
         rows = range(len(law.values))
-        return [Knob(effect, name, str(i), log, lower, upper, unit) for i in rows]
-    knobs = [Knob(effect, name, "value", log, lower, upper, unit)]
+        return [FreeParameter(effect, name, str(i), log, lower, upper, unit) for i in rows]
+    free = [FreeParameter(effect, name, "value", log, lower, upper, unit)]
     if isinstance(law, ArrheniusLaw):
         # below 0 for what falls as it warms, such as the relative spread of dark current
-        knobs.append(Knob(effect, name, "ea_ev", False, -2.0, 2.0, "eV"))
-    return knobs
+        free.append(FreeParameter(effect, name, "ea_ev", False, -2.0, 2.0, "eV"))
+    return free
 
 
-def positions(model: NoiseModel, knobs: Sequence[Knob]) -> np.ndarray:
-    """Where the knobs of a model stand."""
-    return np.array([k.position(_read(_law(model, k), k.part)) for k in knobs])
+def positions(model: NoiseModel, free: Sequence[FreeParameter]) -> np.ndarray:
+    """Where the free parameters of a model stand."""
+    return np.array([k.position(_read(_law(model, k), k.part)) for k in free])
 
 
-def turned(model: NoiseModel, knobs: Sequence[Knob], where: np.ndarray) -> NoiseModel:
-    """The model with its knobs at ``where``."""
+def with_values(model: NoiseModel, free: Sequence[FreeParameter], where: np.ndarray) -> NoiseModel:
+    """The model with its free parameters at ``where``."""
     changed: dict[tuple[str, str], Law] = {}
-    for knob, position in zip(knobs, where, strict=True):
-        address = knob.effect, knob.parameter
-        law = changed.get(address, _law(model, knob))
-        changed[address] = _write(law, knob.part, knob.plain(float(position)))
+    for parameter, position in zip(free, where, strict=True):
+        address = parameter.effect, parameter.parameter
+        law = changed.get(address, _law(model, parameter))
+        changed[address] = _write(law, parameter.part, parameter.plain(float(position)))
     if (PEDESTAL, "") in changed:
         model = replace(model, pedestal=changed.pop((PEDESTAL, "")))
     effects = []
@@ -160,23 +160,23 @@ def turned(model: NoiseModel, knobs: Sequence[Knob], where: np.ndarray) -> Noise
 
 
 def settings_of(
-    knob: Knob, model: NoiseModel, settings: Sequence[tuple[OperatingPoint, int]]
+    parameter: FreeParameter, model: NoiseModel, settings: Sequence[tuple[OperatingPoint, int]]
 ) -> np.ndarray:
-    """Which settings a row of a table moves (all, for other knobs)."""
-    law = _law(model, knob)
+    """Which settings a row of a table moves (all, for other free parameters)."""
+    law = _law(model, parameter)
     if not isinstance(law, TableLaw):
         return np.ones(len(settings), bool)
-    row = int(knob.part)
+    row = int(parameter.part)
     marks = TableLaw(law.points, tuple(float(i == row) for i in range(len(law.values))))
     return np.array([marks.at(point) > 0 for point, _ in settings])
 
 
-def _law(model: NoiseModel, knob: Knob) -> Law:
-    if knob.effect == PEDESTAL:
+def _law(model: NoiseModel, parameter: FreeParameter) -> Law:
+    if parameter.effect == PEDESTAL:
         return model.pedestal
-    effect = model.get(knob.effect)
+    effect = model.get(parameter.effect)
     assert effect is not None
-    return getattr(effect, knob.parameter)
+    return getattr(effect, parameter.parameter)
 
 
 def _read(law: Law, part: str) -> float:

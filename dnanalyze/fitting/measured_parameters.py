@@ -5,37 +5,37 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Told
+from dnanalyze.model.effect import MeasuredParameter
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.wave import Wave
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured statistics of both halves of the field (implements ``Located``).
+    """Measured statistics of both halves of the field (implements `MeasuredLines`).
 
     Parameters
     ----------
-    bench : Bench
+    problem : FitProblem
     reference : OperatingPoint
         Where the model's numbers are stated.
     """
 
-    bench: Bench
+    problem: FitProblem
     reference: OperatingPoint
 
     @property
     def shape(self) -> tuple[int, int]:
         """The part of the frame that the statistics of a half cover."""
-        return self.bench.plan.train.shape
+        return self.problem.plan.train.shape
 
     def waves(self, part: str) -> Sequence[Wave]:
         """Lines of a spectrum, of both halves and all settings."""
         found = []
-        for half in map(Readings, self.bench.measured):
+        for half in map(Readings, self.problem.measured):
             for setting, point in enumerate(half.points):
                 gain = point.gain_over(self.reference)
                 seen = half.waves(part, setting)
@@ -43,22 +43,24 @@ class Measured:
         return found
 
 
-def told(bench: Bench, model: NoiseModel) -> dict[str, Told]:
+def measured_parameters(problem: FitProblem, model: NoiseModel) -> dict[str, MeasuredParameter]:
     """Numbers of a model that the statistics tell exactly, by ``effect.parameter``."""
-    measured = Measured(bench, model.reference)
+    measured = Measured(problem, model.reference)
     return {
         f"{effect.name}.{name}": number
         for effect in model.effects
-        for name, number in effect.told(measured).items()
+        for name, number in effect.measured_parameters(measured).items()
     }
 
 
-def located(bench: Bench, model: NoiseModel, frozen: Collection[str] = ()) -> NoiseModel:
+def at_measured_parameters(
+    problem: FitProblem, model: NoiseModel, frozen: Collection[str] = ()
+) -> NoiseModel:
     """The model with what the statistics tell exactly at its measured value.
 
     ``frozen``: names to hold, as ``effect.parameter``.
     """
-    for name, number in told(bench, model).items():
+    for name, number in measured_parameters(problem, model).items():
         effect, _, parameter = name.partition(".")
         bearer = model.get(effect)
         if bearer is not None and name not in frozen:

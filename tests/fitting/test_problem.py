@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.fitting.predictor import Bench
+from dnanalyze.fitting.problem import FitProblem
 
 BAYER = (("R", "G"), ("G", "B"))
 
@@ -25,9 +25,9 @@ def test_either_half_alone_is_what_it_is_beside_the_other(cfa):
 
 def test_what_was_simulated_is_not_simulated_again(monkeypatch):
     here, made = small.bench_of(), []
-    whole = Bench._simulated
+    whole = FitProblem._simulated
     monkeypatch.setattr(
-        Bench, "_simulated", lambda self, jobs: made.extend(jobs) or whole(self, jobs)
+        FitProblem, "_simulated", lambda self, jobs: made.extend(jobs) or whole(self, jobs)
     )
     first, second = small.model(), small.model(read_noise={"sigma": 2.5})
     begun = here.several([first, second, first])
@@ -44,9 +44,9 @@ def test_what_was_simulated_is_not_simulated_again(monkeypatch):
 
 def test_another_sensor_of_the_make_is_drawn_once(monkeypatch):
     here, made = small.bench_of(), []
-    whole = Bench.coordinates
+    whole = FitProblem.coordinates
     monkeypatch.setattr(
-        Bench, "coordinates", lambda self, model: made.append(model) or whole(self, model)
+        FitProblem, "coordinates", lambda self, model: made.append(model) or whole(self, model)
     )
     first = here.replicate(small.model(), 0)
     assert here.replicate(small.model(), 0) is first

@@ -9,9 +9,9 @@ from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start
-from dnanalyze.fitting.knobs import knobs_of
-from dnanalyze.fitting.located import located, told
-from dnanalyze.fitting.predictor import bench
+from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.measured_parameters import at_measured_parameters, measured_parameters
+from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.fitting.state import start
@@ -42,10 +42,10 @@ def frames_in(folder, places, seed, amplitude):
 def test_an_added_pattern_stays_at_the_line_that_stands_highest(tmp_path):
     place, weaker = (0.0931, 0.4021), (0.37, 0.21)
     captures = frames_in(tmp_path, [place, weaker], 1, (0.8, 0.5))
-    held = bench(design(captures))
-    found = add_on(captures, "periodic_pattern", paper_start(held), held=held).model
+    problem = fit_problem(design(captures))
+    found = add_on(captures, "periodic_pattern", paper_start(problem), problem=problem).model
     pattern = found.get("periodic_pattern")
-    exact = told(held, found)
+    exact = measured_parameters(problem, found)
     for axis, truth in zip("uv", place, strict=True):
         number, sign = exact[f"periodic_pattern.{axis}"], np.sign(pattern.u)
         assert getattr(pattern, axis) == pytest.approx(number.value)
@@ -55,9 +55,9 @@ def test_an_added_pattern_stays_at_the_line_that_stands_highest(tmp_path):
 
 def guessed(captures):
     """First guesses beside the model of the first fit."""
-    held = bench(design(captures))
-    model = paper_start(held)
-    return PeriodicPattern.guess(Residual(held, start(held, model, knobs_of(model))))
+    problem = fit_problem(design(captures))
+    model = paper_start(problem)
+    return PeriodicPattern.guess(Residual(problem, start(problem, model, free_parameters(model))))
 
 
 def test_a_guess_has_both_lines_of_the_captures_or_the_stronger(tmp_path):
@@ -89,10 +89,10 @@ def test_lines_are_the_strongest_where_the_curve_of_all_is_not_kept(tmp_path):
 
 def test_a_fit_begins_at_the_measured_line_and_reports_its_error(tmp_path):
     captures = frames_in(tmp_path, [(0.2213, -0.1147)], 2, (0.8,))
-    held = bench(design(captures))
+    problem = fit_problem(design(captures))
     near = PeriodicPattern(0.5, 0.2213 + 0.6 / SHAPE[1], -0.1147 - 0.6 / SHAPE[0])
-    model = paper_start(held).with_effect(near)
-    found = fit_on(captures, model, held=held, replicates=0)
+    model = paper_start(problem).with_effect(near)
+    found = fit_on(captures, model, problem=problem, replicates=0)
     numbers = {p.name: p for p in found.parameters}
     assert found.correlations.shape == (len(numbers),) * 2
     for axis, truth in (("u", 0.2213), ("v", -0.1147)):
@@ -100,7 +100,7 @@ def test_a_fit_begins_at_the_measured_line_and_reports_its_error(tmp_path):
         assert abs(p.value - truth) < 4 * p.se
         assert p.unit == "cycles/pixel"
     frozen = ("periodic_pattern.u", "periodic_pattern.v")
-    assert located(held, model, frozen).get("periodic_pattern") == near
+    assert at_measured_parameters(problem, model, frozen).get("periodic_pattern") == near
 
 
 def test_a_line_of_the_sample_captures_is_kept(captures_root):
@@ -110,10 +110,10 @@ def test_a_line_of_the_sample_captures_is_kept(captures_root):
     power = np.sum(np.abs(np.array(spectra) - np.mean(spectra, axis=0)) ** 2, axis=0)
     power[0], power[:, 0] = 0, 0
     rows, columns = captures.sensor.shape
-    held = bench(design(captures))
-    model = paper_start(held).with_effect(PeriodicPattern(u=0.4, v=0.28))  # nothing there
-    pattern = located(held, model).get("periodic_pattern")
-    exact = told(held, model)
+    problem = fit_problem(design(captures))
+    model = paper_start(problem).with_effect(PeriodicPattern(u=0.4, v=0.28))  # nothing there
+    pattern = at_measured_parameters(problem, model).get("periodic_pattern")
+    exact = measured_parameters(problem, model)
     assert (pattern.u, pattern.v) == tuple(exact[f"periodic_pattern.{k}"].value for k in "uv")
     i, k = round(pattern.v * rows), round(pattern.u * columns)
     sign = -1 if k < 0 else 1

@@ -26,7 +26,7 @@ PREDICTIONS_BYTES = 16 << 20  # some hundred simulations, 10 kB each at 10 opera
 
 
 @dataclass(frozen=True)
-class Bench:
+class FitProblem:
     """Measured captures on one side, simulated ones of the same layout on the other.
 
     Parameters
@@ -43,7 +43,7 @@ class Bench:
         the next search.
     helpers : Helpers
         Processes that share them; none by default.
-    part : Bench, optional
+    part : FitProblem, optional
         The same of a part of the field, where a fit may begin.
     even : bool
         Whether only models are simulated that hold all over the field by the same law: the half
@@ -61,27 +61,27 @@ class Bench:
     memo: Memo = field(default_factory=room)
     predictions: Memo = field(default_factory=partial(Memo, PREDICTIONS_BYTES))
     helpers: Helpers = field(default_factory=Helpers)
-    part: Bench | None = None
+    part: FitProblem | None = None
     even: bool = False
     direct: Direct = field(default_factory=Direct)
     limit: TimeLimit = field(default_factory=TimeLimit)
 
-    def within(self, limit: TimeLimit) -> Bench:
-        """This bench with a limit of time, and its part alike."""
+    def within(self, limit: TimeLimit) -> FitProblem:
+        """This problem with a limit of time, and its part alike."""
         part = None if self.part is None else self.part.within(limit)
         return replace(self, limit=limit, part=part)
 
-    def with_memo(self, memo: Memo) -> Bench:
-        """This bench with other room for fields, which its part shares."""
+    def with_memo(self, memo: Memo) -> FitProblem:
+        """This problem with other room for fields, which its part shares."""
         part = None if self.part is None else self.part.with_memo(memo)
         return replace(self, memo=memo, part=part)
 
-    def scaled(self, train: np.ndarray, test: np.ndarray) -> Bench:
-        """This bench by another yardstick: factors of the stated errors of either half."""
+    def scaled(self, train: np.ndarray, test: np.ndarray) -> FitProblem:
+        """This problem by another yardstick: factors of the stated errors of either half."""
         return replace(self, train=self.train.scaled(train), test=self.test.scaled(test))
 
-    def scaled_as(self, other: Bench) -> Bench:
-        """This bench by the yardstick of another one, such as a part of the field."""
+    def scaled_as(self, other: FitProblem) -> FitProblem:
+        """This problem by the yardstick of another one, such as a part of the field."""
         return self.scaled(
             *(
                 h.scale_of(o)
@@ -89,8 +89,8 @@ class Bench:
             )
         )
 
-    def evened(self, model: NoiseModel) -> Bench:
-        """This bench, without the half that is not wanted where the model lets it be left out.
+    def evened(self, model: NoiseModel) -> FitProblem:
+        """This problem, without the half that is not wanted where the model lets it be left out.
 
         What lies anywhere shades the two halves by chance alone, but otherwise than one of them and
         its mirror image.
@@ -162,8 +162,8 @@ class Bench:
         signals = dark_signals(self.measured[0], self.train, self.direct.black)
         return level(points, (self.train, self.test), (train, test), signals)
 
-    def only(self, settings: list[int]) -> Bench:
-        """The same bench with some of its settings."""
+    def only(self, settings: list[int]) -> FitProblem:
+        """The same problem with some of its settings."""
         chosen = tuple(self.plan.captures.settings[i] for i in settings)
         plan = replace(self.plan, captures=replace(self.plan.captures, settings=chosen))
         return replace(
@@ -178,9 +178,9 @@ class Bench:
         """Predicted coordinates of another sensor of the same design."""
         other = replace(model, seed=model.seed + 1 + number)
         # Its fields are drawn once, and would only push the useful ones out of the memo.
-        bench = self.with_memo(Memo(0))
+        problem = self.with_memo(Memo(0))
         return self.predictions.get(
-            ("both halves", self._key(other)), partial(bench.coordinates, other)
+            ("both halves", self._key(other)), partial(problem.coordinates, other)
         )
 
 
@@ -191,20 +191,20 @@ def _of_all(plan: Design, measured: Statistics) -> Statistics:
     return analyze_windows(plan.everything, [plan.train], families=("level", "time"))[0]
 
 
-def bench(plan: Design, helpers: Helpers | None = None) -> Bench:
+def fit_problem(plan: Design, helpers: Helpers | None = None) -> FitProblem:
     """Read the captures once and take the statistics of both halves."""
     plans = [plan] if plan.part is None else [plan, plan.part]
     measured = analyze_windows(plan.captures, [w for p in plans for w in p.windows])
     memo, helpers, predictions = room(), helpers or Helpers(), Memo(PREDICTIONS_BYTES)
     known = direct(_of_all(plan, measured[0]))
 
-    def of(number: int, part: Bench | None = None) -> Bench:
+    def of(number: int, part: FitProblem | None = None) -> FitProblem:
         halves = measured[2 * number : 2 * number + 2]
         train, test = target(halves, 0), target(halves, 1)
         signals = dark_signals(halves[0], train, known.black)
         points = [point for point, _ in plans[number].settings]
         train = replace(train, allowed=allowed(train, signals, points, known.black))
-        return Bench(
+        return FitProblem(
             plans[number], halves, train, test, memo, predictions, helpers, part, number > 0, known
         )
 

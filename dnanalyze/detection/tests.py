@@ -3,7 +3,7 @@ mimic.
 
 A question is put to every view of every group. It is flagged only where its p-value survives Holm's
 correction over all questions of the capture set *and* its effect exceeds what unfiltered
-sensors show (``Asked.limit``): at a million pixels everything is significant.
+sensors show (``FilterTest.limit``): at a million pixels everything is significant.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ APART = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 
 
 @dataclass(frozen=True)
-class Asked:
+class FilterTest:
     """A question with its answer: flagged where p is small and effect > limit."""
 
     test: str
@@ -61,7 +61,7 @@ def one_sided(value: float, se: float) -> float:
     return float(stats.norm.sf(value / se)) if np.isfinite(se) and se > 0 else 1.0
 
 
-def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list[Asked]:
+def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list[FilterTest]:
     """Has the noise been smoothed beyond what charge crosstalk can do to shot noise?"""
     if not e.usable:
         return []
@@ -73,7 +73,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
     chords = e.spectrum.independent_chords  # the one that rises most was taken
     asked = [
-        Asked(
+        FilterTest(
             "spectral_corner",
             "denoise",
             e,
@@ -83,7 +83,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
             f"the spectrum of the noise is flat at low and falls at high frequencies: ln P lies "
             f"{bend:.2f} above a chord; for white noise with 1/f noise it lies below every chord",
         ),
-        Asked(
+        FilterTest(
             "crosstalk_or_denoise",
             "denoise",
             e,
@@ -104,7 +104,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     repeat = (own - far) / max(1 - far, 1e-6)
     se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
     asked.append(
-        Asked(
+        FilterTest(
             "median_equality",
             "denoise",
             e,
@@ -118,7 +118,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     return asked
 
 
-def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
+def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[FilterTest]:
     """Tests that tell the kind of a filter but never speak alone.
 
     Hum and strong 1/f noise make local extremes rarer, hits and clusters make noise uneven.
@@ -126,7 +126,7 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
     rank, t = e.rank[8], e.texture
     rarer, uneven = 1 - rank.extremes, t.dispersion - 1
     return [
-        Asked(
+        FilterTest(
             "rank_exceedance",
             "denoise",
             e,
@@ -136,7 +136,7 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
             f"local extremes of the noise are {100 * rarer:.1f} % less frequent than for "
             "exchangeable pixels",
         ),
-        Asked(
+        FilterTest(
             "local_variance",
             "denoise",
             e,
@@ -146,7 +146,7 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
             "the noise varies over the field: the variances of 4×4 tiles scatter "
             f"{t.dispersion:.2f} times as much as those of independent pixels",
         ),
-        Asked(
+        FilterTest(
             "wavelet_kurtosis",
             "denoise",
             e,
@@ -159,7 +159,7 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[Asked]:
     ]
 
 
-def standing_out(e: ViewEvidence) -> list[Asked]:
+def standing_out(e: ViewEvidence) -> list[FilterTest]:
     """Does something keep pixels from standing out of their neighbours?"""
     asked = []
     for out in (e.above8, e.above24):
@@ -170,13 +170,13 @@ def standing_out(e: ViewEvidence) -> list[Asked]:
     return [a for a in asked if a is not None]
 
 
-def _cap(e: ViewEvidence, out: StandingOut) -> Asked | None:
+def _cap(e: ViewEvidence, out: StandingOut) -> FilterTest | None:
     top, count = out.difference, out.neighbours
     control = float(top.control[0]) / top.frames
     own = float(top.own[0]) / top.frames
     if control < 20:
         return None
-    return Asked(
+    return FilterTest(
         "cap_to_neighbours", "dpc", e, float(stats.poisson.cdf(np.floor(own), CLUSTERED * control)),
         1 - own / control, 0.9,
         f"{own:.0f} pixels of a frame exceed the largest of their {count} neighbours; "
@@ -185,7 +185,7 @@ def _cap(e: ViewEvidence, out: StandingOut) -> Asked | None:
     )  # fmt: skip
 
 
-def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float) -> Asked:
+def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float) -> FilterTest:
     """Does the tail end more sharply than clusters of hot pixels can end it?"""
     seen = tail(top)
     fit = seen.shown
@@ -197,7 +197,7 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
     unit = "times" if test == "ratio_rule" else "DN above"
     times = "" if slope == 1 else f"{slope:g} times "
-    return Asked(
+    return FilterTest(
         test, "dpc", e, min(1.0, float(p[j]) * TRIED),
         1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0, SHARP,
         f"{seen.left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
@@ -207,7 +207,7 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     )  # fmt: skip
 
 
-def _slope(e: ViewEvidence, out: StandingOut) -> Asked | None:
+def _slope(e: ViewEvidence, out: StandingOut) -> FilterTest | None:
     """Rules of a ratio and a threshold together: 2 times the largest of 24 plus 400, say.
 
     Hits span pixels and would thin the tail likewise: asked only where they are taken out.
@@ -227,7 +227,7 @@ def edge(top: Excess, j: int) -> float:
     return float(top.bounds[j])
 
 
-def sites(e: ViewEvidence) -> list[Asked]:
+def sites(e: ViewEvidence) -> list[FilterTest]:
     """Are there sites that are always what their neighbours say, here or at all settings?"""
     asked = []
     if e.replaced is not None and e.replaced.tried:
@@ -238,12 +238,12 @@ def sites(e: ViewEvidence) -> list[Asked]:
     return asked
 
 
-def _always(e: ViewEvidence, seen: Replaced, where: str) -> Asked:
+def _always(e: ViewEvidence, seen: Replaced, where: str) -> FilterTest:
     own, control = seen.own, seen.control
     p = stats.poisson.sf(own - 1, 3 * control + 1)
     j = int(np.argmax(own / (control + 3)))
     matches = int(own[j])
-    return Asked(
+    return FilterTest(
         "static_replacement",
         "dpc",
         e,
@@ -268,13 +268,13 @@ def _by_chance(e: ViewEvidence, seen: Replaced, rule: int) -> float:
     return float(max(linear, nearly ** (seen.frames / (seen.frames - 1))))
 
 
-def memory(e: ViewEvidence) -> list[Asked]:
+def memory(e: ViewEvidence) -> list[FilterTest]:
     """Do pixels remember the frame before?"""
     if e.memory is None or not e.usable:
         return []
     m = e.memory
     return [
-        Asked(
+        FilterTest(
             "temporal_autocorrelation",
             "temporal_denoise",
             e,
@@ -289,7 +289,7 @@ def memory(e: ViewEvidence) -> list[Asked]:
     ]
 
 
-def row_phases(e: ViewEvidence) -> list[Asked]:
+def row_phases(e: ViewEvidence) -> list[FilterTest]:
     """Are some rows, at a period, smoother than the rest?
 
     Not asked of one frame's fixed pattern: colours of other offsets lie in other rows.
@@ -299,7 +299,7 @@ def row_phases(e: ViewEvidence) -> list[Asked]:
         return []
     p = min(1.0, r.p * max(r.tried, 1))
     return [
-        Asked(
+        FilterTest(
             "row_phase",
             "dpc" if r.one_sided else "denoise",
             e,
