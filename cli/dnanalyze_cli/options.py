@@ -125,7 +125,8 @@ Scheduler = Annotated[
         "--scheduler",
         metavar="ADDRESS|local",
         rich_help_panel=_RUN,
-        help="Dask workers read the frames; an interrupted run continues where it stopped.",
+        help="Dask workers do the work: of analyze they read the frames, and an interrupted run "
+        "continues where it stopped.",
     ),
 ]
 NoCache = Annotated[

@@ -13,6 +13,8 @@ from rich.text import Text
 from dnanalyze.loaders.captures import CaptureSet, Window
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from dnanalyze.fitting.problem import FitProblem
     from dnanalyze.fitting.state import State
 
@@ -108,14 +110,15 @@ class Progress:
 
         return lambda effects: self.note(first_answer(effects)) if effects else None
 
-    def fit_problem(self, captures: CaptureSet) -> FitProblem:
+    def fit_problem(self, captures: CaptureSet, executor: Executor | None = None) -> FitProblem:
         """The captures read once, frame by frame in sight."""
         from dnanalyze.fitting.design import design
         from dnanalyze.fitting.problem import fit_problem
-        from dnanalyze.fitting.processes import helpers_for
+        from dnanalyze.fitting.processes import helpers_for, helpers_of
 
         plan = design(captures)
-        helpers = helpers_for(plan.pixels)  # they start while the frames are read
+        # they start while the frames are read
+        helpers = helpers_for(plan.pixels) if executor is None else helpers_of(executor)
         if self.bars:
             self.now("Reading frames")
             plan = replace(plan, captures=watched(plan.captures, self))

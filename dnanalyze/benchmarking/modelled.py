@@ -67,7 +67,9 @@ class Modelled:
     notes: list[str] = field(default_factory=list)
 
 
-def modelled(captures: CaptureSet, quick: bool, on_progress: Callable[[str], None]) -> Modelled:
+def modelled(
+    captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool = True
+) -> Modelled:
     """Compare, refine and detect; what was found before of the same files is read again.
 
     Parameters
@@ -75,22 +77,26 @@ def modelled(captures: CaptureSet, quick: bool, on_progress: Callable[[str], Non
     captures : CaptureSet
     quick : bool
         Leave the refinement out.
-    tell : callable
+    on_progress : callable
         Called with what is under way.
+    processes : bool
+        Whether other processes may be started.
     """
     entry = cache.held(captures, "benchmark", quick, cache.code(PACKAGE))
     known = None if entry is None else entry.read(lambda plain, _: _read(plain))
     if known is not None:
         return known
-    made = _modelled(captures, quick, on_progress)
+    made = _modelled(captures, quick, on_progress, processes)
     if entry is not None:
         entry.write(_plain(made), {})
     return made
 
 
-def _modelled(captures: CaptureSet, quick: bool, on_progress: Callable[[str], None]) -> Modelled:
+def _modelled(
+    captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool
+) -> Modelled:
     notes: list[str] = []
-    errors, result = _refined(captures, quick, on_progress, notes)
+    errors, result = _refined(captures, quick, on_progress, processes, notes)
     filtered, kind = _filtered(captures, on_progress, notes)
     if result is None:
         return Modelled(errors, filtered=filtered, filter_kind=kind, notes=notes)
@@ -102,7 +108,11 @@ def _modelled(captures: CaptureSet, quick: bool, on_progress: Callable[[str], No
 
 
 def _refined(
-    captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], notes: list[str]
+    captures: CaptureSet,
+    quick: bool,
+    on_progress: Callable[[str], None],
+    processes: bool,
+    notes: list[str],
 ) -> tuple[dict[str, float], Any]:
     """Errors of the Gaussian, the paper's and the refined model; the refinement, or None.
 
@@ -117,7 +127,7 @@ def _refined(
     on_progress("Wang 2025 model")
     try:
         plan = design(captures)
-        problem = fit_problem(plan, helpers_for(plan.pixels))
+        problem = fit_problem(plan, helpers_for(plan.pixels) if processes else None)
         comparison = compare_on(captures, problem=problem)
     except InputError as error:
         notes.append(f"no model could be compared with it: {error}")

@@ -89,6 +89,7 @@ def record(
     *,
     quick: bool = False,
     on_progress: Callable[[str], None] = ignored,
+    processes: bool = True,
 ) -> SensorRecord:
     """Analyze, compare, refine and detect one sensor.
 
@@ -101,21 +102,28 @@ def record(
     captures : CaptureSet
     quick : bool
         Leave the refinement out.
-    tell : callable
+    on_progress : callable
         Called with a line of progress.
+    processes : bool
+        Whether other processes may be started.
     """
     from dnanalyze.analyzers.analyze import analyze
     from dnanalyze.analyzers.families.trends import law_doubts
 
     on_progress(f"{name}: statistics")
     statistics = analyze(captures)
-    found = modelled(captures, quick, lambda what: on_progress(f"{name}: {what}"))
+    found = modelled(captures, quick, lambda what: on_progress(f"{name}: {what}"), processes)
     return SensorRecord(
         name, folder, captures, statistics, readings_of(statistics), single_of(statistics),
         found.gain if found.gain.known else gain_of(statistics), found.errors, found.effects,
         found.verdict, found.filtered, found.filter_kind,
         [*captures.notes, *law_doubts(statistics), *found.notes], found.reference,
     )  # fmt: skip
+
+
+def record_alone(name: str, folder: str, captures: CaptureSet, quick: bool) -> SensorRecord:
+    """`record` by one of several workers."""
+    return record(name, folder, captures, quick=quick, processes=False)
 
 
 def _longest(statistics: Statistics) -> list[SettingStatistics]:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dnanalyze.benchmarking.criteria import CRITERIA, ERRORS, SINGLE, Criterion
 from dnanalyze.benchmarking.figure import ABSENT, Figure
 from dnanalyze.benchmarking.laws import common_temperatures, estimate
-from dnanalyze.benchmarking.record import ELECTRON, SensorRecord, record
+from dnanalyze.benchmarking.record import ELECTRON, SensorRecord, record, record_alone
 from dnanalyze.errors import InputError
+from dnanalyze.in_order import in_order
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
@@ -107,6 +109,7 @@ def benchmark(
     at: Sequence[float] = (),
     quick: bool = False,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> BenchmarkResult:
     """Compare several sensors.
 
@@ -120,6 +123,9 @@ def benchmark(
         Leave the refinement out.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Measures several sensors at a time, one a task: processes, or those of a Dask client
+        (``client.get_executor()``). By default this process measures one after the other.
 
     Returns
     -------
@@ -144,15 +150,29 @@ def benchmark(
         raise InputError("benchmark: name two capture folders or more, or one of several channels")
     names = unique_names([c.name for c in parts])
     on_progress = reporter(progress)
-
-    def of(place: int) -> Callable[[str], None]:
-        return lambda what: on_progress(f"Sensor {place} of {len(parts)}, {what}")
-
-    made = [
-        record(name, c.name, c, quick=quick, on_progress=of(n))
-        for n, (name, c) in enumerate(zip(names, parts, strict=True), 1)
-    ]
+    if executor is None:
+        return side_by_side(list(_one_by_one(names, parts, quick, on_progress)), at)
+    tasks = [(name, c.name, c, quick) for name, c in zip(names, parts, strict=True)]
+    made: list[SensorRecord] = []
+    on_progress(f"{len(parts)} sensors")
+    for found in in_order(executor, record_alone, tasks):
+        made.append(replace(found, captures=parts[len(made)]))
+        on_progress(f"Sensor {len(made)} of {len(parts)}, {found.name}: measured")
     return side_by_side(made, at)
+
+
+def _one_by_one(
+    names: Sequence[str],
+    parts: Sequence[CaptureSet],
+    quick: bool,
+    on_progress: Callable[[object], None],
+) -> Iterator[SensorRecord]:
+    for n, (name, c) in enumerate(zip(names, parts, strict=True), 1):
+
+        def of_this(what: str, n: int = n) -> None:
+            on_progress(f"Sensor {n} of {len(parts)}, {what}")
+
+        yield record(name, c.name, c, quick=quick, on_progress=of_this)
 
 
 def by_channel(captures: CaptureSet) -> list[CaptureSet]:

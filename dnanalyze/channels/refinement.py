@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain
@@ -141,6 +142,7 @@ def refine_channels(
     budget: float | None = None,
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> ChannelRefinement:
     """Complete a model of each channel, compare what they needed, and fit one model of all.
 
@@ -162,6 +164,8 @@ def refine_channels(
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        See `refine`.
 
     Returns
     -------
@@ -191,6 +195,7 @@ def refine_channels(
             budget=None if budget is None else budget / len(captures.channels),
             known=known,
             on_progress=partial(_trying, on_progress, channel),
+            executor=executor,
         )
 
     return _over(captures, one, known, on_progress)
@@ -232,8 +237,8 @@ def diagnose_channels(
         own = channel_model(model, channel) if model is not None else None
         on_progress(f"{channel}: reading")
         share = None if budget is None else budget / len(captures.channels)
-        on_progress = partial(_trying, on_progress, channel)
-        made[channel] = diagnose_on(part, own, budget=share, known=known, on_progress=on_progress)
+        trying = partial(_trying, on_progress, channel)
+        made[channel] = diagnose_on(part, own, budget=share, known=known, on_progress=trying)
     return made
 
 

@@ -23,6 +23,7 @@ from dnanalyze.checking.check_bench import CheckBench
 from dnanalyze.checking.targets import SCHEMA, At, Origin, Target, Targets
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.progress import ignored
 
 RATE = 1e-3
 REPLICATES = 16
@@ -74,7 +75,7 @@ def propose(
     statistics: Sequence[str] = HEADLINE,
     rate: float = RATE,
     replicates: int = REPLICATES,
-    tell: Callable[[str], None] = lambda _: None,
+    on_progress: Callable[[str], None] = ignored,
 ) -> Targets:
     """Targets with margins that a correct simulation breaks no more often than ``rate``.
 
@@ -91,14 +92,14 @@ def propose(
         Share of correct simulations with a new seed that may fail.
     replicates : int
         Simulated sensors.
-    tell : callable
+    on_progress : callable
         Called with a line of progress.
     """
     bench = CheckBench(captures, captures, model)
     drawn = []
     for number in range(replicates if model is not None else 0):
         assert model is not None
-        tell(f"Simulated sensor {number + 1} of {replicates}")
+        on_progress(f"Simulated sensor {number + 1} of {replicates}")
         drawn.append(bench.drawn(replace(model, seed=model.seed + 1 + number)))
     readings = list(_readings(bench, drawn, statistics))
     errors = [bench.errors(d) for d in drawn]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from dataclasses import replace
 from statistics import fmean
 
@@ -16,7 +17,7 @@ from dnanalyze.classifier.places import BANDS, FOLDS, SIDE, places
 from dnanalyze.classifier.result import Cell, Classification, Told
 from dnanalyze.classifier.training import Halves, Learner, boosting, one_thread, went_by
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.processes import Helpers, travels
+from dnanalyze.fitting.processes import Helpers, helpers_of, travels
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.loaders.captures import CaptureSet, Setting
 from dnanalyze.loaders.mosaic import planes
@@ -39,8 +40,7 @@ def classify(
     seed: int = 0,
     network: bool = False,
     points: int = MOST_POINTS,
-    limit: TimeLimit | None = None,
-    helpers: Helpers | None = None,
+    executor: Executor | None = None,
 ) -> Classification:
     """Ask whether a trained classifier can tell a model's frames from measured ones.
 
@@ -57,10 +57,8 @@ def classify(
         takes several times as long.
     points : int
         Operating points at most, far apart in temperature and exposure.
-    limit : TimeLimit, optional
-        The operating points that were judged before it are given.
-    helpers : Helpers, optional
-        Processes that take their share of the operating points.
+    executor : concurrent.futures.Executor, optional
+        Takes operating points, one at a time; by default this process.
 
     Returns
     -------
@@ -83,6 +81,21 @@ def classify(
     >>> found.tells
     True
     """
+    helpers = helpers_of(executor)
+    return classify_on(captures, model, seed=seed, network=network, points=points, helpers=helpers)
+
+
+def classify_on(
+    captures: CaptureSet,
+    model: NoiseModel,
+    *,
+    seed: int = 0,
+    network: bool = False,
+    points: int = MOST_POINTS,
+    limit: TimeLimit | None = None,
+    helpers: Helpers | None = None,
+) -> Classification:
+    """`classify` by helpers; operating points that were judged before the limit are given."""
     require(model, captures.channels)
     empty = Classification(captures, model, [])
     where = places(planes(captures)[0][1].sensor.shape)
@@ -117,7 +130,7 @@ def _all(
     Each process judges one operating point before the time is asked for.
     """
     judged: list[Judged] = []
-    numbers, step = range(len(captures.settings)), helpers.count + 1
+    numbers, step = range(len(captures.settings)), helpers.shares
     for some in (numbers[n : n + step] for n in numbers[::step]):
         values = [compact_frames(captures, captures.settings[n], judge.places) for n in some]
         for cells in helpers.each(judge.cells, list(zip(some, values, strict=True))):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,10 +14,9 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
-from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import as_captured, at_a_glance, fit_on, with_seed
 from dnanalyze.fitting.level import Level
-from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.start import gaussian_model
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.vectors import prediction
@@ -79,6 +79,7 @@ def compare(
     *,
     seed: int | None = None,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Comparison:
     """Compare a model with dark frames.
 
@@ -92,6 +93,10 @@ def compare(
         Seed of the simulated sensor; by default the model's.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Takes the simulations that do not depend on each other: processes, or those of a Dask client
+        (``client.get_executor()``). By default threads of this process. Results are the same to the
+        last bit.
 
     Returns
     -------
@@ -115,7 +120,7 @@ def compare(
     >>> sorted(comparison.baselines)
     ['gaussian', 'paper']
     """
-    return compare_on(captures, model, seed=seed, on_state=reporter(progress))
+    return compare_on(captures, model, seed=seed, on_state=reporter(progress), executor=executor)
 
 
 def compare_on(
@@ -124,13 +129,14 @@ def compare_on(
     *,
     seed: int | None = None,
     problem: FitProblem | None = None,
+    executor: Executor | None = None,
     on_state: Callable[[State], None] = ignored,
 ) -> Comparison:
     """`compare` with statistics taken earlier.
 
     ``on_state`` is called with every better state of the fit of the Wang 2025 model.
     """
-    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    problem = problem or problem_of(captures, model, executor)
     begun = None if model is not None else with_seed(problem, None, seed)
     model = None if model is None else with_seed(problem, model, seed)
     paper = fit_on(captures, begun, problem=problem, replicates=0, on_state=on_state).state

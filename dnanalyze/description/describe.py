@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from dnanalyze.classifier.classify import classify
+from dnanalyze.classifier.classify import classify_on
 from dnanalyze.classifier.result import Classification
 from dnanalyze.description.advice import more_captures
 from dnanalyze.description.found import Estimate
@@ -24,13 +25,12 @@ from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import with_seed
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
-from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.whole_field import departures
@@ -158,6 +158,7 @@ def describe(
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Description:
     """Describe the residual that no effect of the catalogue explains; add it to a model.
 
@@ -175,6 +176,10 @@ def describe(
         Seed of the simulated sensor; by default the model's.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Takes the simulations that do not depend on each other: processes, or those of a Dask client
+        (``client.get_executor()``). By default threads of this process. Results are the same to the
+        last bit.
 
     Returns
     -------
@@ -196,7 +201,13 @@ def describe(
     """
     known = known_effects(effects)
     return describe_on(
-        captures, model, budget=budget, known=known, seed=seed, on_progress=reporter(progress)
+        captures,
+        model,
+        budget=budget,
+        known=known,
+        seed=seed,
+        on_progress=reporter(progress),
+        executor=executor,
     )
 
 
@@ -208,6 +219,7 @@ def describe_on(
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
     problem: FitProblem | None = None,
+    executor: Executor | None = None,
     on_progress: Callable[[str], None] = ignored,
 ) -> Description:
     """`describe` on statistics taken earlier, beside the effects of ``known``."""
@@ -216,7 +228,7 @@ def describe_on(
         raise InputError(
             "model: it already has the effect 'composite'; describe requires a model without it"
         )
-    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    problem = problem or problem_of(captures, model, executor)
     if model is None:
         from dnanalyze.fitting.fit import baseline_model
 
@@ -231,7 +243,7 @@ def describe_on(
         return found
     on_progress("training a classifier")
     final = found.model
-    told = classify(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
+    told = classify_on(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
     found = replace(found, classification=told)
     if found.effect is not None:
         return replace(found, after="unexplained") if told.tells else found

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
 from dnanalyze.detection.verdict import TestResult, ask, decide
+from dnanalyze.in_order import in_order
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.progress import Progress
 
@@ -27,6 +29,7 @@ def detect(
     *,
     alpha: float = 1e-3,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Detection:
     """Look for hidden defect-pixel correction, denoise and temporal denoise.
 
@@ -43,6 +46,8 @@ def detect(
         effect sizes guard against sensors whose pixels are not.
     progress : callable, optional
         ``progress(done, total)`` after each setting.
+    executor : concurrent.futures.Executor, optional
+        Reads and tests the operating points; by default threads of this process.
 
     Returns
     -------
@@ -60,7 +65,9 @@ def detect(
     entry = kept.held(captures)
     evidence = kept.get(entry) if entry else None
     if evidence is None:
-        evidence = _with_lists(_same_well(_gather(groups(captures), progress)), across(captures))
+        evidence = _with_lists(
+            _same_well(_gather(groups(captures), progress, executor)), across(captures)
+        )
         if entry:
             kept.put(entry, evidence)
     answers = ask(evidence, alpha)
@@ -85,23 +92,24 @@ def detect(
     )
 
 
-def _gather(frame_groups: list[Group], progress: Progress | None) -> list[ViewEvidence]:
-    done = 0
-
-    def one(group: Group) -> list[ViewEvidence]:
-        stack = read(group)
-        ends = saturation(stack, group.repeats)
-        seen = [gather(group, stack, view, ends) for view in VIEWS]
-        return [s for s in seen if s is not None]
-
+def _gather(
+    frame_groups: list[Group], progress: Progress | None, executor: Executor | None
+) -> list[ViewEvidence]:
     evidence: list[ViewEvidence] = []
-    with ThreadPoolExecutor(WORKERS) as pool:
-        for part in pool.map(one, frame_groups):
+    with ThreadPoolExecutor(WORKERS) if executor is None else nullcontext(executor) as pool:
+        found = in_order(pool, _of_group, [(group,) for group in frame_groups])
+        for done, part in enumerate(found, 1):
             evidence += part
-            done += 1
             if progress is not None:
                 progress(done, len(frame_groups))
     return evidence
+
+
+def _of_group(group: Group) -> list[ViewEvidence]:
+    stack = read(group)
+    ends = saturation(stack, group.repeats)
+    seen = [gather(group, stack, view, ends) for view in VIEWS]
+    return [s for s in seen if s is not None]
 
 
 def _same_well(evidence: list[ViewEvidence]) -> list[ViewEvidence]:

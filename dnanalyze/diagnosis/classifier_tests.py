@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from dnanalyze.classifier.classify import classify
+from dnanalyze.classifier.classify import classify_on
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.selection import EVIDENCE_NULL, Trial, competitors, significant
 from dnanalyze.fitting.problem import FitProblem
@@ -39,7 +39,7 @@ def _competing(ranked: Sequence[Trial]) -> list[Trial]:
 
 def _tells(problem: FitProblem, found: Trial) -> bool:
     model, captures = found.state.model, problem.plan.captures
-    return classify(
+    return classify_on(
         captures,
         model,
         seed=model.seed,

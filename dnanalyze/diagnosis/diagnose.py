@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -35,11 +36,10 @@ from dnanalyze.diagnosis.selection import (
 from dnanalyze.diagnosis.spread_law import in_words
 from dnanalyze.diagnosis.stepwise import choose, supported
 from dnanalyze.fitting.agreement import agreements
-from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start, with_seed
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
-from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.fitting.whole_field import coverage
@@ -62,6 +62,7 @@ def diagnose(
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Diagnosis:
     """Identify the effect that is missing in a model.
 
@@ -83,6 +84,10 @@ def diagnose(
         Seed of the simulated sensor; by default the model's.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Takes the simulations that do not depend on each other: processes, or those of a Dask client
+        (``client.get_executor()``). By default threads of this process. Results are the same to the
+        last bit.
 
     Returns
     -------
@@ -106,7 +111,7 @@ def diagnose(
     known = known_effects(effects)
     return diagnose_on(
         captures, model, exclude=exclude, budget=budget, known=known, seed=seed,
-        on_progress=reporter(progress),
+        on_progress=reporter(progress), executor=executor,
     )  # fmt: skip
 
 
@@ -119,6 +124,7 @@ def diagnose_on(
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
     problem: FitProblem | None = None,
+    executor: Executor | None = None,
     on_progress: Callable[[str], None] = ignored,
     first: Callable[[list[str]], None] | None = None,
     on_result: Callable[[Diagnosis], None] = ignored,
@@ -133,7 +139,7 @@ def diagnose_on(
     diagnosis before the detection limits; ``afterwards`` limits their time, they are then left out.
     """
     limit = TimeLimit.after(budget)
-    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    problem = problem or problem_of(captures, model, executor)
     limited = problem.within(limit)
     model = at_measured_parameters(
         problem, with_seed(problem, model, seed) or paper_start(problem, exclude)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from dnanalyze.classifier.classify import classify
+from dnanalyze.classifier.classify import classify_on
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.gains import judged
@@ -17,13 +18,12 @@ from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.stepwise import Path, Search, supported
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
-from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import CaptureSet
@@ -45,6 +45,7 @@ def refine(
     budget: float | None = None,
     effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Refinement:
     """Add the missing effects to a model until no further one is detectable.
 
@@ -66,6 +67,10 @@ def refine(
         The user's own effects: Python files, beside the built-in catalogue; or all effects by name.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Takes the simulations that do not depend on each other: processes, or those of a Dask client
+        (``client.get_executor()``). By default threads of this process. Results are the same to the
+        last bit.
 
     Returns
     -------
@@ -89,7 +94,7 @@ def refine(
     known = known_effects(effects)
     return refine_on(
         captures, model, exclude=exclude, max_effects=max_effects, until_error=until_error,
-        budget=budget, known=known, on_progress=reporter(progress),
+        budget=budget, known=known, on_progress=reporter(progress), executor=executor,
     )  # fmt: skip
 
 
@@ -104,6 +109,7 @@ def refine_on(
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
     problem: FitProblem | None = None,
+    executor: Executor | None = None,
     on_step: Callable[[Step], None] = ignored,
     on_progress: Callable[[str], None] = ignored,
     on_result: Callable[[Refinement], None] = ignored,
@@ -118,7 +124,7 @@ def refine_on(
     asked to tell the frames of the final model.
     """
     limit = TimeLimit.after(budget)
-    unlimited = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    unlimited = problem or problem_of(captures, model, executor)
     problem = unlimited.within(limit)
     known = known_effects(() if known is None else known)
     begun = at_measured_parameters(
@@ -155,7 +161,7 @@ def refine_on(
     told = None
     if classifier and not limit.over:
         final = path.state.model
-        told = classify(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
+        told = classify_on(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
         if told.tells and found.verdict == "adequate":
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)
@@ -191,6 +197,7 @@ def add(
     effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
     seed: int | None = None,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Refinement:
     """Add one effect to a model, refit everything, and compare the model error before and after.
 
@@ -211,6 +218,10 @@ def add(
         Seed of the simulated sensor; by default the model's.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Takes the simulations that do not depend on each other: processes, or those of a Dask client
+        (``client.get_executor()``). By default threads of this process. Results are the same to the
+        last bit.
 
     Returns
     -------
@@ -234,7 +245,15 @@ def add(
     [None, 'column_fpn']
     """
     known = known_effects(effects)
-    return add_on(captures, effect, model, seed=seed, known=known, on_state=reporter(progress))
+    return add_on(
+        captures,
+        effect,
+        model,
+        seed=seed,
+        known=known,
+        on_state=reporter(progress),
+        executor=executor,
+    )
 
 
 def add_on(
@@ -245,6 +264,7 @@ def add_on(
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
     problem: FitProblem | None = None,
+    executor: Executor | None = None,
     on_state: Callable[[State], None] = ignored,
 ) -> Refinement:
     """`add` on statistics taken earlier, of an effect of ``known``.
@@ -255,7 +275,7 @@ def add_on(
     kind = find(name, known)
     if model is not None and model.get(name) is not None:
         raise InputError(f"{name}: it is already in the model; `dnanalyze fit --model` refits it")
-    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    problem = problem or problem_of(captures, model, executor)
     model = with_seed(problem, model, seed)
     if model is None:
         model = fit_on(captures, replicates=0, problem=problem, on_state=on_state).model

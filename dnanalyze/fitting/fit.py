@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,6 @@ from dnanalyze.errors import InputError
 from dnanalyze.estimate import Estimated, qtable
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.design import design
 from dnanalyze.fitting.free_parameters import (
     PEDESTAL,
     FreeParameter,
@@ -34,7 +34,7 @@ from dnanalyze.fitting.moments import (
     moments,
     serial_correlation,
 )
-from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
@@ -156,6 +156,7 @@ def fit(
     replicates: int = REPLICATES,
     seed: int | None = None,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Fit:
     """Fit a model to dark frames.
 
@@ -173,6 +174,10 @@ def fit(
         Seed of the simulated sensor; by default the model's.
     progress : callable, optional
         Called with (steps done, None, what is under way); see `dnanalyze.progress.Progress`.
+    executor : concurrent.futures.Executor, optional
+        Takes the simulations that do not depend on each other: processes, or those of a Dask client
+        (``client.get_executor()``). By default threads of this process. Results are the same to the
+        last bit.
 
     Returns
     -------
@@ -202,6 +207,7 @@ def fit(
         replicates=replicates,
         seed=seed,
         on_state=reporter(progress),
+        executor=executor,
     )
 
 
@@ -213,10 +219,11 @@ def fit_on(
     replicates: int = REPLICATES,
     seed: int | None = None,
     problem: FitProblem | None = None,
+    executor: Executor | None = None,
     on_state: Callable[[State], None] = ignored,
 ) -> Fit:
     """`fit` on statistics taken earlier; ``on_state`` is called with every better state."""
-    problem = problem or fit_problem(design(captures, unit=None if model is None else model.unit))
+    problem = problem or problem_of(captures, model, executor)
     model = with_seed(problem, model, seed) or paper_start(problem)
     _check(frozen, model)
     model = at_measured_parameters(problem, model, frozen)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -11,13 +12,14 @@ import numpy as np
 
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
-from dnanalyze.fitting.design import Design
+from dnanalyze.fitting.design import Design, design
 from dnanalyze.fitting.level import Level, allowed, dark_signals, level
-from dnanalyze.fitting.processes import Helpers
+from dnanalyze.fitting.processes import Helpers, helpers_of
 from dnanalyze.fitting.simulated import Job, room
 from dnanalyze.fitting.ties import Direct, direct
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.fitting.vectors import Target, prediction, target
+from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
@@ -209,3 +211,14 @@ def fit_problem(plan: Design, helpers: Helpers | None = None) -> FitProblem:
         )
 
     return of(0, of(1) if plan.part else None)
+
+
+def problem_of(
+    captures: CaptureSet, model: NoiseModel | None = None, executor: Executor | None = None
+) -> FitProblem:
+    """`fit_problem` of captures, in the unit of a model.
+
+    ``executor``: what takes the simulations; without one this process.
+    """
+    plan = design(captures, unit=None if model is None else model.unit)
+    return fit_problem(plan, helpers_of(executor))

@@ -1,21 +1,24 @@
-"""Processes that work beside this one.
+"""Executors that work beside this process, or for it.
 
-Many of the statistics are small sums, of which two threads of one process seldom take two at a
-time. A helper keeps the fields of its own parts from one simulation to the next, and only models
+Many of the statistics are small sums, of which two threads of one process seldom compute two at a
+time. A worker keeps the fields of its own parts from one simulation to the next, and only models
 and statistics travel.
 """
 
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
+import threading
 import warnings
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnProcess
 from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -28,11 +31,12 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.processors import cpu_count
 
-MOST = 7  # helpers
-PATIENCE_S = 5.0  # with a helper at the end
-WARM = 64, 64  # pixels of what a helper simulates before it is asked
-# Pixels of a simulation from which a helper is worth its start. With one, `compare` is 0.2 s slower
-# at 37,000 pixels and 2 s faster at 2 million.
+MOST = 15  # processes that are started; eight operating points have 16 halves
+SHARES = 16  # of the work for an executor of unknown size: all halves of eight operating points
+ROOMS = 4  # workers of such an executor that are expected on one machine
+WARM = 64, 64  # pixels of what a worker simulates before it is asked
+# Pixels of a simulation from which a process is worth its start. With one, `compare` is 0.2 s
+# slower at 37,000 pixels and 2 s faster at 2 million.
 WORTH = 500_000
 
 
@@ -47,6 +51,9 @@ class _Share:
     parts: Sequence[Sequence[Part]]
     kept: bool
 
+    def __bool__(self) -> bool:
+        return any(self.parts)
+
     def __call__(self, memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
         return _taken(self.jobs, self.parts, memo if self.kept else Memo(0))
 
@@ -58,6 +65,9 @@ class _Calls:
     function: Callable[..., Any]
     arguments: Sequence[tuple[Any, ...]]
 
+    def __bool__(self) -> bool:
+        return bool(self.arguments)
+
     def __call__(self, memo: Memo) -> list[Any]:
         return [self.function(*a) for a in self.arguments]
 
@@ -66,37 +76,36 @@ _Task = _Share | _Calls
 
 
 class Helpers:
-    """Processes that take their share of the work; they end with this object.
+    """Executors that take shares of the work; what they fail to do is done by this process.
 
     Parameters
     ----------
-    count : int
-        None by default: then threads of this process take the parts.
+    executors : sequence of Executor
+        One a share; each gets the same parts of every simulation. None by default: then threads of
+        this process take the parts.
+    here : bool
+        Whether this process takes a share too.
+    rooms : int
+        Processes among which a machine's memory for fields is divided.
     """
 
-    def __init__(self, count: int = 0) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pipes: list[Connection] = []
-        self.workers: list[SpawnProcess] = []
-        for _ in range(count):
-            mine, theirs = context.Pipe()
-            worker = context.Process(target=_serve, args=(theirs, count + 1), daemon=True)
-            worker.start()
-            theirs.close()
-            self._pipes.append(mine)
-            self.workers.append(worker)
-        self.close = weakref.finalize(self, _close, self._pipes, self.workers)
+    def __init__(
+        self, executors: Iterable[Executor] = (), *, here: bool = True, rooms: int = 1
+    ) -> None:
+        self._executors = list(executors)
+        self._here = here
+        self._rooms = rooms
 
     @property
-    def count(self) -> int:
-        """Number of helpers that still work."""
-        return len(self._pipes)
+    def shares(self) -> int:
+        """Number of shares into which work is divided."""
+        return max(len(self._executors) + self._here, 1)
 
     def statistics(
         self, jobs: Sequence[Job], memo: Memo
     ) -> list[dict[Part, list[SettingStatistics]]]:
-        """All parts of some jobs; those of a helper that failed, or is no more, are taken here."""
-        away = [self.count > 0 and travels(job.model) for job in jobs]
+        """All parts of some jobs."""
+        away = [bool(self._executors) and travels(job.model) for job in jobs]
         dealt = iter(self._dealt([j for j, goes in zip(jobs, away, strict=True) if goes], memo))
         return [
             next(dealt) if goes else _taken([job], [job.parts()], memo, THREADS)[0]
@@ -106,61 +115,100 @@ class Helpers:
     def each(
         self, function: Callable[..., Found], arguments: Sequence[tuple[Any, ...]]
     ) -> list[Found]:
-        """A function of each tuple of arguments, in turn by this process and the helpers.
+        """A function of each tuple of arguments, divided among the shares.
 
         ``function``, its arguments and what it returns must be known to another process.
         """
-        step = self.count + 1
-        own, *others = [_Calls(function, arguments[n::step]) for n in range(step)]
-        mine, *theirs = self._together(own, others, Memo(0))
+        step = self.shares
+        tasks = [_Calls(function, arguments[n::step]) for n in range(step)]
         found: list[Any] = [None] * len(arguments)
-        for n, share in enumerate((mine, *theirs)):
+        for n, share in enumerate(self._done(tasks, Memo(0))):
             found[n::step] = share
         return found
 
     def _dealt(self, jobs: Sequence[Job], memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
-        """Jobs of which every process has its share."""
-        if not jobs:
-            return []
-        *others, own = (
-            _Share(jobs, parts, memo.limit_bytes > 0) for parts in shared(jobs, self.count + 1)
-        )
-        found, *more = self._together(own, others, memo)
-        for share in more:
-            for all_of_it, some in zip(found, share, strict=True):
+        """Jobs of which every executor has its share."""
+        kept = memo.limit_bytes > 0
+        tasks = [_Share(jobs, parts, kept) for parts in shared(jobs, self.shares)] if jobs else []
+        found: list[dict[Part, list[SettingStatistics]]] = [{} for _ in jobs]
+        for share in self._done(tasks, memo):
+            for all_of_it, some in zip(found, share, strict=False):
                 all_of_it |= some
-        return list(found)
+        return found
 
-    def _together(self, own: _Task, others: Sequence[_Task], memo: Memo) -> list[Any]:
-        """What this process finds and what each helper does, whose share is taken here if need be.
+    def _done(self, tasks: Sequence[_Task], memo: Memo) -> list[Any]:
+        """What each task finds: the first are those of the executors, the rest of this process.
 
         Raises
         ------
         Exception
             What a task here raises.
         """
-        for pipe, task in zip(self._pipes, others, strict=True):
-            with suppress(OSError):
-                pipe.send(task)
-        try:
-            mine = own(memo)
-        finally:  # what is not taken now would be taken for the next tasks'
-            answers = [self._answer(pipe) for pipe in list(self._pipes)]
-        return [mine, *(t(memo) if a is None else a for a, t in zip(answers, others, strict=True))]
+        away = [
+            self._submitted(executor, task)
+            for executor, task in zip(list(self._executors), tasks, strict=False)
+        ]
+        here = [task(memo) for task in tasks[len(away) :]]
+        pairs = zip(away, tasks, strict=False)
+        return [self._answer(future, task, memo) for future, task in pairs] + here
 
-    def _answer(self, pipe: Connection) -> Any:
-        """What a helper found; None where it failed, and no more of it where it is no more."""
-        try:
-            return pipe.recv()
-        except (OSError, EOFError):
-            pipe.close()
-            self._pipes.remove(pipe)
+    def _submitted(self, executor: Executor, task: _Task) -> Future[Any] | None:
+        """The task given to an executor; None where there is nothing to do, or nobody to do it."""
+        if not task:
             return None
+        try:
+            return executor.submit(_at_worker, task, self._rooms)
+        except RuntimeError:  # broken, or shut down
+            self._without(executor)
+            return None
+
+    def _answer(self, future: Future[Any] | None, task: _Task, memo: Memo) -> Any:
+        """What a worker found; its task is done here where it failed, and tells its own error."""
+        if not task:
+            return []
+        if future is not None:
+            with suppress(Exception):
+                return future.result()
+        return task(memo)
+
+    def _without(self, executor: Executor) -> None:
+        self._executors = [e for e in self._executors if e is not executor]
+
+
+class Processes(Helpers):
+    """Processes of this object, which end with it; each is an executor of its own.
+
+    Parameters
+    ----------
+    count : int
+    """
+
+    def __init__(self, count: int) -> None:
+        context = multiprocessing.get_context("spawn")
+        lifelines: list[Connection] = []
+        executors = []
+        for _ in range(count):
+            theirs, mine = context.Pipe(duplex=False)
+            executor = ProcessPoolExecutor(1, context, _begin, (theirs,))
+            executor.submit(_warmed)
+            theirs.close()
+            lifelines.append(mine)
+            executors.append(executor)
+        super().__init__(executors, rooms=count + 1)
+        self.close = weakref.finalize(self, _close, lifelines, executors)
 
 
 def helpers_for(pixels: int) -> Helpers:
     """One for each further processor, where simulations of so many pixels are worth its start."""
-    return Helpers(min(cpu_count() - 1, MOST) if pixels >= WORTH else 0)
+    count = min(cpu_count() - 1, MOST) if pixels >= WORTH else 0
+    return Processes(count) if count else Helpers()
+
+
+def helpers_of(executor: Executor | None) -> Helpers:
+    """Those of a caller's executor, such as of a Dask client; without one this process."""
+    if executor is None:
+        return Helpers()
+    return Helpers([executor] * SHARES, here=False, rooms=ROOMS)
 
 
 def _taken(
@@ -179,22 +227,34 @@ def travels(model: NoiseModel) -> bool:
     return all(known.get(effect.name) is type(effect) for effect in model.effects)
 
 
-def _serve(pipe: Connection, shares: int) -> None:
-    """What a helper does until the other end is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whom it helps decides
+def _at_worker(task: _Task, rooms: int) -> Any:
+    return task(_room(rooms))
+
+
+@cache
+def _room(rooms: int) -> Memo:
+    """What a worker keeps between its tasks."""
+    return room(rooms)
+
+
+def _begin(lifeline: Connection) -> None:
+    """What a process does first."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that it works for decides
     warnings.simplefilter("ignore")  # the process that asked simulates the same model, and tells
-    threadpool_limits(1)  # the other processors have helpers of their own
-    memo = room(shares)
+    threadpool_limits(1)  # the other processors have workers of their own
+    threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+
+
+def _end_with(lifeline: Connection) -> None:
+    """End this process when the other end is closed, or the process that held it is no more."""
+    with suppress(EOFError, OSError):
+        lifeline.recv()
+    os._exit(0)
+
+
+def _warmed() -> None:
     with suppress(Exception):  # an effect of another package may fail; when asked for, it is told
         warm()
-    with suppress(EOFError, OSError):
-        while True:
-            task = pipe.recv()
-            try:
-                found = task(memo)
-            except Exception:  # met again, and told, by the process that asked
-                found = None
-            pipe.send(found)
 
 
 def warm() -> None:
@@ -206,10 +266,8 @@ def warm() -> None:
     job.statistics(job.parts(), Memo(0))
 
 
-def _close(pipes: list[Connection], workers: list[SpawnProcess]) -> None:
-    """The other ends see it, and end once their share is done."""
-    for pipe in pipes:
-        pipe.close()
-    for worker in workers:
-        worker.join(PATIENCE_S)
-        worker.kill()
+def _close(lifelines: Sequence[Connection], executors: Sequence[Executor]) -> None:
+    for lifeline in lifelines:
+        lifeline.close()
+    for executor in executors:
+        executor.shutdown(wait=False, cancel_futures=True)

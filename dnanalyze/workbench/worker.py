@@ -183,11 +183,11 @@ def _add(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _classified(bed: Bed, model: NoiseModel, tell: Tell) -> dict[str, Any]:
     """What a classifier says of a model that is adequate otherwise; in the background."""
-    from dnanalyze.classifier.classify import classify
+    from dnanalyze.classifier.classify import classify_on
     from dnanalyze.classifier.words import sentence
 
     tell("background", "asking a classifier")
-    found = classify(
+    found = classify_on(
         bed.captures, model, seed=model.seed, limit=bed.background, helpers=bed.problem.helpers
     )
     if not found.finished:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dnanalyze import NoiseModel, OperatingPoint, catalogue, classify, simulate
-from dnanalyze.fitting.processes import Helpers
+from dnanalyze.classifier.classify import classify_on
+from dnanalyze.fitting.processes import Processes
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.loaders.captures import CaptureSet, Frame, Sensor
 
@@ -82,17 +83,18 @@ def test_a_small_field_gives_the_reason():
 
 def test_a_time_limit_ends_it_early():
     captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 3), (WARM, 3)])
-    found = classify(captures, PLAIN, limit=TimeLimit(0.0))
+    found = classify_on(captures, PLAIN, limit=TimeLimit(0.0))
     assert {c.point for c in found.cells} == {POINT}
     assert not found.finished
 
 
 def test_a_helper_takes_operating_points_of_its_own_and_finds_the_same():
     captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 2), (WARM, 2)])
-    helpers = Helpers(1)
+    helpers = Processes(1)
     try:
-        assert classify(captures, PLAIN, helpers=helpers).cells == classify(captures, PLAIN).cells
-        assert helpers.count == 1
+        shared = classify_on(captures, PLAIN, helpers=helpers)
+        assert shared.cells == classify(captures, PLAIN).cells
+        assert helpers.shares == 2
     finally:
         helpers.close()
 

@@ -61,7 +61,7 @@ def test_compare_tells_what_a_classifier_can_tell(folder, calls, tmp_path, capsy
         seen.append((seed, helpers))
         return fakes.classification()
 
-    monkeypatch.setattr("dnanalyze.classifier.classify.classify", classify)
+    monkeypatch.setattr("dnanalyze.classifier.classify.classify_on", classify)
     out, page = tmp_path / "out.json", tmp_path / "out.html"
     more = ["--classifier", "--json", str(out), "--report", str(page), "-q"]
     assert main(["compare", str(folder), *more]) == 0

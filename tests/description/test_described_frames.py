@@ -24,7 +24,7 @@ def test_a_model_whose_frames_are_told_is_not_adequate(monkeypatch, tells, verdi
     def nothing(captures, problem, state, *_, **__):
         return describing._without(captures, problem, state, "nothing", "No structure.")
 
-    monkeypatch.setattr(describing, "classify", classify)
+    monkeypatch.setattr(describing, "classify_on", classify)
     monkeypatch.setattr(describing, "described", nothing)
     monkeypatch.setattr(describing.FittedModel, "adequate", True)
     found = dnanalyze.describe(tiny())

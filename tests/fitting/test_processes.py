@@ -1,5 +1,11 @@
 """Helper processes find what this one would, and may end at any time."""
 
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -9,7 +15,7 @@ import small_series as small
 
 from dnanalyze.errors import InputError
 from dnanalyze.fitting import processes
-from dnanalyze.fitting.processes import MOST, WORTH, Helpers, helpers_for
+from dnanalyze.fitting.processes import MOST, WORTH, Processes, helpers_for, helpers_of
 from dnanalyze.fitting.simulated import Job, room, shared
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effect import Effect, Stage
@@ -26,11 +32,30 @@ def problem():
 @contextmanager
 def helped(problem):
     """The problem with one helper, and nothing simulated yet."""
-    made = replace(problem, helpers=Helpers(1), predictions=Memo())
+    made = replace(problem, helpers=Processes(1), predictions=Memo())
     try:
         yield made
     finally:
         made.helpers.close()
+
+
+def process_of(helpers):
+    """The number of its only process."""
+    (executor,) = helpers._executors
+    return executor.submit(os.getpid).result()
+
+
+def gone(number, seconds=60.0):
+    """Wait until a child process is no more."""
+    end = time.monotonic() + seconds
+    while any(child.pid == number for child in multiprocessing.active_children()):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def kill_and_wait(number):
+    os.kill(number, signal.SIGTERM)
+    gone(number)
 
 
 def values(made):
@@ -49,9 +74,7 @@ def test_a_helper_takes_its_share_until_it_is_no_more(problem, taken):
             taken.clear()
             assert values(made.statistics(model)) == known
             assert len(taken) == len(small.POINTS)  # half of the parts
-        (worker,) = made.helpers.workers
-        worker.kill()
-        worker.join(20)
+        kill_and_wait(process_of(made.helpers))
         for _ in range(2):
             taken.clear()
             assert values(made.statistics(first)) == expected[0]
@@ -61,10 +84,8 @@ def test_a_helper_takes_its_share_until_it_is_no_more(problem, taken):
 def test_helpers_end_with_what_they_were_made_for(problem):
     with helped(problem) as made:
         made.statistics(small.model())
-        (worker,) = made.helpers.workers
-        assert worker.is_alive()
-    worker.join(20)
-    assert not worker.is_alive()
+        number = process_of(made.helpers)
+    gone(number)
 
 
 @dataclass(frozen=True)
@@ -126,9 +147,47 @@ def test_the_error_of_either_process_is_told_and_the_next_job_is_its_own(problem
 
 
 def test_helpers_are_started_only_where_there_is_much_to_do():
-    assert not helpers_for(WORTH - 1).workers
+    assert helpers_for(WORTH - 1).shares == 1
     many = helpers_for(WORTH)
     try:
-        assert len(many.workers) == min(MOST, cpu_count() - 1)
+        assert many.shares == min(cpu_count() - 1, MOST) + 1
     finally:
-        many.close()
+        getattr(many, "close", bool)()
+
+
+def test_an_executor_of_the_caller_takes_all_of_it_and_finds_the_same(problem, taken):
+    first, second = small.model(), small.model(read_noise={"sigma": 2.5})
+    expected = [values(problem.statistics(m)) for m in (first, second)]
+    with ThreadPoolExecutor(2) as executor:
+        made = replace(problem, helpers=helpers_of(executor), predictions=Memo())
+        assert [values(made.statistics(m)) for m in (first, second)] == expected
+        names = {t.name for t in threading.enumerate()}
+    assert any(name.startswith("ThreadPoolExecutor") for name in names)
+    # it is shut down: this process goes on
+    assert values(made.statistics(first)) == expected[0]
+    assert made.helpers.shares == 1
+
+
+class Losing(Executor):
+    """An executor that loses every second task, as a cluster does whose workers are killed."""
+
+    def __init__(self):
+        self.count = 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = Future()
+        self.count += 1
+        if self.count % 2:
+            future.set_exception(OSError("worker killed"))
+        else:
+            future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def test_what_an_executor_loses_is_done_here(problem):
+    model, losing = small.model(), Losing()
+    made = replace(problem, helpers=helpers_of(losing), predictions=Memo())
+    assert values(made.statistics(model)) == values(problem.statistics(model))
+    assert losing.count == 2 * len(small.POINTS)  # no task without a part
+    squares = [(n, 2) for n in range(40)]
+    assert made.helpers.each(pow, squares) == [n * n for n in range(40)]

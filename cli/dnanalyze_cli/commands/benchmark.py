@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from dnanalyze_cli.numbers import celsius
-from dnanalyze_cli.options import FolderOptions, NoCache, takes
+from dnanalyze_cli.options import FolderOptions, NoCache, Scheduler, takes
+from dnanalyze_cli.scheduler import executor_at
 
 
 @takes(FolderOptions)
@@ -29,6 +30,7 @@ def benchmark(
         bool, typer.Option("--quick", help="Do not identify the effects of each sensor.")
     ] = False,
     no_cache: NoCache = False,
+    scheduler: Scheduler = None,
 ) -> None:
     """Compare several sensors: EMVA 1288 dark quantities, tails, spectra, effects, filters."""
     from dnanalyze.benchmarking.run import benchmark as run
@@ -37,7 +39,7 @@ def benchmark(
     sessions = [options.session_on("benchmark", f, cache=not no_cache) for f in folders]
     session = sessions[0]
     found = [options.load(s) for s in sessions]
-    with session.progress("Measuring the sensors") as progress:
-        result = run(found, at=temperatures, quick=quick, progress=progress)
+    with executor_at(scheduler) as executor, session.progress("Measuring the sensors") as progress:
+        result = run(found, at=temperatures, quick=quick, progress=progress, executor=executor)
     session.show(result)
     session.finish(result, more={"captures": ", ".join(folders), "folders": folders})

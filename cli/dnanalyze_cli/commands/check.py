@@ -117,7 +117,7 @@ def check(
         limits = limits.of_channel(options.channel)
     if limits is None:
         with session.progress("Simulating sensors" if own else "Measuring") as progress:
-            made = propose(found, own, tell=progress.now)
+            made = propose(found, own, on_progress=progress.now)
         session.write({}, model=lambda: dump_targets(made))
         verdict, sections = report.proposed(made)
         head(session.console, found, verdict)

@@ -54,11 +54,11 @@ def compare(
         comparison = run(found, model=own, problem=problem, on_state=tell)
         judged = None
         if classifier:
-            from dnanalyze.classifier.classify import classify
+            from dnanalyze.classifier.classify import classify_on
 
             progress.now("Training the classifier")
             model, seed = comparison.model, options.seed or 0
-            judged = classify(found, model, seed=seed, helpers=problem.helpers)
+            judged = classify_on(found, model, seed=seed, helpers=problem.helpers)
     session.show(comparison)
     session.print(classification.line(judged))
 

@@ -15,8 +15,10 @@ from dnanalyze_cli.options import (
     ModelOptions,
     ModelOut,
     NoDescribe,
+    Scheduler,
     takes,
 )
+from dnanalyze_cli.scheduler import executor_at
 
 
 @takes(ModelOptions)
@@ -54,6 +56,7 @@ def refine(
     ] = None,
     budget: Budget = None,
     no_describe: NoDescribe = False,
+    scheduler: Scheduler = None,
 ) -> None:
     """Diagnose and add until nothing more is missing; the model error at each step.
 
@@ -82,20 +85,22 @@ def refine(
     if len(found.channels) > 1:
         from dnanalyze.channels.refinement import refine_channels
 
-        over_channels.refine(
-            session,
-            found,
-            lambda progress: refine_channels(
+        with executor_at(scheduler) as executor:
+            over_channels.refine(
+                session,
                 found,
-                own,
-                exclude=excluded,
-                max_effects=max_effects,
-                until_error=until_error,
-                budget=session.remaining(budget),
-                effects=known,
-                progress=progress,
-            ),
-        )
+                lambda progress: refine_channels(
+                    found,
+                    own,
+                    exclude=excluded,
+                    max_effects=max_effects,
+                    until_error=until_error,
+                    budget=session.remaining(budget),
+                    effects=known,
+                    progress=progress,
+                    executor=executor,
+                ),
+            )
         return
 
     def keep(result: Refinement) -> None:
@@ -107,9 +112,9 @@ def refine(
         return command_line(captures, output, given, max_effects, so_far[-1] if so_far else None)
 
     so_far: list[Refinement] = []
-    with kept_when_stopped(session.files, so_far, go_on):
+    with kept_when_stopped(session.files, so_far, go_on), executor_at(scheduler) as executor:
         with session.progress("Reading frames") as progress:
-            problem = progress.fit_problem(found)
+            problem = progress.fit_problem(found, executor)
             result = run(
                 found,
                 model=own,
