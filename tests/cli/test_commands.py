@@ -271,12 +271,12 @@ def test_where_nothing_is_missing_the_terminal_shows_no_candidates(
 def stopped_by(error, monkeypatch):
     """A refinement that is stopped after its second step."""
 
-    def run(*_, keep, **__):
+    def run(*_, on_result, **__):
         for count in (1, 2):
             so_far = fakes.refinement()
             so_far.steps, so_far.finished, so_far.diagnosis = so_far.steps[:count], False, None
             so_far.verdict = "missing"
-            keep(so_far)
+            on_result(so_far)
         raise error
 
     monkeypatch.setattr("dnanalyze.diagnosis.refine.refine_on", run)

@@ -8,7 +8,7 @@ import report_fakes as fakes
 from dnanalyze_cli.progress import Progress, clock, remaining, watched
 from dnanalyze_cli.session import Session
 
-from dnanalyze.analyzers.streaming.cache import problem
+from dnanalyze.analyzers.streaming.cache import held
 from dnanalyze.loaders import load, write_captures
 
 
@@ -37,7 +37,7 @@ def test_the_cache_does_not_see_the_watching(tmp_path):
     folder = write_captures(fakes.captures(), tmp_path / "darks")
     plain = load(folder).cached(str(tmp_path / "kept"))
     seen = watched(plain, lambda *_: None)
-    assert problem(plain, "x").path == problem(seen, "x").path
+    assert held(plain, "x").path == held(seen, "x").path
 
 
 def test_reading_and_fitting_are_told_apart(monkeypatch):

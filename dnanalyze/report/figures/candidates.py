@@ -7,7 +7,7 @@ from typing import Any
 
 from dnanalyze.report.figures.palette import CALM
 from dnanalyze.report.figures.style import INK, MODEL, Cell, Picture, panels
-from dnanalyze.report.stages import BASELINE
+from dnanalyze.report.stages import BASELINE_STAGE
 from dnanalyze.report.words import is_number, number, percent
 
 
@@ -67,7 +67,7 @@ def _bars(
     if base:
         sure = max(c.confidence for c in base)
         bars.append(
-            (BASELINE if len(base) > 1 else base[0].effect, now, base[-1].error_after, sure)
+            (BASELINE_STAGE if len(base) > 1 else base[0].effect, now, base[-1].error_after, sure)
         )
         now = base[-1].error_after
     rest = [c for c in known if c.effect not in ordinary]
@@ -80,7 +80,7 @@ def candidates(
     """The candidates as a picture."""
     count = min(most, len(_bars(found, error, ordinary)))
     how = (
-        f"The {BASELINE} comes first; every other candidate is added to it alone"
+        f"The {BASELINE_STAGE} comes first; every other candidate is added to it alone"
         if ordinary
         else "Each candidate is added alone"
     )

@@ -16,7 +16,7 @@ from dnanalyze.report.figures.style import (
     Picture,
     panels,
 )
-from dnanalyze.report.stages import BASELINE, stages
+from dnanalyze.report.stages import BASELINE_STAGE, stages
 from dnanalyze.report.words import is_number, number
 
 RANGE = 6.0  # ratio of the errors from which the axis is logarithmic
@@ -107,8 +107,8 @@ def waterfalls(parts: Mapping[str, Sequence[Any]]) -> Picture | None:
         "Model error after each step, measured on the held-out half of the field; after each step "
         "all parameters are fitted again. Dashed line: 1, a second sensor of the same design."
         + (
-            f" The {BASELINE} is one step: its effects are fitted together."
-            if any(s.name == BASELINE for own in shown.values() for s in own)
+            f" The {BASELINE_STAGE} is one step: its effects are fitted together."
+            if any(s.name == BASELINE_STAGE for own in shown.values() for s in own)
             else ""
         ),
         f"Waterfall of the error: {text}",
