@@ -6,8 +6,8 @@ import numpy as np
 
 # The error of one sensor's simulations scatters by .06 of it over simulated sensors of its design
 # (.13 where tracks of particles cross it): by less it neither falls nor rises.
-LUCK = 0.06
-SATURATION = 1e4  # a difference counts up to this many floors, so that the error stays finite
+ERROR_SCATTER = 0.06
+SATURATION = 1e4  # standard deviations; so that the error stays finite
 
 
 def family_errors(z: np.ndarray, families: np.ndarray) -> dict[str, float]:
@@ -16,7 +16,7 @@ def family_errors(z: np.ndarray, families: np.ndarray) -> dict[str, float]:
     Parameters
     ----------
     z : ndarray
-        Differences over floors.
+        Differences in reproducibility SDs.
     families : ndarray of str
         Family of each.
     """
@@ -32,6 +32,6 @@ def pooled(z: np.ndarray, families: np.ndarray) -> float:
 
 def way(before: float, after: float) -> str:
     """Which way the error went: "falls", "rises", or "stays" where that is within its scatter."""
-    if abs(after - before) <= LUCK * before:
+    if abs(after - before) <= ERROR_SCATTER * before:
         return "stays"
     return "falls" if after < before else "rises"

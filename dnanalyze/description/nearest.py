@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dnanalyze.comparator.error import LUCK
+from dnanalyze.comparator.error import ERROR_SCATTER
 from dnanalyze.diagnosis.candidates import candidates_of
 from dnanalyze.diagnosis.explain import evidence_against
 from dnanalyze.diagnosis.predictive_check import error_of
@@ -63,7 +63,7 @@ class Nearest:
 
 def as_good(near: Sequence[Nearest], error: float) -> str | None:
     """The effect of the catalogue with which the error is as low; its name is preferred."""
-    close = [n for n in near if n.error_after <= (1.0 + LUCK) * error]
+    close = [n for n in near if n.error_after <= (1.0 + ERROR_SCATTER) * error]
     return min(close, key=lambda n: n.error_after).effect if close else None
 
 

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from dnanalyze.comparator.error import LUCK, pooled
+from dnanalyze.comparator.error import ERROR_SCATTER, pooled
 from dnanalyze.description.layers import CLIP, robust
 from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
@@ -91,7 +91,7 @@ class LearnedPattern(Result):
 
     @property
     def _harmful(self) -> bool:
-        return self.error_after > self.error_before * (1.0 + LUCK)
+        return self.error_after > self.error_before * (1.0 + ERROR_SCATTER)
 
     def kept(self, model: NoiseModel) -> NoiseModel:
         """Return the model with the pattern, or another where the pattern is not supported.

@@ -33,7 +33,7 @@ class FittedModel:
 
     Parameters
     ----------
-    held : FitProblem
+    problem : FitProblem
         Statistics of the captures.
     state : State
         The fitted model.

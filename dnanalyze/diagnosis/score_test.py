@@ -134,7 +134,7 @@ def restricted(problem: FitProblem, state: State, settings: list[int]) -> State:
 
 
 def _least_loss(state: State, change: np.ndarray) -> float:
-    """Least loss along the line of a change of the predictions, in floors.
+    """Least loss along the line of a change of the predictions, in reproducibility SDs.
 
     The nuisance parameters are projected out.
     """

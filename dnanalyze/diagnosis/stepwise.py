@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from dnanalyze.comparator.error import LUCK
+from dnanalyze.comparator.error import ERROR_SCATTER, way
 from dnanalyze.diagnosis.baseline import (
     BASELINE_REASON,
     baseline_fitted,
@@ -107,7 +107,7 @@ def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
     for name in [n for n in state.model.names if n not in (*BASELINE, BASE)]:
         without = FittedModel(whole.problem, removal(whole.problem, whole.state, name))
         found = judged(without, name, whole.state)
-        if found.evidence < EVIDENCE_NULL and found.error_fall <= LUCK * without.error:
+        if found.evidence < EVIDENCE_NULL and found.error_fall <= ERROR_SCATTER * without.error:
             whole = FittedModel.of(whole.problem, without.state)
             gone.append(name)
     return (expressed(whole.state, whole.problem, problem) if gone else state), gone
@@ -240,7 +240,7 @@ class Search:
         if found.state is begun.state:
             return begun, replace(found, state=state)
         there = carried(found.state, coarse.problem, self.problem)
-        return begun, self._converged(replace(found, state=there, converged=False))
+        return begun, self._converged(replace(found, state=there, converged=False), checked=False)
 
     def _begun(self, state: State) -> Path:
         """The starting model, noted and kept."""
@@ -370,16 +370,20 @@ class Search:
             self._kept(path)
         return path
 
-    def _converged(self, path: Path) -> Path:
+    def _converged(self, path: Path, checked: bool = True) -> Path:
         """Everything at its optimum, and what is then superfluous gone.
 
         The error of the last step, which the baseline effects share, is that of the new state; an
-        effect that raises it is taken out.
+        effect that raises it is taken out. ``checked``: whether a fit with which the error rises is
+        not taken. The loss of one simulated sensor has several minima along parameters of which the
+        fitted half shows little, such as those of a glow in a corner of the other half.
         """
         if path.converged:
             return path
         state = converge(self.problem, path.state)
         error, last = self._error(state), path.steps[-1]
+        if checked and way(path.error, error) == "rises":
+            state, error = path.state, path.error
         steps = [
             replace(s, error=error, model=state.model)
             if s is last or (s.added in BASELINE and s.model is last.model)

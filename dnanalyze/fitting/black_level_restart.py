@@ -32,7 +32,7 @@ def at_black_level(problem: FitProblem, state: State, iterations: int) -> State:
     """The state, or one that is as good with the black level by the moments.
 
     Of two fits that the statistics do not tell apart, that stands which agrees with the levels: the
-    luck of one simulated sensor bends the loss by about 1 a free parameter.
+    loss of one simulated sensor scatters by about 1 per free parameter.
 
     Parameters
     ----------

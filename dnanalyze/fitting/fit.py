@@ -326,7 +326,7 @@ def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPL
     count = np.sum(np.isfinite(drawn), axis=0)
     mean = np.where(count > 0, np.nansum(drawn, axis=0) / np.maximum(count, 1), np.nan)
     share = 1.0 / (replicates + 1)
-    luck = np.nan_to_num((1.0 - share) * (problem.fitted_coordinates(state.model) - mean))
+    own = np.nan_to_num((1.0 - share) * (problem.fitted_coordinates(state.model) - mean))
     scatter = np.nan_to_num(drawn - mean)
     # The measured errors grow with the measured tails: weights by them would pull the tails down.
     spread = np.sqrt(2.0 * np.sum(scatter**2, axis=0) / np.maximum(count - 1, 1))
@@ -335,7 +335,7 @@ def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPL
         problem,
         train=replace(
             problem.train,
-            coordinates=problem.train.coordinates + luck,
+            coordinates=problem.train.coordinates + own,
             stated=reproducibility_sd,
             scale=None,
         ),
@@ -352,7 +352,7 @@ def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPL
     found = _at_root(fair, here, gain, np.sqrt(np.diag(covariance)))
     found = replace(
         found,
-        train=(found.train * reproducibility_sd - luck) / problem.train.reproducibility_sd,
+        train=(found.train * reproducibility_sd - own) / problem.train.reproducibility_sd,
         jacobian=jacobian * (reproducibility_sd / problem.train.reproducibility_sd)[:, None],
     )
     return _described(problem, found, covariance, seen)

@@ -22,7 +22,7 @@ def linear_step(
     fitted, judged : Target
         The two halves.
     train, test : ndarray
-        Misfits on either, in floors, (sensors, statistics).
+        Misfits on either, in reproducibility SDs, (sensors, statistics).
     """
     jacobian = np.nan_to_num(state.jacobian)  # what no fit has moved yet absorbs nothing
     steps = [_step(jacobian * w[:, None], z * w) for z in train for w in [weights(z)]]

@@ -179,7 +179,7 @@ def statistics_named(names: Sequence[str], most: int = NAMED) -> str:
 
 def error_way(before: Any, after: Any) -> str:
     """Which way the error goes: it falls, rises, or stays within its own scatter."""
-    from dnanalyze.comparator.error import LUCK, way
+    from dnanalyze.comparator.error import ERROR_SCATTER, way
 
     if not (is_number(before) and is_number(after)):
         return f"the model error goes from {number(before)} to {number(after)}"
@@ -190,7 +190,7 @@ def error_way(before: Any, after: Any) -> str:
             if number(before) == number(after)
             else (f"goes from {number(before)} to {number(after)}")
         )
-        scatter = f"{100 * LUCK:.0f} % between simulated sensors"
+        scatter = f"{100 * ERROR_SCATTER:.0f} % between simulated sensors"
         return f"the model error {where}, within its variation of {scatter}"
     return f"the model error {gone} from {number(before)} to {number(after)}"
 

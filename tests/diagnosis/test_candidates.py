@@ -62,7 +62,9 @@ def test_plain_cases_are_settled_by_one_refit_of_what_is_everywhere(null):
 
 
 def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null, monkeypatch):
-    monkeypatch.setattr("dnanalyze.diagnosis.candidates.EVIDENCE_DECISIVE", math.inf)  # no sensor decides alone
+    monkeypatch.setattr(
+        "dnanalyze.diagnosis.candidates.EVIDENCE_DECISIVE", math.inf
+    )  # no sensor decides alone
     (found,) = trials(null, of("column_fpn"))
     again = judged_by_prediction(null, found)
     assert (again.gain, again.fitted_gain) == (found.gain, found.fitted_gain)

@@ -168,13 +168,32 @@ def test_an_effect_that_raises_the_error_is_not_taken(problem):
     assert path.state.model.get("row_fpn") is None
 
 
-def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(problem):
+@pytest.fixture(scope="module")
+def with_rows(problem):
+    """A model with an effect, and its model error at its optimum."""
     state = fitted(problem, RowFpn())
-    steps = (Step(None, 1e-3), Step("row_fpn", 1e-4))
+    return state, Search(problem, ROWS)._error(converge(problem, state))
+
+
+def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(problem, with_rows):
+    state, error = with_rows
+    steps = (Step(None, 0.99 * error), Step("row_fpn", 0.98 * error))
     path = Search(problem, ROWS)._converged(Path(state, steps, converged=False))
     assert [s.added for s in path.steps] == [None, "row_fpn", "-row_fpn"]
     assert path.dropped == ("row_fpn",)
     assert path.state.model.get("row_fpn") is None
+
+
+def test_a_last_fit_with_which_the_error_rises_is_not_taken(problem, with_rows):
+    state, error = with_rows
+    steps = (Step(None, 2.0 * error), Step("row_fpn", 0.9 * error))
+    begun = Path(state, steps, converged=False)
+    path = Search(problem, ROWS)._converged(begun)
+    assert path.state is state
+    assert [s.error for s in path.steps] == [s.error for s in steps]
+    assert path.converged
+    taken = Search(problem, ROWS)._converged(begun, checked=False)
+    assert taken.error == pytest.approx(error, rel=1e-9)
 
 
 def test_a_search_ends_at_the_users_limits(problem):

@@ -78,6 +78,9 @@ def address(folder) -> Iterator[str]:
         yield found
 
 
+REST_S = 1.0  # between two states the error of the first is shown, and no task, for less
+
+
 class Workbench:
     """An open page."""
 
@@ -111,15 +114,19 @@ class Workbench:
         raise AssertionError(f"not seen in {PATIENCE_S:g} s: {what}")
 
     def settled(self) -> float:
-        """The full error, once no task is under way."""
-        self.until(
-            lambda: (
-                re.fullmatch(r"[\d.]+", self.error)
-                and self.page.get_by_role("button", name="Diagnose").is_enabled()
-            ),
-            "the full error",
-        )
-        return float(self.error)
+        """The full error, once no task has been under way, and it the same, for a while."""
+        seen, since = "", time.monotonic()
+
+        def same() -> str:
+            nonlocal seen, since
+            shown = (
+                self.error if self.page.get_by_role("button", name="Diagnose").is_enabled() else ""
+            )
+            if shown != seen or not re.fullmatch(r"[\d.]+", shown):
+                seen, since = shown, time.monotonic()
+            return seen if time.monotonic() - since > REST_S else ""
+
+        return float(self.until(same, "the full error"))
 
     def points(self, layer: str) -> int:
         """Points of a curve of the open figure."""

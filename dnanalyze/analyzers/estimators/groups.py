@@ -43,7 +43,7 @@ class Groups:
     def relative_error(self, group: int) -> float:
         """Standard error of the mean over the mean.
 
-        By luck the quantiles of a sample lie elsewhere too: what that moves from a group to the
+        By chance the quantiles of a sample lie elsewhere too: what that moves from a group to the
         next is worth the mean of the cell there.
         """
         mean, sums = self.mean(group), _between(self.sums, group)
@@ -66,7 +66,7 @@ def groups(
     """Sums of ``weight`` over the pixels between quantiles of ``key``.
 
     Groups share the pixels of the cell that a cut lies in. On little noise most pixels have one
-    code: all of them in one group, or none, would be luck.
+    code: all of them in one group, or none, would be chance.
 
     Parameters
     ----------

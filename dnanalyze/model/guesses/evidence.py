@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues
 
 SIGN = 2.5
-"""A statistic this many floors off, in any setting, is a sign worth a guess."""
+"""A statistic this many standard deviations off, in any setting, is a sign worth a guess."""
 
 FLICKERS = 0.3
 """Temporal noise, DN, from which codes change often enough to tell it."""

@@ -11,13 +11,11 @@ from dnanalyze.model.guesses.evidence import curve
 from dnanalyze.model.surface import TERMS, legendre
 
 LEAST_TERM = 4.0  # standard errors of a coefficient
-LEAST_SHADING = (
-    3.5  # floors; shading has one realisation a sensor, so that no half can deny its luck
-)
+LEAST_SHADING = 3.5  # standard deviations; shading has one realization, so that no half can deny it
 
 
 def shading(clues: Clues) -> np.ndarray | None:
-    """Size of the unexplained low-order shading, floors, (terms, settings); None: no sign."""
+    """Size of the unexplained low-order shading, z, (terms, settings); None: no sign."""
     names = ("shading_0_1", "shading_1_0", "shading_0_2", "shading_2_0", "shading_1_1")
     seen = np.array([np.abs(np.nan_to_num(clues.z(name))) for name in names])
     return seen if (seen > LEAST_SHADING).any() else None
