@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import restricted, telling
-from dnanalyze.diagnosis.selection import LEAST, Trial
+from dnanalyze.diagnosis.selection import LEAST, REFITS, Trial
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import STEPS
@@ -20,7 +20,6 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
 from dnanalyze.model.noise_model import NoiseModel
 
-FINALISTS = 2  # forms that are refitted
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 
@@ -51,7 +50,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
     for way in (_forms, other_strengths):
         models += way(state.model, found.effect, least_noise(problem))
     better = state
-    for model in _promising(problem, state, list(dict.fromkeys(models)))[:FINALISTS]:
+    for model in _promising(problem, state, list(dict.fromkeys(models)))[:REFITS]:
         other = start(problem, model, free_parameters(model), like=state)
         ended = minimise(
             problem, without_biased(problem, other, found.effect), STEPS, below=better.loss
