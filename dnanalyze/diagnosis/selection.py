@@ -24,9 +24,8 @@ DEFLATION = 8.0
 # the halves reached 10, the mean of both 28.
 EVIDENCE_NULL = 25.0
 LEAST = EVIDENCE_NULL / 4.0  # gain of either half; less is not worth a refit (Akaike: 3 parameters)
-EVIDENCE_ODDS_10 = EVIDENCE_NULL + 2.0 * DEFLATION * math.log(
-    10.0
-)  # 62: odds of 10 against "nothing is missing"
+# 62: odds of 10 against "nothing is missing"
+EVIDENCE_ODDS_10 = EVIDENCE_NULL + 2.0 * DEFLATION * math.log(10.0)
 EVIDENCE_DECISIVE = 300.0  # exceeds the variation between sensors of one design
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete

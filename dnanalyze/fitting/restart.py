@@ -24,9 +24,8 @@ from dnanalyze.model.noise_model import NoiseModel
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
-WORTH = (
-    6.25  # fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
-)
+# Fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
+WORTH = 6.25
 
 
 def restarted(problem: FitProblem, state: State, iterations: int) -> State:

@@ -22,9 +22,8 @@ from dnanalyze.loaders.captures import OperatingPoint
 # Misfit, in reproducibility SDs, of a statistic that the simulation lacks: from here on the loss
 # of a fit is linear in a difference.
 MISSING = 6.0
-FIT_ERRORS = (
-    2.0  # reproducibility SDs that a level may be off in a fit, see `dnanalyze.fitting.level`
-)
+# Reproducibility SDs that a level may be off in a fit, see `dnanalyze.fitting.level`
+FIT_ERRORS = 2.0
 Place = tuple[int, str]  # number of the operating point, colour plane
 
 

@@ -23,9 +23,8 @@ CARRY, MOVING = 0.25, 0.3
 SCATTER = 4.0  # bits below full scale; a sixteenth of it is no noise of a dark frame
 UNIFORM = 40.0  # DN; bytes that hold low bits of larger codes differ by 85 on average
 FAR, WIDE = 20.0, 4.0  # noises off the level and factor of the noise that make a row no pixels
-UNLIKELY = (
-    1.0  # of the mean log share of pairs of bytes; that of 64 pixels scatters by a quarter of it
-)
+# Of the mean log share of pairs of bytes; that of 64 pixels scatters by a quarter of it
+UNLIKELY = 1.0
 LOOKED_AT = 1 << 22  # pixels
 CLEAR = 8.0  # standard errors of a variance of column means
 EDGE = 8  # rows; sensors embed one to four

@@ -28,9 +28,8 @@ OUTLIER_SIGMAS = 6.0
 FLATTEST = 0.5  # Hill exponent: defects of one type within a factor of two or so
 LINE_CLIP = 4.0  # robust sigmas
 FEWEST = 16  # lines
-_TREND_WINDOW = (
-    24  # lines: every period above divides it, so that the periods pass the filter unchanged
-)
+# Lines: every period above divides it, so that the periods pass the filter unchanged
+_TREND_WINDOW = 24
 _RUNNING_MEAN = np.array([0.5, *(_TREND_WINDOW - 1) * [1.0], 0.5]) / _TREND_WINDOW
 _TREND_DEGREE = 3
 _LAGS = 64

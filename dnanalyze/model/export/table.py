@@ -22,9 +22,18 @@ from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import SCHEMA, NoiseModel, model_from_plain
 
 TABLE_SCHEMA = "dnanalyze/parameters/1"
+# Fmt: skip
 COLUMNS = (
-    "effect", "parameter", "temperature_c", "exposure_s", "gain", "channel", "value", "unit", "law",
-)  # fmt: skip
+    "effect",
+    "parameter",
+    "temperature_c",
+    "exposure_s",
+    "gain",
+    "channel",
+    "value",
+    "unit",
+    "law",
+)
 
 
 def points_of(model: NoiseModel, temperatures: Sequence[float] = ()) -> list[OperatingPoint]:
