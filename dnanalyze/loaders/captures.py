@@ -48,8 +48,11 @@ class OperatingPoint:
 
     def __post_init__(self) -> None:
         for name in RANGES:
-            if wrong := fault(name, getattr(self, name)):
+            value = getattr(self, name)
+            if wrong := fault(name, value):
                 raise InputError(wrong)
+            if value is not None:  # of equal points the repr is one, by which their noise is drawn
+                object.__setattr__(self, name, float(value) + 0.0)
         if not isinstance(self.channel, (str, NoneType)):
             raise InputError(f"channel {str(self.channel)[:40]!r} is no text; quote it")
 

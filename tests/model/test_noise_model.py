@@ -1,5 +1,6 @@
 """The model and its file."""
 
+import numpy as np
 import pytest
 import yaml
 
@@ -8,6 +9,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import ArrheniusLaw, TableLaw
 from dnanalyze.model.noise_model import NoiseModel, dump_model, load_model, model_from_plain
 from dnanalyze.model.registry import built_in
+from dnanalyze.model.simulate import simulate
 
 
 def ordinary() -> NoiseModel:
@@ -99,3 +101,13 @@ def test_the_unit_of_the_files_is_kept_where_it_is_not_one():
     for bad in (0, -1, "x", True, float("nan")):
         with pytest.raises(InputError, match="unit"):
             model_from_plain(model.to_plain() | {"unit": bad}, "m.yaml")
+
+
+@pytest.mark.parametrize("one", [25, np.float64(25.0), np.int64(25)])
+def test_equal_operating_points_draw_the_same_noise(one):
+    points = OperatingPoint(one, one), OperatingPoint(25.0, 25.0)
+    assert repr(points[0]) == repr(points[1])
+    assert repr(OperatingPoint(-0.0)) == repr(OperatingPoint(0.0))
+    model = NoiseModel((built_in()["read_noise"](2.0),), 64.0)
+    first, second = (simulate(model, (8, 8), [(p, 2)]).to_numpy()[p] for p in points)
+    np.testing.assert_array_equal(first, second)

@@ -51,7 +51,8 @@ def dark_frames(
 
     model = replace(MODEL, seed=seed)
     simulator = Simulator(model, tuple(shape))
-    point = OperatingPoint(temperature_c, exposure_s, gain, channel)
+    numbers = (None if v is None else float(v) + 0.0 for v in (temperature_c, exposure_s, gain))
+    point = OperatingPoint(*numbers, channel)
     return np.stack([simulator.frame(point, first + n) for n in range(frames)])
 '''
 

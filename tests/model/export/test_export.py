@@ -131,6 +131,8 @@ def test_every_effect_has_a_numpy_form(name):
     exported = loaded(numpy_source(model))
     shape = (24, 32) if name in SLOW else (64, 48)
     frames = exported.dark_frames(45.0, 1.0, 1.0, shape=shape, frames=2)
+    whole = exported.dark_frames(45, 1, 1, shape=shape, frames=2)  # equal points, equal noise
+    np.testing.assert_array_equal(whole, frames)
     simulator = Simulator(model, shape)
     own = np.stack([simulator.frame(P(45.0, 1.0, 1.0), n) for n in range(2)])
     assert np.mean(np.abs(frames - own) > 2e-3 * np.abs(own)) < 5e-3
