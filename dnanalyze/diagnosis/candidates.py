@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,16 +42,12 @@ from dnanalyze.progress import ignored
 REACH = 6.0
 
 
-@dataclass
+@dataclass(frozen=True)
 class SoFar:
-    """What a search has found when its time is up: effects by their promise, and trials.
+    """What a search has found at a time: effects, the largest score test first, and trials."""
 
-    ``told`` is called after each trial.
-    """
-
-    screened: list[str] = field(default_factory=list)
-    trials: list[Trial] = field(default_factory=list)
-    told: Callable[[], None] = lambda: None
+    screened: Sequence[str] = ()
+    trials: Sequence[Trial] = ()
 
 
 def candidates_of(
@@ -70,17 +66,16 @@ def trials(
     null: FittedModel,
     known: dict[str, type[Effect]],
     on_progress: Callable[[str], None] = ignored,
-    so_far: SoFar | None = None,
+    on_trial: Callable[[SoFar], None] = ignored,
 ) -> list[Trial]:
     """Refit the candidates with the largest promise; the most probable first.
 
-    ``null``: the model without them. ``on_progress``: called with each name. ``so_far``: takes what
-    is found, as it is found.
+    ``null``: the model without them. ``on_progress``: called with each name. ``on_trial``: called
+    with what is found so far, after the score tests and after each refit.
     """
-    so_far = so_far or SoFar()
     guesses = _screened(null, known, on_progress)
-    so_far.screened[:] = guesses
-    found = _refits(null, guesses, on_progress, so_far)
+    on_trial(SoFar(list(guesses)))
+    found = _refits(null, guesses, on_progress, on_trial)
     promises = {name: own[0].promise for name, own in guesses.items()}
     made = [t for t in _at_their_optima(null, found, promises) if _shown(null.problem, t)]
     tested = by_standing([_tested(null.problem, t, made) for t in made])
@@ -99,7 +94,7 @@ def refitted_once(
     names = list(guesses)[:REFITS]
     if not names or known[names[0]].placing is not Placing.EVERYWHERE:
         return names, []
-    found = _refits(null, guesses, on_progress, SoFar())
+    found = _refits(null, guesses, on_progress)
     return names, sorted(found, key=lambda t: -t.evidence)
 
 
@@ -117,7 +112,7 @@ def _refits(
     null: FittedModel,
     guesses: dict[str, list[Guess]],
     on_progress: Callable[[str], None],
-    so_far: SoFar,
+    on_trial: Callable[[SoFar], None] = ignored,
 ) -> list[Trial]:
     """The first effects, each refitted from its best guess while it may reach the best of them."""
     found: list[Trial] = []
@@ -131,8 +126,7 @@ def _refits(
         reach = max(reach, gained / own[0].promise)
         wanted = min(wanted, null.state.loss - ALIKE * gained)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
-        so_far.trials.append(found[-1])
-        so_far.told()
+        on_trial(SoFar(list(guesses), list(found)))
     return found
 
 

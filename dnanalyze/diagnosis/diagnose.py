@@ -147,11 +147,16 @@ def diagnose_on(
     known = known_effects(() if known is None else known)
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     so_far = SoFar()
+
+    def found_so_far(now: SoFar) -> None:
+        nonlocal so_far
+        so_far = now
+
     if first is not None or budget is not None:
         with suppress(TimeUp):
-            so_far.screened[:] = first_answer(limited, model, open_to, exclude)
+            so_far = SoFar(first_answer(limited, model, open_to, exclude))
         if first is not None:
-            first(so_far.screened)
+            first(list(so_far.screened))
     asked = fitted_in_time(limited, model)
     baseline: State | None = None
 
@@ -166,7 +171,14 @@ def diagnose_on(
             on_progress("baseline effects")
             baseline = baseline_fitted(limited, baseline_start(limited, exclude, asked.model.seed))
         found = _in_full(
-            captures, limited, baseline or asked, open_to, so_far, on_progress, kept, afterwards
+            captures,
+            limited,
+            baseline or asked,
+            open_to,
+            on_progress,
+            found_so_far,
+            kept,
+            afterwards,
         )
     except TimeUp:
         found = unfinished(captures, FittedModel.of(problem, baseline or asked), so_far, open_to)
@@ -203,15 +215,20 @@ def _in_full(
     problem: FitProblem,
     state: State,
     open_to: dict[str, type[Effect]],
-    so_far: SoFar,
     on_progress: Callable[[str], None],
+    on_trial: Callable[[SoFar], None],
     on_result: Callable[[Diagnosis], None],
     afterwards: TimeLimit | None,
 ) -> Diagnosis:
     """The whole of a diagnosis of a fitted model that has its baseline effects."""
     null, law = FittedModel.of(problem, state), ""
-    so_far.told = lambda: on_result(unfinished(captures, null, so_far, open_to))
-    tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), on_progress, so_far)
+
+    def tell(so_far: SoFar) -> None:
+        on_trial(so_far)
+        if so_far.trials:
+            on_result(unfinished(captures, null, so_far, open_to))
+
+    tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), on_progress, tell)
     if best is not None and best.effect == BASE:
         null = FittedModel.of(null.problem, converge(null.problem, best.state))
         law = in_words(problem, null.state.model)
@@ -343,7 +360,7 @@ def unfinished(
     Others may explain as much or more: the confidence is that of one that may stand in for them.
     """
     error = null.error
-    tried = by_standing(so_far.trials)
+    tried = by_standing(list(so_far.trials))
     told = [_candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error_fall > 0]
     return Diagnosis(
         captures,
@@ -355,7 +372,7 @@ def unfinished(
         trials=tried,
         level=null.problem.level(null.state.train, null.state.test),
         finished=False,
-        screened=so_far.screened,
+        screened=list(so_far.screened),
     )
 
 

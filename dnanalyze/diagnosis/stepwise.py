@@ -56,14 +56,14 @@ def choose(
     null: FittedModel,
     known: dict[str, type[Effect]],
     on_progress: Callable[[str], None] = ignored,
-    so_far: SoFar | None = None,
+    on_trial: Callable[[SoFar], None] = ignored,
 ) -> tuple[list[Trial], Trial | None]:
     """The candidates refitted, the most probable first, and the one to add next.
 
     That is the first of them, or the slope of the spread of the dark current (named as the base),
     if it is significant and has more evidence. Arguments are those of `trials`.
     """
-    tried = trials(null, known, on_progress, so_far)
+    tried = trials(null, known, on_progress, on_trial)
     best = supported(null, tried)
     law = spread_law(null, math.inf if best is None else best.state.loss)
     if law is not None and (best is None or law.evidence > best.evidence):

@@ -8,7 +8,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
-from dnanalyze.diagnosis.candidates import SoFar, candidates_of, refitted_once, trials
+from dnanalyze.diagnosis.candidates import candidates_of, refitted_once, trials
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel
@@ -37,8 +37,10 @@ def of(*names):
 
 
 def test_both_hidden_effects_are_refitted_and_significant(null):
-    so_far, told = SoFar(), []
-    found = trials(null, of(*ROWS), told.append, so_far)
+    steps, told = [], []
+    found = trials(null, of(*ROWS), told.append, steps.append)
+    so_far = steps[-1]
+    assert [len(s.trials) for s in steps] == list(range(len(steps)))
     named = {t.effect: t for t in found}
     assert {found[0].effect, found[1].effect} == {"row_noise", "column_fpn"}
     for name in ("row_noise", "column_fpn"):
