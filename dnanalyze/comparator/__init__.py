@@ -1,1 +1,1 @@
-"""Two Statistics to discrepancies, floor and error."""
+"""Comparison of measured and simulated statistics: discrepancies and model error."""

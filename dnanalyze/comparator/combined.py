@@ -19,7 +19,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 @dataclass(frozen=True)
 class CombinedComparison:
-    """Measured combined frames held against the combination of simulated channels.
+    """Measured combined frames against the combination of simulated channels.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class CombinedComparison:
 def compare_combined(
     captures: CaptureSet, model: NoiseModel, how: Combination, light: float = 0.0
 ) -> CombinedComparison:
-    """Hold combined frames against the model of the channels.
+    """Compare combined frames with the model of the channels.
 
     Parameters
     ----------

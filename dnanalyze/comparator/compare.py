@@ -1,4 +1,4 @@
-"""Hold a model against measured captures: discrepancies, error, and where it fails in words."""
+"""Compare a model with measured captures: discrepancies, model error, largest misfits."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def error_of(problem: FitProblem, made: list[Statistics]) -> float:
 
 
 def table(problem: FitProblem, made: list[Statistics]) -> list[dict[str, Any]]:
-    """One row a number: measured, simulated, floor and discrepancy, in the contract's keys."""
+    """One row per statistic: measured, simulated, reproducibility SD (key floor), discrepancy."""
     return rows_of(problem, prediction(made, 1, problem.test))
 
 

@@ -1,4 +1,4 @@
-"""The error: how far a model is from the measurement, in units of what a second sensor differs."""
+"""The model error: misfits in units of the reproducibility standard deviation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def pooled(z: np.ndarray, families: np.ndarray) -> float:
 
 
 def way(before: float, after: float) -> str:
-    """Which way the error went: "falls", "rises", or "stays" where that is within its scatter."""
+    """Direction of a change: "falls", "rises", or "stays" where it is within its scatter."""
     if abs(after - before) <= ERROR_SCATTER * before:
         return "stays"
     return "falls" if after < before else "rises"

@@ -1,4 +1,4 @@
-"""Other models on the held-out half of the same field: before and after an effect, unfiltered."""
+"""Further models on the held-out half: before and after an effect, without filters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a model fails, in words, worst first."""
+"""Largest misfits of a model in sentences."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What is missing in a model; add it; refine until nothing is left to find."""
+"""Diagnosis of missing effects, and stepwise refinement."""

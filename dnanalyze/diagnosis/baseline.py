@@ -1,4 +1,4 @@
-"""The baseline effects, which every sensor has: put into a model together, as one step."""
+"""Baseline effects, which every sensor has; they enter a model as one step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FAR_OFF = 5.0  # loss per statistic beyond which the next effect moves all that 
 
 
 def far_off(state: State) -> bool:
-    """Whether so much is left that the next effect moves all parameters."""
+    """Whether the loss per statistic is so large that the next effect changes all parameters."""
     return state.loss > FAR_OFF * len(state.train)
 
 

@@ -1,4 +1,4 @@
-"""Candidates refitted: competing effects are at their optima before either is named."""
+"""Refits of candidates; competing effects reach their optima before either is named."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _refits(
 
 
 def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial:
-    """A filter that would be named is first held against the tests for filters."""
+    """A candidate filter with the result of the tests for filters."""
     if found.effect not in FILTERS or not significant(found, EVIDENCE_NULL):
         return found
     rivals = [t for t in trials if t.effect in competitors(found, trials)]
@@ -141,7 +141,7 @@ def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial
 
 
 def _shown(problem: FitProblem, found: Trial) -> bool:
-    """Whether a refit ended where the captures tell the effect from a constant one."""
+    """Whether a refitted effect can be distinguished from a constant one in these captures."""
     effect = found.state.model.get(found.effect)
     assert effect is not None
     return effect.shows_in(max(n for _, n in problem.plan.settings))

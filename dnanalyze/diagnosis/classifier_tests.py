@@ -1,4 +1,4 @@
-"""Candidates that explain the same statistics alike: can a classifier tell their frames?"""
+"""Classifier tests of candidates that explain the same statistics equally well."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ POINTS = 2  # far apart in temperature and exposure: two fifths of the time of a
 
 
 def told_apart(problem: FitProblem, ranked: Sequence[Trial]) -> list[Trial]:
-    """The trials; of competitors that explain alike, those whose frames are told are excluded.
+    """The trials without competitors whose frames a classifier distinguishes.
 
     That is done only where the frames of one of them cannot be told. It is not asked while the
     model is far off: the frames of all candidates are then told by what else is missing.

@@ -1,4 +1,4 @@
-"""Detection limits: what these captures could not have shown."""
+"""Detection limits of effects in a set of captures."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class _Asked:
 
     @property
     def readout(self) -> bool:
-        """Whether it is told in DN, which the quietest setting shows best."""
+        """Whether its strength is stated in DN; it is then most visible at the lowest noise."""
         return self.info.unit.startswith("DN")
 
     def at(self, strength: float) -> Effect:

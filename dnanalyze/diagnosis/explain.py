@@ -1,4 +1,4 @@
-"""The evidence in sentences, and the captures that would settle what is open."""
+"""Evidence in sentences, and recommended captures."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _size(of: Profile, name: str) -> str:
 
 
 def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
-    """What many small reliefs come to, where none stands out by itself."""
+    """The sum of many small corrections, where no single one is large."""
     if not names:
         return f"no statistic comes closer with {effect}"
     parts = [f"{infos()[n].title} (from {_size(was, n)} to {_size(now, n)} sigma)" for n in names]
@@ -84,7 +84,7 @@ def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
 def evidence_against(
     problem: FitProblem, rival: State, best: State, rival_name: str, name: str
 ) -> str | None:
-    """What the competitor does not correct and the best candidate does."""
+    """Statistics that the best candidate corrects and the competitor does not."""
     left, right = profile(problem, rival), profile(problem, best)
     gap = {n: left.of(n) - right.of(n) for n in left.names}
     worst = max(gap, key=lambda n: gap[n])
@@ -137,7 +137,7 @@ def _places(problem: FitProblem, settings: np.ndarray, off: np.ndarray) -> str:
 
 
 def next_capture(problem: FitProblem, verdict: str, candidates: list[Candidate]) -> list[str]:
-    """Captures that would settle what is open, most useful first."""
+    """Recommended captures, most useful first."""
     points = [p for p, _ in problem.plan.settings]
     frames = [n for _, n in problem.plan.settings]
     advice = []

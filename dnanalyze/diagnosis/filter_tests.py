@@ -1,4 +1,4 @@
-"""What the tests for filters say of a candidate that is one: `detect` and `refine` answer alike."""
+"""Tests for filters applied to candidates, so that `detect` and `refine` agree."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DENIED = "the tests of `detect` find no sign of a filter in these captures"
 
 
 def denied(problem: FitProblem, model: NoiseModel, rivals: bool) -> bool:
-    """Whether the tests for filters speak against a filter that is a candidate.
+    """Whether the tests for filters reject a candidate filter.
 
     They find no mark of filtering in the captures, and either another kind of effect explains as
     much (``rivals``), or they find it in the frames of the model with the filter: captures that

@@ -1,4 +1,4 @@
-"""The best form of an effect in a model, everything at its optimum."""
+"""The best form of an effect in a model."""
 
 from __future__ import annotations
 

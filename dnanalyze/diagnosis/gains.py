@@ -1,4 +1,4 @@
-"""What a refit gains on either half: by one simulated sensor, or by what its design shows."""
+"""Gain of a refit on either half, by one simulated sensor or by the predictive distribution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parameters that a missing effect has biased, started again beside it.
+"""Nuisance parameters: correction for the bias that a missing effect causes.
 
 A fit without a temporal filter makes the read noise small instead, and one without a digital gain
 makes every noise large. A candidate of that kind is tested beside parameters that no longer make up
@@ -35,7 +35,7 @@ def least_noise(problem: FitProblem) -> float:
 def unbiased(
     model: NoiseModel, effect: Effect, noise: float, other: Effect | None = None
 ) -> NoiseModel | None:
-    """A model with its parameters as they are right beside an effect.
+    """A model with its parameters corrected for the bias by an effect.
 
     None where it biases none of them. ``model``: as fitted without the effect, or with it as
     ``other`` states. ``noise``: of the operating point with the least, DN.
@@ -78,7 +78,7 @@ def without_biased(problem: FitProblem, state: State, name: str) -> State:
 
 
 def from_moments(problem: FitProblem, model: NoiseModel, effect: Effect) -> NoiseModel | None:
-    """The baseline started again from the moments of the frames less what an effect adds.
+    """The baseline model by the moments of the frames less the contribution of an effect.
 
     None where the effect does not state what it adds.
     """

@@ -1,4 +1,4 @@
-"""The present model against simulated sensors of its own make (parametric bootstrap)."""
+"""Predictive check of the present model by parametric bootstrap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Add the missing effects to a model: one by one on evidence, or the one that the user names."""
+"""Add missing effects to a model: stepwise by evidence, or one that the user names."""
 
 from __future__ import annotations
 

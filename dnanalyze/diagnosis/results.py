@@ -1,4 +1,4 @@
-"""What a diagnosis and a refinement return."""
+"""Results of a diagnosis and of a refinement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""First-order screening: what each candidate promises at its first guesses, before any refit."""
+"""Score tests: expected fall of the loss of each candidate at its initial values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from dnanalyze.progress import ignored
 
 @dataclass(frozen=True)
 class Guess:
-    """A candidate at a first guess of its parameters.
+    """A candidate with initial values of its parameters.
 
     ``model``: with the effect. ``promise``: score test, the fall of the loss of the fitted half at
     the two most telling operating points, if the statistics move along the guess and the nuisance
@@ -47,7 +47,7 @@ def score_tests(
     known: dict[str, type[Effect]],
     on_progress: Callable[[str], None] = ignored,
 ) -> list[Guess]:
-    """Simulate every candidate once at each of its first guesses.
+    """Simulate every candidate once at each of its initial values.
 
     Largest promise first; none of an effect of which the residual shows no sign. ``state``: the
     fitted model without the candidates. ``on_progress``: called with each name.
@@ -87,7 +87,7 @@ class _View:
         return cache(partial(Changes.of, self.problem, self.state.model))
 
     def promises(self, guesses: Sequence[Effect], placing: Placing) -> list[Guess]:
-        """Each guess, beside parameters that do not make up for it."""
+        """Score test of each guess, with the nuisance parameters corrected for their bias."""
         made: list[tuple[str, NoiseModel, bool]] = []
         for guess in guesses:
             seen = guess.lies_in(self.problem.plan.windows[0])

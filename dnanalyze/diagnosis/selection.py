@@ -130,7 +130,7 @@ def overdispersion(names: np.ndarray, before: np.ndarray, after: np.ndarray) -> 
 
 
 def standings(trials: Sequence[Trial]) -> np.ndarray:
-    """Evidence and prior odds in units of one overdispersion, by which candidates are ranked.
+    """Evidence and prior odds over a common overdispersion, by which candidates are ranked.
 
     The overdispersion is that of the candidate with most evidence, for all of them, as quasi-AIC
     takes it from the model that fits best (Burnham and Anderson 2002, section 2.5).

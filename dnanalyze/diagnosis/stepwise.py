@@ -225,7 +225,7 @@ class Search:
         return replace(path, steps=tuple(steps))
 
     def _on_part(self, state: State, exclude: Sequence[str]) -> tuple[Path, Path]:
-        """The starting model, and that with baseline effects and what a part leaves no doubt of.
+        """The starting model, and that with baseline effects and steps that a part decides.
 
         Both are stated for the part, where there is one, with their errors on the whole field; the
         second is then fitted to that.
@@ -261,7 +261,7 @@ class Search:
         return path
 
     def _while_plain(self, path: Path) -> Path:
-        """Forward steps on a part of the field, while that leaves no doubt.
+        """Forward steps on a part of the field, while that decides them.
 
         Of a model that is far off it leaves as little as the whole, and of an effect that is
         everywhere and has no rival. The candidates of which it leaves some are the first to be
@@ -309,7 +309,7 @@ class Search:
         return replace(path, tried=tuple(tried), best=best)
 
     def _plain(self, path: Path, null: FittedModel) -> Path:
-        """The candidate of which one refit leaves no doubt; without one the first are left open."""
+        """The candidate that one refit decides; without one the first are left open."""
         known = self._first(path) or self._open(path)
         names, tried = refitted_once(null, known, self.on_progress)
         best = supported(null, tried)

@@ -1,4 +1,4 @@
-"""Statistics to parameters with uncertainties, by simulation with common random numbers.
+"""Fits of models to statistics, by simulation with common random numbers.
 
 The fit needs nothing of a model but its frames: it simulates the captures, takes the same
 statistics, and moves the parameters until they agree within what two captures of one sensor differ

@@ -1,4 +1,4 @@
-"""A fitted model against what the frames alone tell of the sensor."""
+"""A fitted model against the direct measurements of the frames."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SEEN = 5.0  # standard errors from which a dark signal tells its growth
 
 @dataclass(frozen=True)
 class Agreement:
-    """One quantity, measured directly and as the model has it.
+    """One quantity: direct measurement and model value.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A fit far from the black level that the moments show begins again there.
+"""Restart of a fit that ended far from the black level of the moments.
 
 A black level that is lower by some DN, dark signals that are higher by as much, and a read noise
 without the shot noise of that difference give nearly the same statistics. The chance in derivatives

@@ -1,4 +1,4 @@
-"""What changes of a model do to its predictions, on as little of the field as shows them."""
+"""Changes of the predictions with the model, on the smallest part of the field that shows them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def part_for(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
 
 @dataclass(frozen=True)
 class Changes:
-    """What a change of the model does to the predictions of the fitted half.
+    """Change of the predictions of the fitted half with the model.
 
     ``problem``: where both models are simulated. ``base``: predictions of the unchanged model.
     ``wanted``: numbers of the whole field; a change is in units of their reproducibility SD.

@@ -1,4 +1,4 @@
-"""Derivatives of what a model predicts, by one simulation a group of free parameters.
+"""Finite-difference derivatives of the predictions, one simulation per group of parameters.
 
 An effect that is everywhere changes a part of the field as it changes the whole. Its parameters are
 varied on the part, at about a third of the time; those of an effect with a place, or in few pixels,
@@ -39,7 +39,7 @@ def derive(
     smallest: float = SMALLEST,
     anew: bool = False,
 ) -> State:
-    """Take the derivatives that are not known yet, one simulation a group of free parameters.
+    """Compute the derivatives that are not known yet, one simulation per group of parameters.
 
     A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
     ``anew``: also those that are known, which then tell how long a step must be.
@@ -77,7 +77,7 @@ def placing_of(model: NoiseModel, parameter: FreeParameter) -> Placing:
 
 
 def _told(problem: FitProblem, model: NoiseModel, parameter: FreeParameter) -> bool:
-    """Whether the fitted half tells of a parameter.
+    """Whether the statistics of the fitted half depend on a parameter.
 
     Of what lies in the judged half alone it tells nothing, nor do temperatures too near each other
     of an activation energy.
@@ -133,7 +133,7 @@ def _moved(
 
 
 def _rescaled(size: np.ndarray | float, least: float) -> np.ndarray:
-    """Factor for steps that moved the numbers by ``size`` floors; 1 where that is right."""
+    """Factor for steps of which the numbers moved by ``size`` SDs; 1 where that is right."""
     longer = np.clip(np.rint(12.0 * least / np.maximum(size, 1e-9)) / 8.0, 2.0, GROWTH)
     return np.where(size < least, longer, np.where(size > LARGEST, 0.2, 1.0))
 

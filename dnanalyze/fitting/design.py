@@ -1,4 +1,4 @@
-"""What of a capture set the fit looks at, and what it leaves to judge the fit by."""
+"""Operating points, frames and halves of the field that a fit uses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ALIGNED = 4  # pixels by which a part may be moved: whole blocks of a colour fil
 
 @dataclass(frozen=True)
 class Design:
-    """Settings and frames that enter, and the two halves of the field.
+    """Operating points and frames of a fit, and the two halves of the field.
 
     The fit sees ``train``, the upper half; the error is measured on ``test``, the lower half. So
     either half has every column: what is peculiar to some of them (a level that settles, readout

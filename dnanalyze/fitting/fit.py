@@ -66,7 +66,7 @@ VAGUE = 1.0  # standard error on a log scale from which a parameter is called un
 
 @dataclass(frozen=True)
 class Parameter(Estimated):
-    """A number with its standard error, in plain units: fitted, or as a statistic tells it.
+    """A fitted or directly measured parameter with its standard error, in plain units.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def _check(frozen: Sequence[str], model: NoiseModel) -> None:
 
 
 def paper_start(problem: FitProblem, exclude: Sequence[str] = ()) -> NoiseModel:
-    """The paper's model by moments of the train half, at the pedestal that suits it best.
+    """The Wang 2025 model by the method of moments, at the pedestal that fits best.
 
     Rounded to codes where the captures are, unless ``exclude`` has the quantization: the paper says
     nothing of the converter, and a model of continuous values has no pixel that never changes.
@@ -276,7 +276,7 @@ def paper_start(problem: FitProblem, exclude: Sequence[str] = ()) -> NoiseModel:
 
 
 def as_captured(problem: FitProblem, model: NoiseModel) -> NoiseModel:
-    """A model with the captures' converter, where their values are whole codes."""
+    """A model with quantization, where the measured values are whole codes."""
     seen = Readings(problem.measured[0])
     if not (seen.value("lattice") > WHOLE).all():
         return model
@@ -285,7 +285,7 @@ def as_captured(problem: FitProblem, model: NoiseModel) -> NoiseModel:
 
 
 def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseModel:
-    """The model of what every sensor has by moments of the train half.
+    """The baseline model by the method of moments.
 
     ``beside``: an effect whose share of them, where it tells one, is not the sensor's.
     """
@@ -299,14 +299,14 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
 
 
 def at_a_glance(problem: FitProblem) -> Moments:
-    """Moments of the train half."""
+    """Moments of the fitted half."""
     # of points that are not simulated, no row is fitted
     black = problem.direct.black_at([point for point, _ in problem.plan.settings])
     return moments(Readings(problem.measured[0]), problem.plan.captures.sensor.black_level, black)
 
 
 def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPLICATES) -> Fit:
-    """Correct the estimate for the chance of its simulated sensor; errors from the scatter.
+    """Correct the estimate for the sampling error of the simulation; standard errors by bootstrap.
 
     A simulated sensor scatters as much as the measured one, and so do its derivatives. How far the
     one of the fit lies from the mean of itself and ``replicates`` others is taken off, and the
@@ -375,7 +375,7 @@ def _redrawn(problem: FitProblem, state: State, replicates: int) -> tuple[np.nda
 
 
 def _at_root(fair: FitProblem, state: State, gain: np.ndarray, spread: np.ndarray) -> State:
-    """Newton's steps by a gain that is kept, until they are small beside the errors.
+    """Newton steps with constant gain, until they are small relative to the standard errors.
 
     They end where the loss rises by more than the sampling error of one sensor's derivatives,
     about 1 per parameter.
@@ -434,7 +434,7 @@ def _described(
 
 
 def _sessions_told(problem: FitProblem, model: NoiseModel) -> list[str]:
-    """Where the black level was fitted by itself."""
+    """Operating points with a black level of their own, in a sentence."""
     own = problem.direct.sessions
     if own is None or not isinstance(model.pedestal, TableLaw):
         return []
@@ -448,7 +448,7 @@ def _sessions_told(problem: FitProblem, model: NoiseModel) -> list[str]:
 
 
 def _read_off(problem: FitProblem, model: NoiseModel) -> list[Parameter]:
-    """Numbers that no fit moves, with the errors of the statistics that tell them."""
+    """Parameters that are measured and not fitted, with the errors of their statistics."""
     found = []
     for name, number in measured_parameters(problem, model).items():
         effect, _, parameter = name.partition(".")
@@ -461,7 +461,7 @@ def _read_off(problem: FitProblem, model: NoiseModel) -> list[Parameter]:
 
 
 def standard_errors(problem: FitProblem, state: State, simulate: bool = True) -> Parameters:
-    """The fitted numbers of a model as it stands, with their standard errors.
+    """Fitted parameters of a model with their standard errors.
 
     The estimate was made with one simulated sensor, which scatters as much as the measured one: the
     variance is twice that of one sensor, where `fit`, which averages over 1 + n simulated sensors,
@@ -496,7 +496,7 @@ def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
 
 
 def _of_dark_current(model: NoiseModel, parameter: FreeParameter) -> bool:
-    """Whether it is the energy of a dark current: not of what need not be one, such as a glow."""
+    """Whether it is the activation energy of a dark current; that of a glow is not."""
     effect = model.get(parameter.effect) if parameter.energy and parameter.part != "ea_ev" else None
     usual = getattr(type(effect), parameter.parameter, None)
     return effect is not None and isinstance(usual, float) and not unusual(usual, 0.0)

@@ -1,4 +1,4 @@
-"""The free numbers of a model as one vector."""
+"""Free parameters of a model as one vector."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PEDESTAL = "pedestal"
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """One free number.
+    """One free parameter.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class FreeParameter:
 
 
 def free_parameters(model: NoiseModel, frozen: Sequence[str] = ()) -> list[FreeParameter]:
-    """Every number that a fit may move, in the order of the model.
+    """Free parameters of a model, in its order.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def _of_law(
 
 
 def positions(model: NoiseModel, free: Sequence[FreeParameter]) -> np.ndarray:
-    """Where the free parameters of a model stand."""
+    """Positions of the free parameters of a model."""
     return np.array([k.position(_read(_law(model, k), k.part)) for k in free])
 
 

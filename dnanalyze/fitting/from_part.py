@@ -67,7 +67,7 @@ def converge(
     settled: float = SETTLED,
     last: bool = True,
 ) -> State:
-    """Minimise, take all derivatives anew and go on, until that no longer helps.
+    """Minimise with new derivatives in each round, until a round gains too little.
 
     Broyden's derivatives are good enough to get near; the last steps want true ones. In a valley,
     such as that of black level, dark signal and read noise, they seem to promise nothing more while

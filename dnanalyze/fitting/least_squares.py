@@ -37,7 +37,7 @@ def minimise(
     on_state: Callable[[State], None] = lambda _: None,
     below: float = math.inf,
 ) -> State:
-    """Move the free parameters until the loss no longer falls.
+    """Minimise the loss over the free parameters.
 
     Parameters
     ----------
@@ -123,13 +123,13 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
 
 
 def within_reach(state: State, wanted: float) -> bool:
-    """Whether the derivatives that are known promise that steps from here may reach a loss."""
+    """Whether a loss is within reach of a step, by the known derivatives."""
     _, expected = _step(replace(state, jacobian=np.nan_to_num(state.jacobian)), DAMPING)
     return state.loss - HOPE * expected <= wanted
 
 
 def tied(state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and numbers of the ties, rows step + numbers their misfits after a step."""
+    """Derivatives and misfits of the ties: derivatives · step + misfits after a step."""
     rows = np.zeros((len(state.ties), len(state.free)))
     for n, tie in enumerate(state.ties):
         rows[n, tie.at] = 1.0 / tie.error
@@ -137,7 +137,7 @@ def tied(state: State) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _pressing(state: State, wanted: dict[int, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Weighted rows and numbers, rows step + numbers = 0, that take numbers to what is wanted."""
+    """Weighted equations, rows · step + numbers = 0, that move levels within their bounds."""
     at = list(wanted)
     weight = [math.sqrt(STIFF) / abs(x) for x in wanted.values()]
     rows = np.reshape(weight, (-1, 1)) * state.jacobian[at]

@@ -1,4 +1,4 @@
-"""The dark level: how far a model may be off in its mean and median, and how far it is."""
+"""The dark level: tolerance and deviation of the mean and median of a model."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ BEYOND = 2.0
 
 @dataclass(frozen=True)
 class Level:
-    """The dark level of a model against the measured one, where it is farthest off.
+    """Largest deviation of the dark level of a model from the measured one.
 
     Over both halves of the field, as it is stated for a sensor.
 
@@ -64,7 +64,7 @@ class Level:
 
 @dataclass(frozen=True)
 class DarkSignals:
-    """What the levels of a target stand for, one a number of it; NaN for a number of another kind.
+    """Dark signal and noise of each level of a target; NaN for other statistics.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class DarkSignals:
 
     @property
     def tolerance(self) -> np.ndarray:
-        """How far a level may be off whatever its error, DN."""
+        """Tolerated deviation of a level regardless of its error, DN."""
         return np.asarray(np.maximum(SHARE * self.signal, NOISE * self.noise))
 
 
@@ -105,7 +105,7 @@ def dark_signals(statistics: Statistics, target: Target, black: Law | None = Non
 def allowed(
     target: Target, signals: DarkSignals, points: Sequence[OperatingPoint], black: Law | None = None
 ) -> np.ndarray:
-    """How far each number may be off while a model is fitted whatever its error, DN.
+    """Deviation of each level that a fit tolerates regardless of its error, DN.
 
     Infinite for all but the median: hot pixels carry a mean. ``points``: those of the settings.
     """
@@ -127,7 +127,7 @@ def level(
     differences: Sequence[np.ndarray],
     signals: DarkSignals,
 ) -> Level | None:
-    """Hold the level of a model against the measured one; None where no level is measured.
+    """Compare the level of a model with the measured one; None where no level is measured.
 
     Parameters
     ----------

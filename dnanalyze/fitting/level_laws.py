@@ -1,4 +1,4 @@
-"""How far the levels of the captures are from black level and dark signal by their laws."""
+"""Deviation of the levels of the captures from black level plus activated dark signal."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def beyond_laws(
     tolerance: np.ndarray,
     black: Law | None = None,
 ) -> np.ndarray:
-    """Part of each level that no baseline model explains: that of the best fit of its laws.
+    """Residual of each level after the best fit of black level plus activated dark signal.
 
     Level = black + exp(mu) t, with mu a line in 1/T between rows as far apart as a model's, for
     every gain and channel of its own. Sessions of different black levels, a signal that is not
@@ -97,7 +97,7 @@ def _split(
     tolerance: np.ndarray,
     black: Law | None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Black level by its law, NaN where it is not told, and what is beyond all laws."""
+    """Black level by its law, NaN where it is not determined, and the residual levels."""
     base, rest = np.full(len(points), np.nan), np.zeros(len(points))
     for kind in dict.fromkeys((p.gain, p.channel) for p in points):
         own = [i for i, p in enumerate(points) if (p.gain, p.channel) == kind]

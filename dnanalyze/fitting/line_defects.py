@@ -18,7 +18,7 @@ def line_defects(
     axis: str,
     frame: tuple[int, int],
 ) -> np.ndarray:
-    """The lines of a profile that stand out, each as far along as most settings say.
+    """Lines of a profile that deviate, each over the length that most settings show.
 
     Parameters
     ----------

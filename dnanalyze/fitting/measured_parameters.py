@@ -1,4 +1,4 @@
-"""What statistics of the captures tell exactly, and the model with it."""
+"""Parameters that statistics of the captures determine directly."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Measured:
 
 
 def measured_parameters(problem: FitProblem, model: NoiseModel) -> dict[str, MeasuredParameter]:
-    """Numbers of a model that the statistics tell exactly, by ``effect.parameter``."""
+    """Parameters that the statistics determine directly, by ``effect.parameter``."""
     measured = Measured(problem, model.reference)
     return {
         f"{effect.name}.{name}": number
@@ -56,7 +56,7 @@ def measured_parameters(problem: FitProblem, model: NoiseModel) -> dict[str, Mea
 def at_measured_parameters(
     problem: FitProblem, model: NoiseModel, frozen: Collection[str] = ()
 ) -> NoiseModel:
-    """The model with what the statistics tell exactly at its measured value.
+    """The model with directly determined parameters at their measured values.
 
     ``frozen``: names to hold, as ``effect.parameter``.
     """

@@ -1,4 +1,4 @@
-"""What the series says at a glance: level, signal, variances, the black level over temperature."""
+"""Moments of the series: level, signal, variances, black level over temperature."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one tempe
 
 @dataclass(frozen=True)
 class Moments:
-    """Mean and variances over the operating points, DN and DN^2, and what they say at a glance.
+    """Mean and variances over the operating points, DN and DN^2, and estimates from them.
 
     ``signal`` is the mean dark signal above the pedestal; ``temporal`` and ``pattern`` are
     variances; a point with one frame cannot tell them apart: it is given the temporal variance of
@@ -57,7 +57,7 @@ class Moments:
 
 
 def moments(readings: Readings, black_level: float | None, black: Law | None = None) -> Moments:
-    """Read the moments off the statistics.
+    """Moments of the statistics of a capture set.
 
     ``black``: the black level over temperature, where all operating points show that it moves.
     """
@@ -82,7 +82,7 @@ def moments(readings: Readings, black_level: float | None, black: Law | None = N
 
 
 def less(m: Moments, effect: Effect) -> Moments:
-    """The moments of a sensor without an effect, where it tells its share of them.
+    """The moments less the contribution of an effect, where that is known.
 
     Shot noise is of all charge: the temporal variance that the effect's charge makes goes with it,
     in proportion to the signal, or what is left would seem to have a larger gain.

@@ -1,4 +1,4 @@
-"""Where in a large field a model is fitted: where the field has most structure.
+"""Window of a large field in which a model is fitted: that with most structure.
 
 A window in the middle of a large sensor sees no glow of a corner, no stripe along a border and no
 defect column elsewhere, and what no window sees no model can name. The field is surveyed first,
@@ -122,7 +122,7 @@ def _roughness(blocks: np.ndarray) -> float:
 
 
 def _excess(off: np.ndarray, deviation: float, count: int) -> float:
-    """Sum of squares, in standard deviations, of those that chance does not explain."""
+    """Sum of the significant squares, in standard deviations."""
     if deviation <= 0.0:
         return 0.0
     z = np.abs(off) / deviation

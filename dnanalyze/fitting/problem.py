@@ -1,4 +1,4 @@
-"""From a model to the numbers that it would have been measured at."""
+"""The fit problem: measured statistics, and the statistics that a model predicts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PREDICTIONS_BYTES = 16 << 20  # some hundred simulations, 10 kB each at 10 opera
 
 @dataclass(frozen=True)
 class FitProblem:
-    """Measured captures on one side, simulated ones of the same layout on the other.
+    """Measured statistics, and the simulation of captures of the same layout.
 
     Parameters
     ----------
@@ -143,23 +143,23 @@ class FitProblem:
         return [found[m] for m in models]
 
     def _key(self, model: NoiseModel) -> Hashable:
-        """By which a prediction of the fitted half is kept."""
+        """Key under which a prediction of the fitted half is cached."""
         return (model, self.even, self.plan.windows, *self.plan.settings)
 
     def fitted_coordinates(self, model: NoiseModel) -> np.ndarray:
-        """Predicted coordinates of train alone: all that a step of a fit goes by."""
+        """Predicted coordinates of the fitted half."""
         return self.several([model])[0]
 
     def fitted_z(self, model: NoiseModel) -> np.ndarray:
-        """Differences in floors, of train alone."""
+        """Misfits z of the fitted half."""
         return self.train.z(self.fitted_coordinates(model))
 
     def judged_z(self, model: NoiseModel) -> np.ndarray:
-        """Differences in floors, of test alone."""
+        """Misfits z of the held-out half."""
         return self.test.z(prediction(self.statistics(model, half=1), 1, self.test))
 
     def level(self, train: np.ndarray, test: np.ndarray) -> Level | None:
-        """The mean dark level of a model by its differences in floors on train and test."""
+        """The dark level of a model, from its misfits z on both halves."""
         points = [point for point, _ in self.plan.settings]
         signals = dark_signals(self.measured[0], self.train, self.direct.black)
         return level(points, (self.train, self.test), (train, test), signals)

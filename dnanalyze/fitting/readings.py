@@ -18,7 +18,7 @@ CHANCE = 0.1  # c/px; the frequency of a peak that chance made is told no better
 
 @dataclass(frozen=True)
 class Readings:
-    """Values by name, one a setting; the colour planes of a setting are averaged.
+    """Values by name, one per setting; the colour planes of a setting are averaged.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Readings:
         return np.asarray(grid.mean(axis=0 if axis == "columns" else 1).T.ravel())
 
     def waves(self, part: str, setting: int) -> list[Wave]:
-        """Lines of the "temporal" or "pattern" spectrum that more than chance made, DN as recorded.
+        """Significant lines of the "temporal" or "pattern" spectrum, DN as recorded.
 
         A colour of a mosaic sees every second pixel: of the frequencies in the frame that look
         alike to it, the lowest.
@@ -91,7 +91,7 @@ class Readings:
         ]
 
     def defects(self, axis: str, setting: int) -> np.ndarray:
-        """The "columns" or "rows" of one point that stand out, (n, 4), as `line_defects` has them.
+        """The "columns" or "rows" of one point that deviate, (n, 4), as `line_defects` has them.
 
         Places are in the part of the frame that the statistics cover, also those of a mosaic.
         """

@@ -1,4 +1,4 @@
-"""What a model leaves unexplained, as an effect sees it when it guesses its own strength."""
+"""Residual of a model, from which effects estimate their initial values."""
 
 from __future__ import annotations
 
@@ -62,18 +62,18 @@ class Residual:
         return Readings(self.problem.measured[0]), Readings(self.problem.measured[1])
 
     def measured(self, name: str) -> np.ndarray:
-        """Measured value, one a setting; values that are given for information alone too."""
+        """Measured value, one per setting; values that are given for information alone too."""
         held = self._over_settings(name, self.problem.train.values)
         return held if np.isfinite(held).any() else self._readings[0].value(name)
 
     def simulated(self, name: str) -> np.ndarray:
-        """The model's value, one a setting."""
+        """Model value, one per setting."""
         found = self._over_settings(name, self.problem.train.predicted(self.state.train))
         info = infos().get(name)
         return found if info is None else np.array([info.scale.plain(c) for c in found])
 
     def z(self, name: str) -> np.ndarray:
-        """Difference in floors, one a setting."""
+        """Misfit z, one per setting."""
         return self._over_settings(name, self.state.train)
 
     def curve(self, name: str, setting: int) -> np.ndarray:
@@ -95,7 +95,7 @@ class Residual:
         return np.concatenate(places), np.concatenate(parts)
 
     def defects(self, axis: str) -> np.ndarray:
-        """Lines that stand out, each as far along as most settings say."""
+        """Lines that deviate, each over the length that most settings show."""
         plan = self.problem.plan
         seen = [
             defects_of(self._readings, plan.windows, plan.shape, axis, s)

@@ -1,4 +1,4 @@
-"""Amplitudes that a fit has lost: restarted where they show.
+"""Restart of amplitudes that a fit reduced until the statistics do not depend on them.
 
 The derivative with respect to the logarithm of an amplitude goes as the amplitude itself. A fit
 that once makes it small therefore stays there. Such an amplitude is raised until the statistics
@@ -29,7 +29,7 @@ WORTH = 6.25
 
 
 def restarted(problem: FitProblem, state: State, iterations: int) -> State:
-    """The state, or a better one with amplitudes that had been lost.
+    """The state, or a better one with such amplitudes restarted.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def restarted(problem: FitProblem, state: State, iterations: int) -> State:
 
 
 def _lost(problem: FitProblem, state: State) -> list[int]:
-    """Knobs that move an amplitude by its logarithm, without which the statistics are the same."""
+    """Logarithmic amplitudes on which the statistics do not depend."""
     here = positions(state.model, state.free)
     may = [i for i, k in enumerate(state.free) if _may_be_lost(problem, k, here[i])]
     placed: dict[Placing, list[list[int]]] = {}
@@ -95,7 +95,7 @@ def _may_be_lost(problem: FitProblem, parameter: FreeParameter, position: float)
 
 
 def _groups(state: State, members: Sequence[int]) -> list[list[int]]:
-    """Knobs that one simulation can move together: rows of a table move other settings."""
+    """Parameters that one simulation can vary together: rows of a table act on other settings."""
     groups: dict[str, list[int]] = {}
     for i in members:
         groups.setdefault(state.free[i].group, []).append(i)

@@ -106,8 +106,9 @@ def shading_values(
 
 
 def _shift_error(blocks: np.ndarray, count: int) -> float:
-    """Of a mean of so many blocks, by how far neighbours differ, along the axis where they do less:
-    a half of another level is no scatter.
+    """Standard error of a mean of so many blocks, from differences of neighbours.
+
+    Along the axis where these are smaller, so that a half of another level is no scatter.
     """
     apart = min(float(np.mean(np.diff(blocks, axis=axis) ** 2)) for axis in (0, 1))
     return math.sqrt(apart / 2.0 / count)

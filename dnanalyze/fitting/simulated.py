@@ -22,13 +22,13 @@ Part = tuple[int, int]  # a setting, and a half of the field
 
 
 def room(shares: int = 1) -> Memo:
-    """Where fields, and frames as they are before readout, are kept by one of several processes."""
+    """Cache of one of several processes for fields and for frames before readout."""
     return Memo(FIELD_BYTES // shares, charge=Memo(CHARGE_BYTES // shares))
 
 
 @dataclass(frozen=True)
 class Job:
-    """What to simulate, and what of it is asked for.
+    """A simulation, and the statistics that are wanted of it.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ class Job:
     even: bool = False
 
     def parts(self) -> list[Part]:
-        """Settings and halves, the dearest first, halves in turn."""
+        """Settings and halves, the most expensive first, halves in turn."""
         every = [(s, h) for s in range(len(self.settings)) for h in range(len(self.windows))]
         made = [part for part in every if self._wanted(part) or not self.even]
         return sorted(made, key=lambda part: (-self.cost(part), part[0], sum(part) % 2))
 
     def cost(self, part: Part) -> int:
-        """Of one part, in about the same unit for all."""
+        """Relative cost of a part."""
         return self.settings[part[0]][1] * (WANTED if self._wanted(part) else SHADING)
 
     def _wanted(self, part: Part) -> bool:
@@ -72,7 +72,7 @@ class Job:
     def statistics(
         self, parts: Iterable[Part], memo: Memo, threads: int = 1
     ) -> list[list[SettingStatistics]]:
-        """Of each part, the statistics of its planes."""
+        """Statistics of the colour planes of each part."""
         made = simulate(
             self.model.in_codes, self.sensor.shape, self.settings, "simulation", self.sensor, memo
         )
@@ -112,7 +112,7 @@ class Job:
 
 
 def mirrored(seen: SettingStatistics) -> SettingStatistics:
-    """What stands for the shading of the half below one that is not simulated: its mirror image.
+    """The mirror image of a half, in place of the shading of the half that is not simulated.
 
     Of a checkerboard of blocks the image has the colour that is left over of the half itself, so
     that of either colour all blocks of the field are other draws.
@@ -122,7 +122,7 @@ def mirrored(seen: SettingStatistics) -> SettingStatistics:
 
 
 def shared(jobs: Sequence[Job], shares: int) -> list[list[list[Part]]]:
-    """Of each of several shares the parts of every job; all have as much to do."""
+    """The parts of every job divided into shares of equal cost."""
     taken: list[list[list[Part]]] = [[[] for _ in jobs] for _ in range(shares)]
     load = [0] * shares
     for number, job in enumerate(jobs):

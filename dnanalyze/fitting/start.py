@@ -1,4 +1,4 @@
-"""Closed-form first guesses: the plain Gaussian, the paper's model, and the ordinary sensor."""
+"""Initial models by the method of moments: white Gaussian, Wang 2025, baseline."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
 
 
 def gaussian_model(m: Moments) -> NoiseModel:
-    """White Gaussian noise of the measured mean and spread, new in every frame."""
+    """White Gaussian noise of the measured mean and standard deviation, new in every frame."""
     read = built_in()["read_noise"]
     noise = read(sigma=_table(m.points, np.sqrt(m.total)))  # type: ignore[call-arg]
     return NoiseModel((noise,), _table(m.points, m.pedestal + m.signal), m.reference)
 
 
 def paper_models(m: Moments) -> list[NoiseModel]:
-    """The paper's model by moments, every parameter a table over the operating points.
+    """The Wang 2025 model by moments, every parameter a table over the operating points.
 
     Several, for pedestals farther and farther below the signal: the farther, the nearer the seed is
     to a Gaussian. The series may not pin the pedestal, and then the shape has to.
@@ -68,7 +68,7 @@ def ordinary_model(
     serial: tuple[float, float] = (0.0, 0.0),
     gain: float | None = None,
 ) -> NoiseModel:
-    """The paper's seed with the four effects that every sensor has, by moments.
+    """The log-normal seed with the four baseline effects, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
     read noise are slope and intercept of temporal variance over signal, pixel offsets what remains

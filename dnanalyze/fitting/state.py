@@ -1,4 +1,4 @@
-"""A model beside the measurement: what it predicts, and how that moves with its free parameters."""
+"""State of a fit: a model, its misfits, and their derivatives."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STIFF = 1e4
 
 @dataclass(frozen=True)
 class State:
-    """A model with what it predicts and how that moves with its free parameters.
+    """A model with its misfits and their derivatives with respect to the free parameters.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class State:
 
     @property
     def test(self) -> np.ndarray:
-        """Differences in floors on the judged half."""
+        """Misfits z of the held-out half."""
         return self.unseen()
 
     @property
@@ -64,18 +64,18 @@ class State:
 
     @property
     def merit(self) -> float:
-        """What a fit lowers: the loss, with what bounds that are not kept and the ties add."""
+        """Objective of a fit: the loss, with the terms of bounds and ties."""
         off = misfits(self.ties, positions(self.model, self.free)) if self.ties else np.zeros(1)
         return merit(self.train, self.bounds) + float(off @ off)
 
 
 def unseen(problem: FitProblem, model: NoiseModel) -> Callable[[], np.ndarray]:
-    """What a state needs to tell of the judged half."""
+    """Function that computes the misfits of the held-out half when first asked."""
     return cache(partial(problem.judged_z, model))
 
 
 def given(z: np.ndarray) -> Callable[[], np.ndarray]:
-    """The same of differences that are known."""
+    """The same for known misfits."""
     return lambda: z
 
 
@@ -95,7 +95,7 @@ def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
 
 
 def stiff(z: np.ndarray, bounds: np.ndarray | None) -> float:
-    """What the numbers beyond their bounds add to the merit."""
+    """Contribution of numbers beyond their bounds to the merit."""
     return STIFF * float(np.sum(beyond(z, bounds) ** 2))
 
 
@@ -148,5 +148,5 @@ def carried(state: State, there: FitProblem, here: FitProblem) -> State:
 
 
 def weights(z: np.ndarray) -> np.ndarray:
-    """Square roots of the weights that design least squares the pseudo-Huber loss."""
+    """Square roots of the weights with which least squares equal the pseudo-Huber loss."""
     return (1 + (z / SCALE) ** 2) ** -0.25

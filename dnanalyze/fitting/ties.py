@@ -1,4 +1,4 @@
-"""What the frames tell of a parameter directly: normal constraints of a fit.
+"""Direct measurements of parameters as normal constraints of a fit.
 
 A photon transfer, a gain recorded by the camera or given by the user, and the black level that bias
 frames show say more of a parameter than the statistics of single operating points, and say it of
@@ -35,7 +35,7 @@ AFTER = ("denoise", "temporal_denoise", "electron_multiplication")
 
 @dataclass(frozen=True)
 class Known:
-    """A quantity of the sensor, as the frames or their files tell it.
+    """A quantity of the sensor, measured directly or recorded in the files.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class SessionLevels:
 
 @dataclass(frozen=True)
 class Direct:
-    """Direct measurements that bind a fit.
+    """Direct measurements that constrain a fit.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Direct:
         return [known for at, known in self.gains if at in (None, setting)]
 
     def gains_of(self, model: NoiseModel) -> list[Known]:
-        """Those that a model's gain stands for; none where a filter follows the shot noise."""
+        """System gains that constrain a model; none where a filter follows the shot noise."""
         if any(model.get(name) is not None for name in AFTER):
             return []
         return self.gains_at(model.reference.gain)
@@ -228,5 +228,5 @@ class Tie:
 
 
 def misfits(ties: Sequence[Tie], here: np.ndarray) -> np.ndarray:
-    """How far parameters lie off their constraints, in standard deviations."""
+    """Deviations of parameters from their constraints, in standard deviations."""
     return np.array([(here[t.at] - t.position) / t.error for t in ties])

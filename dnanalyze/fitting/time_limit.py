@@ -1,4 +1,4 @@
-"""How long a search may go on."""
+"""Time limit of a search."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ BATCH = 2
 
 
 class TimeUp(Exception):
-    """The time is up; what was found before stands."""
+    """The time limit is reached; earlier results are valid."""
 
 
 @dataclass(frozen=True)
 class TimeLimit:
-    """An end of time, looked at before the simulations of a fit.
+    """A time limit, checked before the simulations of a fit.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class TimeLimit:
 
     @classmethod
     def after(cls, seconds: float | None) -> TimeLimit:
-        """From now on; None: no end.
+        """So many seconds from now; None: no limit.
 
         Raises
         ------

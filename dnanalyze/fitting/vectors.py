@@ -1,4 +1,4 @@
-"""Statistics as vectors: what is compared, on which scale, and with which reproducibility SD."""
+"""Statistics as vectors, each on its scale and with its reproducibility standard deviation."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Target:
-    """The measured numbers that a model is held against.
+    """Measured statistics with which a model is compared.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Target:
 
     @cached_property
     def reproducibility_sd(self) -> np.ndarray:
-        """What two sensors of one design would differ by, on the statistic's own scale."""
+        """Standard deviation of the difference of two sensors of one design, on its scale."""
         return self.stated if self.scale is None else self.stated * self.scale
 
     def scaled(self, scale: np.ndarray) -> Target:
@@ -104,7 +104,7 @@ class Target:
         )
 
     def bounds(self, overdispersion: float = 1.0) -> np.ndarray | None:
-        """How far each number may be off in a fit, in reproducibility SDs; inf: left to the loss.
+        """Tolerance of each number in a fit, in reproducibility SDs; inf: none, the loss decides.
 
         ``overdispersion``: loss a statistic. What is wrong with a model pulls at its levels by as
         much more; the share of the bounds that is due to errors is divided by its root.
@@ -172,7 +172,7 @@ class Target:
 
 
 def target(statistics: list[Statistics], part: int) -> Target:
-    """Measured numbers of one half.
+    """Measured statistics of one half.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ def _numbers(
 
 
 def _shared_error(halves: list[SettingStatistics], name: str, own: float) -> float:
-    """Of the halves together: one half's own may be small by luck, where codes are few, say."""
+    """Standard error from both halves: that of one may be small by chance, as with few codes."""
     return max(own, _together([h.values[name].se for h in halves if name in h.values]))
 
 

@@ -1,4 +1,4 @@
-"""A model held against the whole of a large field, of which it was fitted to a window.
+"""Comparison of a model, fitted to a window, with the whole of a large field.
 
 Means of blocks, rows and columns of measured and simulated mean frames are compared all over the
 field. The scatter of their differences within the window is the yardstick, since there the
@@ -27,7 +27,7 @@ CHANCE = 0.01  # that a right model is told to be off anywhere at any operating 
 
 @dataclass(frozen=True)
 class Departure:
-    """Where a model departs from the frames outside of the window that it was fitted to.
+    """A deviation of a model from the frames outside the window to which it was fitted.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Departure:
 
 @dataclass(frozen=True)
 class Coverage:
-    """What of the captures a verdict on a model rests on.
+    """Part of the captures on which a verdict is based.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Coverage:
 
 
 def coverage(plan: Design, model: NoiseModel | None = None) -> Coverage:
-    """What a design looks at; with a model, where that departs from the rest of the field."""
+    """Coverage of a design; with a model, its deviation from the rest of the field."""
     chosen, every = plan.captures.settings, plan.everything.settings
     return Coverage(
         len(chosen),
@@ -114,7 +114,7 @@ def coverage(plan: Design, model: NoiseModel | None = None) -> Coverage:
 
 
 def departures(plan: Design, model: NoiseModel) -> list[Departure]:
-    """What of the whole field the model does not have; nothing where its window is all of it.
+    """Deviations of the whole field from the model; none where the window is the whole field.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The yardstick of a comparison: what another sensor of the same design would differ by.
+"""Reproducibility standard deviations of a design, from replicates of the model.
 
 The standard error of a statistic comes from the measured frames (see
 `dnanalyze.analyzers.estimators.uncertainty`). What a model places, such as a glow, makes no scatter
@@ -34,14 +34,14 @@ LOWEST = 0.05  # of the stated error: less is none, of values that all replicate
 
 
 def by_design(problem: FitProblem, model: NoiseModel) -> FitProblem:
-    """The captures by the yardstick of a model: what two sensors of its design differ by."""
+    """The fit problem with the reproducibility standard deviations of a model."""
     drawn = [problem.replicate(model, r) for r in range(REPLICATES)]
     train, test = (np.array(half) for half in zip(*drawn, strict=True))
     return problem.scaled(*scales((problem.train, problem.test), (train, test)))
 
 
 def measured_by(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
-    """The captures, and a fitted model's misfit, by the yardstick of that model.
+    """Fit problem and state with the reproducibility standard deviations of the model.
 
     ``state`` is by the yardstick of ``problem``.
     """
@@ -134,7 +134,7 @@ def _ratio(half: Target, drawn: np.ndarray) -> np.ndarray:
 
 
 def expressed(state: State, there: FitProblem, here: FitProblem) -> State:
-    """A state of one yardstick in another of the same statistics."""
+    """A state expressed in the reproducibility standard deviations of another problem."""
     train = there.train.expressed(state.train, here.train)
     return replace(
         state,
