@@ -2,7 +2,7 @@
 
 import unicodedata
 
-MOST = 800  # characters of a message; the longest list of valid names takes 600
+MAX_CHARACTERS = 800  # characters of a message; the longest list of valid names takes 600
 # Characters that move a terminal's cursor, turn the direction of text, or are none (what is left
 # of a file name that is no UTF-8).
 _HIDDEN = {"Cc", "Cs", "Cf"}
@@ -29,6 +29,6 @@ class InputError(ValueError):
 
     def __init__(self, message: object = "") -> None:
         text = printable(" ".join(str(message).split()))
-        if len(text) > MOST:
-            text = f"{text[: MOST // 2]} ... {text[-MOST // 3 :]}"
+        if len(text) > MAX_CHARACTERS:
+            text = f"{text[: MAX_CHARACTERS // 2]} ... {text[-MAX_CHARACTERS // 3 :]}"
         super().__init__(text)

@@ -24,10 +24,10 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor
 from dnanalyze.processors import cpu_count
 from dnanalyze.progress import Progress
 
-SMALL = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
+UNTHREADED_PIXELS = 1 << 18  # pixels up to which handing frames to threads costs more than it gives
 NAMES = tuple(family.INFOS[0].family for family in FAMILIES)
 SUBSETS = {spectrum.PATTERN_ALONE: "spectrum"}  # of a family, with less work
-LEAST = 8  # rows and columns of the smallest plane that can be analysed
+LEAST_SIDE = 8  # rows and columns of the smallest plane that can be analysed
 
 
 def analyze(
@@ -212,7 +212,7 @@ def _by_window(
 
 def _pool(workers: int | None, outer: Window, stack: ExitStack) -> ThreadPoolExecutor | None:
     rows, columns = outer.shape
-    if workers == 1 or rows * columns <= SMALL:
+    if workers == 1 or rows * columns <= UNTHREADED_PIXELS:
         return None
     return stack.enter_context(ThreadPoolExecutor(workers or cpu_count()))
 
@@ -227,13 +227,13 @@ def _placed(window: Window | None, sensor: Sensor) -> Window:
             f"window {window.top}:{window.bottom}, {window.left}:{window.right}: it must lie "
             f"within rows 0:{sensor.shape[0]} and columns 0:{sensor.shape[1]}"
         )
-    least = LEAST
+    least = LEAST_SIDE
     if sensor.cfa is not None:
         window = Window(
             window.top + window.top % 2, window.bottom - window.bottom % 2,
             window.left + window.left % 2, window.right - window.right % 2,
         )  # fmt: skip
-        least = 2 * LEAST
+        least = 2 * LEAST_SIDE
     if min(window.shape) < least:
         rows, columns = window.shape
         raise InputError(
@@ -266,7 +266,9 @@ def _frames(setting: Setting, outer: Window) -> Iterator[np.ndarray]:
 
     reads = [reader(frame) for frame in setting.frames]
     rows, columns = outer.shape
-    yield from (read() for read in reads) if rows * columns <= SMALL else read_ahead(reads)
+    yield from (
+        (read() for read in reads) if rows * columns <= UNTHREADED_PIXELS else read_ahead(reads)
+    )
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
 
-REACH = 3.0  # measured spans of temperature, as far outside which a law is still read
-TELLING = 2.0  # standard errors of a difference, from which two sensors are told apart
+EXTRAPOLATION = 3.0  # measured spans of temperature, as far outside which a law is still read
+DISTINCT_ERRORS = 2.0  # standard errors of a difference, from which two sensors are told apart
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
         )
         return Figure(math.nan, math.nan, why)
     low, high = readings[0].temperature_c, readings[-1].temperature_c
-    if estimated.outside_c > REACH * (high - low):
+    if estimated.outside_c > EXTRAPOLATION * (high - low):
         why = f"measured from {low:g} to {high:g} C alone, too far away for its law"
         return Figure(math.nan, math.nan, why)
     note = "by its law"
@@ -323,7 +323,7 @@ def _doubt(sensor: SensorRecord, figure: Figure, figures: Sequence[Figure]) -> s
 
 def _told_apart(a: Figure, b: Figure) -> bool:
     """By more than two standard errors of the difference, on the scale of the figures."""
-    return abs(a.value - b.value) > TELLING * math.hypot(a.se, b.se)
+    return abs(a.value - b.value) > DISTINCT_ERRORS * math.hypot(a.se, b.se)
 
 
 def _notes(

@@ -18,7 +18,8 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
-APART = 7919  # between the seeds of simulated sensors: replicates of a fit are numbered from 1 on
+# Between the seeds of simulated sensors: replicates of a fit are numbered from 1 on
+SEED_STEP = 7919
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ class Judge:
 
     def simulated(self, number: int) -> CaptureSet:
         """A simulated sensor by its number; 0 is held against the measured one."""
-        model = replace(self.model, seed=self.model.seed + APART * (self.seed + number + 1))
+        model = replace(self.model, seed=self.model.seed + SEED_STEP * (self.seed + number + 1))
         return simulate(model.in_codes, self.sensor.shape, self.settings, sensor=self.sensor)
 
     def cells(self, setting: int, measured: np.ndarray) -> list[Judged]:

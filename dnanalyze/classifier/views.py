@@ -11,8 +11,8 @@ from dnanalyze.classifier.descriptors import Described, of_lines, of_pixels, of_
 from dnanalyze.classifier.pictures import CLIP
 from dnanalyze.classifier.places import FOLDS, Places
 
-MOST = 2048  # patches of a kind of picture and operating point, for the time that they take
-LEAST = 3  # frames of a mean, where there are as many
+MAX_PATCHES = 2048  # patches of a kind of picture and operating point, for the time that they take
+LEAST_FRAMES = 3  # frames of a mean, where there are as many
 LONG = 64  # pixels of a strip along; with a quarter of the side across it holds what a patch does
 
 Stack = np.ndarray  # (planes, frames, rows, columns) around 0
@@ -70,7 +70,7 @@ def _means(stack: Stack) -> dict[str, np.ndarray]:
     (the phase of an interference) differs between them.
     """
     count = stack.shape[1]
-    part = min(count, max(LEAST, count // 2))
+    part = min(count, max(LEAST_FRAMES, count // 2))
     total = np.mean([np.roll(stack, -n, axis=1) for n in range(part)], axis=0)
     kept = total if part < count else total[:, :1]
     return {"mean frame": kept.reshape(-1, *stack.shape[2:])}
@@ -140,7 +140,7 @@ class Cuts:
 
 
 def cuts(view: View, places: Places, pictures: int, rng: np.random.Generator) -> Cuts:
-    """Choose patches: those that do not overlap, then overlapping ones, up to `MOST` in all.
+    """Choose patches: those that do not overlap, then overlapping ones, up to `MAX_PATCHES` in all.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def cuts(view: View, places: Places, pictures: int, rng: np.random.Generator) ->
     steps = max(1, size[0] // 4), max(1, size[1] // 4)
     tidy = _corners(half, size, size, places, view)
     dense = _corners(half, steps, size, places, view)
-    share = MOST // len(FOLDS)
+    share = MAX_PATCHES // len(FOLDS)
     corners, regular = {}, {}
     for fold in FOLDS:
         own = _over_pictures(tidy, pictures, share, view.repeats)

@@ -8,7 +8,7 @@ from typing import Any
 
 from dnanalyze.loaders.captures import OperatingPoint
 
-MOST = 2  # descriptors that are named
+MAX_NAMED = 2  # descriptors that are named
 OF = " of the "  # between a descriptor and its picture
 
 
@@ -25,7 +25,7 @@ def sentence(result: Any) -> str:
             f"(AUC {spread}; control {_two(max(c.control for c in result.cells))})."
         )
     at = where([c.point for c in result.cells], best.point)
-    by = f" by the {named(result.telling[:MOST])}" if result.telling else ""
+    by = f" by the {named(result.telling[:MAX_NAMED])}" if result.telling else ""
     return (
         f"A classifier tells the simulated frames from the measured ones{at}{by} "
         f"(AUC {_two(best.auc)}; control {_two(best.control)})."

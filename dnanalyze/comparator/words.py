@@ -15,7 +15,7 @@ from dnanalyze.digits import minus, number, unit_text
 from dnanalyze.loaders.captures import OperatingPoint
 
 NOTICEABLE = 4.0  # sigma
-SHARE = 1e-6  # of another number, that the sums behind a statistic hardly resolve
+RESOLVED_SHARE = 1e-6  # of another number, that the sums behind a statistic hardly resolve
 FEWEST = 0.5  # a count below it is none
 
 
@@ -107,7 +107,7 @@ def side_by_side(info: StatisticInfo, measured: float, simulated: float, floor: 
     """Whether a statistic told by a ratio has none here: the model's number may be zero."""
     if "{ratio}" not in info.high + info.low:
         return False
-    if measured <= 0 or simulated <= SHARE * measured:
+    if measured <= 0 or simulated <= RESOLVED_SHARE * measured:
         return True
     if info.scale is Scale.LOG:  # its error is a share of it
         return False
@@ -116,7 +116,7 @@ def side_by_side(info: StatisticInfo, measured: float, simulated: float, floor: 
 
 def _or_none(info: StatisticInfo, value: float, other: float) -> str:
     """A number with its unit, or that there is none."""
-    if value <= max(SHARE * abs(other), FEWEST if info.scale is Scale.ROOT else 0.0):
+    if value <= max(RESOLVED_SHARE * abs(other), FEWEST if info.scale is Scale.ROOT else 0.0):
         return "none"
     return number(value) + unit_text(info.unit)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from dnanalyze.description.layers import Layers
 
-MOST = 64  # pixels, the largest block
+MAX_BLOCK = 64  # pixels, the largest block
 SCALES = (1, 2, 4, 8)  # pixels across the axis, of which means are taken
 SIGNIFICANT = 6.0  # standard errors of the correlation within blocks
 
@@ -64,7 +64,7 @@ def _period(lines: np.ndarray, first: int) -> tuple[float, tuple[int, int] | Non
     pixels. Half of the pixels are common to both, so that the difference of the two mean squares
     of m sums has by chance a variance of 2 / m, for pixels of variance 1.
     """
-    most = min(MOST, lines.shape[1] // 4)
+    most = min(MAX_BLOCK, lines.shape[1] // 4)
     products = [
         np.einsum("ij,ij->j", lines[:, lag:], lines[:, : lines.shape[1] - lag]) / len(lines)
         for lag in range(most)

@@ -14,11 +14,11 @@ from dnanalyze.description.variance_lines import groups
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.robust import robust_deviation
 
-CLEAR = 5.0  # standard errors by which a line stands out
+LINE_ERRORS = 5.0  # standard errors by which a line stands out
 # Variance within the two groups, above and below 0, over the whole: 0 of two levels without noise,
 # 1 - 2 / pi = .36 of a normal distribution; the middle.
 TWO_GROUPS = 0.18
-ALIKE = 0.25  # correlation along the rows over that along the columns: crosstalk has 1
+COLUMN_SHARE = 0.25  # correlation along the rows over that along the columns: crosstalk has 1
 ROUNDING = 1.0 / 12.0  # DN^2
 AT_ONCE = 0.05  # frames, the time constant of what draws anew in every frame
 
@@ -86,7 +86,7 @@ def changing_lines(seen: Layers) -> list[Estimate]:
         count = sum(len(m) - 1 for m in means)
         middle = float(np.median(score))
         error = max(math.sqrt(2.0 * count), robust_deviation(score, middle))
-        chosen = score > middle + CLEAR * error
+        chosen = score > middle + LINE_ERRORS * error
         share = float(chosen.mean())
         if not 0 < share < 0.5:
             continue
@@ -150,7 +150,7 @@ def row_before(seen: Layers) -> list[Estimate]:
         errors.append(math.sqrt(2.0 / count) * (1.0 + share**2) ** 2 / (1.0 - share**2))
         gain += max(r, 0.0) ** 2 * count / 2.0
         along += (side - two) * count / 2.0 * r
-    if along > ALIKE * gain or not _falls_on_the_next(seen):
+    if along > COLUMN_SHARE * gain or not _falls_on_the_next(seen):
         return []
     effect = CompositeEffect(what="gain", where="row_before")
     price = 3.0 * math.log(seen.taken[0].frames.size)

@@ -43,8 +43,8 @@ from dnanalyze.model.registry import BASE, BASELINE, known_effects
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
-MOST = 2  # layers whose best structure is put into the model and refitted
-STEPS = 8  # of such a refit
+MAX_LAYERS = 2  # layers whose best structure is put into the model and refitted
+REFIT_STEPS = 8  # of such a refit
 
 
 @dataclass(frozen=True)
@@ -301,11 +301,11 @@ def _judged(
     problem, state, limited = null.problem, null.state, null.problem.within(limit)
     tried: list[tuple[Estimate, Trial]] = []
     try:
-        for one in _best_of_layers(found)[:MOST]:
+        for one in _best_of_layers(found)[:MAX_LAYERS]:
             on_progress(f"refitting with {one.effect.where}")
             larger = state.model.with_effect(one.effect)
             begun = start(limited, larger, free_parameters(larger), like=state)
-            ended = minimise(limited, begun, STEPS)
+            ended = minimise(limited, begun, REFIT_STEPS)
             tried.append((one, judged(null, CompositeEffect.name, ended)))
     except TimeUp:
         finished = False

@@ -14,7 +14,7 @@ from dnanalyze.thermal import BOLTZMANN_EV, KELVIN, arrhenius, least_energy
 
 # Sizes of one structure at several points agree to this: cut hot pixels shift them by up to 1.5 %
 # (waves and diagonals in log-normal dark current, benchmarks/describe_new_sensors.py).
-ALIKE = 0.02
+LAW_SCATTER = 0.02
 # By which a further number must lower chi square: 1 % of those of one number are larger by chance
 # (the logarithm of four operating points, 1.39, would be exceeded by 24 %).
 SURE = 6.63
@@ -105,7 +105,7 @@ def with_law(
     values, errors = found.sizes.values, np.maximum(found.sizes.errors, 1e-12)
     power = 2.0 if found.sizes.squares else 1.0
     weight = 1.0 / errors**2
-    apart = 1.0 / (errors**2 + (power * ALIKE * values) ** 2)  # by which laws are told apart
+    apart = 1.0 / (errors**2 + (power * LAW_SCATTER * values) ** 2)  # by which laws are told apart
 
     def scaled_to(growth: np.ndarray) -> tuple[float, float, float]:
         shape = growth**power

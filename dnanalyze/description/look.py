@@ -12,7 +12,7 @@ from dnanalyze.description.layers import Layers, together
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.thermal import arrhenius
 
-MOST = 128  # pixels of the map, a side
+MAX_MAP_SIDE = 128  # pixels of the map, a side
 BINS = 48
 
 
@@ -92,7 +92,7 @@ def _small(map_: np.ndarray, where: str) -> np.ndarray:
     """Block means; of a structure of single pixels the corner as it is."""
     if where in ("block",):
         return map_[:32, :32]
-    step = max(1, math.ceil(max(map_.shape) / MOST))
+    step = max(1, math.ceil(max(map_.shape) / MAX_MAP_SIDE))
     rows, columns = (n // step for n in map_.shape)
     cut = map_[: rows * step, : columns * step].reshape(rows, step, columns, step)
     return np.asarray(cut.mean(axis=(1, 3)))

@@ -20,10 +20,10 @@ from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE
 
-STEPS = 4
+REFIT_STEPS = 4
 PROMISING = 2  # largest score tests: the effect that is missing, and what it is confounded with
 # By geometry and time: what the catalogue has that leaves power at the same place.
-NEAR = {
+NEAREST_BY_KIND = {
     ("wave", "fixed"): ("periodic_pattern", "cfa_mismatch", "column_taps"),
     ("rings", "fixed"): ("periodic_pattern", "flicker_fpn"),
     ("diagonal", "fixed"): ("flicker_fpn", "periodic_pattern"),
@@ -82,7 +82,7 @@ def nearest(
     alike = (
         NOISE
         if effect.what == "noise" and effect.where in ("wave", "rings")
-        else NEAR.get((effect.where, effect.when), ())
+        else NEAREST_BY_KIND.get((effect.where, effect.when), ())
     )
     open_to = candidates_of(state, dict(known), [BASE])
     guesses: dict[str, Guess] = {}
@@ -100,7 +100,7 @@ def nearest(
             continue
         larger = guesses[name].model
         begun = begun_at(problem, larger, free_parameters(larger), like=state)
-        rival = minimise(problem, begun, STEPS)
+        rival = minimise(problem, begun, REFIT_STEPS)
         why = evidence_against(problem, rival, ended, name, CompositeEffect.name)
         found.append(Nearest(name, error_of(problem, rival), why or "explains nearly as much"))
     return found

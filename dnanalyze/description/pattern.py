@@ -29,7 +29,7 @@ from dnanalyze.thermal import arrhenius, least_energy
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
 # Squared standard scores by which a law with one number more must be better: one pattern of a
 # constant size in a thousand is by chance (chi^2 of one number).
-CLEAR = 10.83
+CHI2_THOUSANDTH = 10.83
 # Of bands, law and weights: on four sensors of benchmarks/describe_new_sensors.py (halves, rings,
 # gain of blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by
 # 4 % at most, a fourth and further ones by nothing.
@@ -386,7 +386,7 @@ def _law(
         return float(np.sum(w * (y - level * growth) ** 2))
 
     best = least_energy(partial(misfit, "thermal"), ENERGIES)
-    if misfit("constant", 0.0) - misfit("thermal", best) > CLEAR:
+    if misfit("constant", 0.0) - misfit("thermal", best) > CHI2_THOUSANDTH:
         return "thermal", best
     return "constant", 0.0
 

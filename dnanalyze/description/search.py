@@ -15,7 +15,7 @@ from dnanalyze.description.waves import waves
 from dnanalyze.loaders.captures import OperatingPoint
 
 Kind = tuple[str, str, str]  # what, when and where
-LEAST = 12.0  # twice a gain in log likelihood of 6: odds of 400 to 1, of some hundred tries
+LEAST_GAIN = 12.0  # twice a gain in log likelihood of 6: odds of 400 to 1, of some hundred tries
 CHANCE = 2.0  # what a word finds in one simulated sensor, another may exceed: an exponential's tail
 
 
@@ -28,7 +28,7 @@ def searched(seen: Layers, chance: dict[Kind, float], reference: OperatingPoint)
     for e in _words(seen):
         lawful = with_law(e, seen.points, seen.dark, reference, seen.lost_gain)
         found.append(replace(lawful, chance=CHANCE * chance.get(e.kind, 0.0)))
-    return _best(sorted((e for e in found if e.worth > LEAST), key=lambda e: -e.worth))
+    return _best(sorted((e for e in found if e.worth > LEAST_GAIN), key=lambda e: -e.worth))
 
 
 def by_chance(simulated: Layers) -> dict[Kind, float]:

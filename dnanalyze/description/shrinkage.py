@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-LOWEST = 2  # log2 of the periods in the frame up to which modes share the lowest band
+LOWEST_OCTAVE = 2  # log2 of the periods in the frame up to which modes share the lowest band
 SMALLEST = 4  # modes of a band at the least: those of the lowest band along an axis
 # Standard errors by which a band's power must exceed chance: normal quantile of 1 - .001 / 36, so
 # that one sensor in a thousand without structure keeps any of 36 bands (12 octaves, three kinds).
-CLEAR = 4.03
+POWER_ERRORS = 4.03
 
 
 def bands(shape: tuple[int, int]) -> np.ndarray:
@@ -40,7 +40,7 @@ def bands(shape: tuple[int, int]) -> np.ndarray:
     f = np.hypot(u, v)
     periods = np.hypot(u * shape[1], v * shape[0])
     octave = np.ceil(np.log2(np.maximum(periods, 1.0)) - 1e-9).astype(int)
-    ring = np.maximum(octave - LOWEST, 0)
+    ring = np.maximum(octave - LOWEST_OCTAVE, 0)
     kind = np.where(v == 0, 1, np.where(u == 0, 2, 0))
     return np.where(f == 0, 0, 1 + 3 * ring + kind)
 
@@ -73,7 +73,7 @@ def shrinkage(
 
     The positive-part estimator of James and Stein (1961) for a mean of n numbers of known variance,
     1 - (n - 2) / n variance / mean square, with two numbers a mode; 0 for bands of too few
-    modes, and for those whose power does not exceed chance by `CLEAR` standard errors.
+    modes, and for those whose power does not exceed chance by `POWER_ERRORS` standard errors.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def shrinkage(
     with np.errstate(divide="ignore", invalid="ignore"):
         kept = 1.0 - (n - 2.0) / n * chance / seen
     error = chance * np.sqrt((1.0 + 1.0 / replicates) / np.maximum(modes, 1))
-    told = (modes >= SMALLEST) & (seen - chance > CLEAR * error)
+    told = (modes >= SMALLEST) & (seen - chance > POWER_ERRORS * error)
     kept = np.where(told, np.clip(kept, 0.0, 1.0), 0.0)
     kept[0] = 0.0
     return kept

@@ -11,7 +11,7 @@ from dnanalyze.description.layers import Layers
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.robust import robust_deviation
 
-CLEAR = 5.0  # standard errors by which a line stands out
+LINE_ERRORS = 5.0  # standard errors by which a line stands out
 
 
 def variance_lines(seen: Layers) -> list[Estimate]:
@@ -24,7 +24,7 @@ def variance_lines(seen: Layers) -> list[Estimate]:
         mean = np.mean(lines, axis=0)
         middle = float(np.median(mean))
         error = robust_deviation(mean, middle)
-        chosen = mean > middle + CLEAR * max(error, 1e-9)
+        chosen = mean > middle + LINE_ERRORS * max(error, 1e-9)
         share = float(chosen.mean())
         if not 0 < share < 0.5:
             continue

@@ -16,7 +16,7 @@ from dnanalyze.model.composite.effect import CompositeEffect
 TILES = 4  # a side, in which rings about a far centre are plane waves
 ENOUGH = 16_384  # pixels of the map from which the first steps look for a geometry
 LEAST_CYCLES = 2.5  # over the field: below that a wave is shading
-ALIKE = 0.2  # relative scatter of the period over tiles that are of one wave
+PERIOD_SCATTER = 0.2  # relative scatter of the period over tiles that are of one wave
 NEAR_TILES = 5  # that must agree: a chance peak agrees in none
 # Powers of 4 x 4 tiles are a chi square of 32 by chance: mean 32, standard deviation 8; six such.
 PLAIN = 80.0
@@ -138,7 +138,7 @@ def _centre(seen: Layers, map_: np.ndarray) -> np.ndarray | None:
             strength.append(float(power.max()))
     order = np.argsort(strength)[::-1][: TILES * TILES // 2]
     middle = float(np.median(np.array(sizes)[order]))
-    near = [t for t in range(len(sizes)) if abs(sizes[t] / middle - 1.0) < ALIKE]
+    near = [t for t in range(len(sizes)) if abs(sizes[t] / middle - 1.0) < PERIOD_SCATTER]
     if len(near) < NEAR_TILES:
         return None
     matrix, side = np.zeros((2, 2)), np.zeros(2)

@@ -31,7 +31,7 @@ LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edg
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
 FEW_SITES = 5.0
-APART = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
+NEIGHBOUR_STEP = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     """Has the noise been smoothed beyond what charge crosstalk can do to shot noise?"""
     if not e.usable:
         return []
-    bound = largest_crosstalk(APART[e.view])
+    bound = largest_crosstalk(NEIGHBOUR_STEP[e.view])
     share = shot_share(e.correlation.variance, e.point.temperature_c, others) if e.temporal else 1.0
     room = 1.1 * share
     (bend, bend_se), lag = e.spectrum.concavity(), e.correlation

@@ -16,10 +16,10 @@ from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.diagnosis.selection import (
-    ALIKE,
+    COMPETING_SHARE,
     EVIDENCE_DECISIVE,
     EVIDENCE_NULL,
-    LEAST,
+    LEAST_GAIN,
     REFITS,
     Trial,
     competitors,
@@ -30,7 +30,7 @@ from dnanalyze.diagnosis.selection import (
 from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.free_parameters import free_parameters
-from dnanalyze.fitting.from_part import STEPS
+from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start, with_derivatives_of
@@ -39,7 +39,7 @@ from dnanalyze.progress import ignored
 
 # Times its promise, which is that of two operating points, that a refit may gain; or as many times
 # as another of these refits has gained.
-REACH = 6.0
+GAIN_OVER_PROMISE = 6.0
 
 
 @dataclass(frozen=True)
@@ -116,15 +116,15 @@ def _refits(
 ) -> list[Trial]:
     """The first effects, each refitted from its best guess while it may reach the best of them."""
     found: list[Trial] = []
-    wanted, reach = null.state.loss, REACH
+    wanted, reach = null.state.loss, GAIN_OVER_PROMISE
     for name, own in list(guesses.items())[:REFITS]:
-        if own[0].promise < LEAST or reach * own[0].promise < null.state.loss - wanted:
+        if own[0].promise < LEAST_GAIN or reach * own[0].promise < null.state.loss - wanted:
             break
         on_progress(name)
         ended = refitted(null.problem, own[0], null.state, wanted)
         gained = null.state.loss - ended.loss
         reach = max(reach, gained / own[0].promise)
-        wanted = min(wanted, null.state.loss - ALIKE * gained)
+        wanted = min(wanted, null.state.loss - COMPETING_SHARE * gained)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         on_trial(SoFar(list(guesses), list(found)))
     return found
@@ -164,7 +164,7 @@ def _at_their_optima(
     if not found:
         return found
     leader = max(found, key=lambda t: t.evidence)
-    if leader.fitted_gain < LEAST:
+    if leader.fitted_gain < LEAST_GAIN:
         return found
     near = without_denied(null.problem, leader, found, contenders(leader, found, promises))
     if leader.evidence > EVIDENCE_DECISIVE * leader.overdispersion and len(near) == 1:
@@ -176,7 +176,7 @@ def _at_their_optima(
             begun = best = like if t is leader else with_derivatives_of(t.state, like)
             if len(near) > 1:
                 best = in_best_form(null.problem, replace(t, state=begun))
-            ended = judged(null, t.effect, minimise(null.problem, best, STEPS))
+            ended = judged(null, t.effect, minimise(null.problem, best, FIT_STEPS))
             formed = len(near) > 1 and best is begun
             t = judged_by_prediction(null, replace(ended, others=t.others, formed=formed))
         made.append(t)
@@ -194,7 +194,7 @@ def refitted(problem: FitProblem, guess: Guess, like: State, wanted: float = mat
         return _from_guess(problem, guess, like, wanted)
     there = carried(like, problem, part)
     near = _from_guess(part, guess, there, wanted * there.loss / like.loss)
-    return minimise(problem, carried(near, part, problem), STEPS, below=wanted)
+    return minimise(problem, carried(near, part, problem), FIT_STEPS, below=wanted)
 
 
 def _from_guess(problem: FitProblem, guess: Guess, like: State, wanted: float) -> State:
@@ -203,4 +203,4 @@ def _from_guess(problem: FitProblem, guess: Guess, like: State, wanted: float) -
     They do not for the parameters that the effect has biased.
     """
     begun = start(problem, guess.model, free_parameters(guess.model), like=like)
-    return minimise(problem, without_biased(problem, begun, guess.effect), STEPS, below=wanted)
+    return minimise(problem, without_biased(problem, begun, guess.effect), FIT_STEPS, below=wanted)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10, LEAST
+from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10, LEAST_GAIN
 from dnanalyze.digits import number, unit_text
 from dnanalyze.estimate import Estimated
 from dnanalyze.fitting.changes import Changes
@@ -123,7 +123,7 @@ def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) ->
         }
         gains = view.gains([model.with_effect(asked[n].at(s)) for n, s in tried.items()])
         for (name, strength), gain in zip(tried.items(), gains, strict=True):
-            if gain > LEAST:
+            if gain > LEAST_GAIN:
                 least[name] = asked[name].limit(strength, gain)
     return least
 

@@ -16,7 +16,7 @@ from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import built_in
 
-CLEAR = 3.0  # standard deviations from which a difference is stated by itself
+STATED_SINGLY = 3.0  # standard deviations from which a difference is stated by itself
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def evidence_for(
     told = [
         f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
-        for name in [n for n in closer if was.of(n) >= CLEAR][:most]
+        for name in [n for n in closer if was.of(n) >= STATED_SINGLY][:most]
     ]
     if not told:
         told = [_in_sum(effect.name, was, now, closer[:most])]
@@ -76,8 +76,8 @@ def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
         return f"no statistic comes closer with {effect}"
     parts = [f"{infos()[n].title} (from {_size(was, n)} to {_size(now, n)} sigma)" for n in names]
     return (
-        f"no single statistic that {effect} improves differed by {CLEAR:g} sigma before; several "
-        f"small differences fall, the largest in {', '.join(parts)}"
+        f"no single statistic that {effect} improves differed by {STATED_SINGLY:g} sigma before; "
+        f"several small differences fall, the largest in {', '.join(parts)}"
     )
 
 
@@ -88,7 +88,7 @@ def evidence_against(
     left, right = profile(problem, rival), profile(problem, best)
     gap = {n: left.of(n) - right.of(n) for n in left.names}
     worst = max(gap, key=lambda n: gap[n])
-    if gap[worst] < CLEAR:
+    if gap[worst] < STATED_SINGLY:
         return None
     title = infos()[worst].title
     return (
@@ -109,7 +109,9 @@ def _sentence(problem: FitProblem, state: State, name: str) -> str:
     if not told.any():
         return f"the model shows nothing of it: {info.title}"
     worst = int(np.argmax(np.where(told, np.abs(z), -1.0)))
-    off = np.abs(z) >= min(CLEAR, abs(z[worst]))  # the held-out half may be the one that differs
+    off = np.abs(z) >= min(
+        STATED_SINGLY, abs(z[worst])
+    )  # the held-out half may be the one that differs
     i = here[worst]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model[worst]))
     reproducibility_sd = float(train.reproducibility_sd[i])

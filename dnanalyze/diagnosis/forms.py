@@ -11,10 +11,10 @@ import numpy as np
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import restricted, telling
-from dnanalyze.diagnosis.selection import LEAST, REFITS, Trial
+from dnanalyze.diagnosis.selection import LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.free_parameters import free_parameters
-from dnanalyze.fitting.from_part import STEPS
+from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise, within_reach
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
@@ -53,7 +53,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
     for model in _promising(problem, state, list(dict.fromkeys(models)))[:REFITS]:
         other = start(problem, model, free_parameters(model), like=state)
         ended = minimise(
-            problem, without_biased(problem, other, found.effect), STEPS, below=better.loss
+            problem, without_biased(problem, other, found.effect), FIT_STEPS, below=better.loss
         )
         better = preferred(better, ended)
     return better
@@ -94,4 +94,4 @@ def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:
 def preferred(state: State, other: State) -> State:
     """The other where it gains more than is worth a refit, in the mean of both halves."""
     was, now = (np.sum(deviance(s.test)) + np.sum(deviance(s.train)) for s in (state, other))
-    return other if (was - now) / 2.0 > LEAST else state
+    return other if (was - now) / 2.0 > LEAST_GAIN else state

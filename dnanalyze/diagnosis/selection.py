@@ -23,13 +23,15 @@ DEFLATION = 8.0
 # On 60 virtual sensors without a missing effect, 19 candidates were refitted: the smaller gain of
 # the halves reached 10, the mean of both 28.
 EVIDENCE_NULL = 25.0
-LEAST = EVIDENCE_NULL / 4.0  # gain of either half; less is not worth a refit (Akaike: 3 parameters)
+# Gain of either half; less is not worth a refit (Akaike: 3 parameters)
+LEAST_GAIN = EVIDENCE_NULL / 4.0
 # 62: odds of 10 against "nothing is missing"
 EVIDENCE_ODDS_10 = EVIDENCE_NULL + 2.0 * DEFLATION * math.log(10.0)
 EVIDENCE_DECISIVE = 300.0  # exceeds the variation between sensors of one design
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
-APART = 0.25  # share of the smaller gain in common, below which two candidates do not compete
-ALIKE = 0.75  # share of the best evidence from which a competitor is reported as confounded
+SHARED_GAIN = 0.25  # share of the smaller gain in common, below which two candidates do not compete
+# Share of the best evidence from which a competitor is reported as confounded
+COMPETING_SHARE = 0.75
 # Candidates, and forms of one, that are refitted at most. With two forms the sensor `corrected` of
 # docs/accuracy.md takes 305 s for 217, since the third form of a dpc is the better one; five others
 # take as long as with four.
@@ -168,19 +170,23 @@ def significant(found: Trial, least: float = EVIDENCE_ODDS_10) -> bool:
     evidence asked for, in units of the overdispersion.
     """
     lesser = min(found.gain, found.fitted_gain)
-    enough = found.evidence > least * found.overdispersion and lesser > LEAST * found.overdispersion
+    enough = (
+        found.evidence > least * found.overdispersion and lesser > LEAST_GAIN * found.overdispersion
+    )
     return enough and found.error_fall > 0.0 and not found.denied
 
 
 def apart(one: Trial, other: Trial) -> bool:
     """Whether two candidates explain different statistics, so that both may be missing."""
     a, b = (np.maximum(t.falls, 0.0) for t in (one, other))
-    return bool(np.minimum(a, b).sum() < APART * min(a.sum(), b.sum()))
+    return bool(np.minimum(a, b).sum() < SHARED_GAIN * min(a.sum(), b.sum()))
 
 
 def alike(gain: float, best: float, overdispersion: float) -> bool:
     """Whether a gain is nearly the best one: by its share, and within what sensors vary."""
-    return gain > max(ALIKE * best, best - EVIDENCE_DECISIVE * overdispersion) and best > 0.0
+    return (
+        gain > max(COMPETING_SHARE * best, best - EVIDENCE_DECISIVE * overdispersion) and best > 0.0
+    )
 
 
 def competitors(best: Trial, trials: Sequence[Trial]) -> list[str]:
@@ -197,7 +203,7 @@ def beyond_doubt(best: Trial, trials: Sequence[Trial]) -> bool:
     One refit of each is enough for that.
     """
     rivals = [t for t in trials if t is not best and not apart(best, t)]
-    near = any(max(t.evidence, t.fitted_gain) > ALIKE * best.evidence for t in rivals)
+    near = any(max(t.evidence, t.fitted_gain) > COMPETING_SHARE * best.evidence for t in rivals)
     return best.evidence > EVIDENCE_DECISIVE * best.overdispersion and not near
 
 

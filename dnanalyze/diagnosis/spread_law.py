@@ -19,7 +19,7 @@ from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters
-from dnanalyze.fitting.from_part import STEPS, converge
+from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, weights
@@ -44,7 +44,7 @@ def spread_law(null: FittedModel, wanted: float = math.inf) -> Trial | None:
     begun = derive(problem, _begun(state, larger), only=_is_slope)
     if score(begun) < chi2.isf(1e-3, 1):
         return None
-    ended = minimise(problem, begun, STEPS, below=wanted)
+    ended = minimise(problem, begun, FIT_STEPS, below=wanted)
     if ended.loss <= wanted:
         ended = converge(problem, ended, rounds=1, last=False)
     found = judged(null, BASE, ended)

@@ -42,7 +42,7 @@ from dnanalyze.diagnosis.selection import (
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
 from dnanalyze.fitting.free_parameters import free_parameters
-from dnanalyze.fitting.from_part import STEPS, converge
+from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
@@ -94,7 +94,7 @@ def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
 def removal(problem: FitProblem, state: State, name: str) -> State:
     """The model without an effect, refitted."""
     model = state.model.without(name)
-    return minimise(problem, start(problem, model, free_parameters(model), like=state), STEPS)
+    return minimise(problem, start(problem, model, free_parameters(model), like=state), FIT_STEPS)
 
 
 def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:

@@ -19,7 +19,7 @@ from dnanalyze.emva.reading import Reading, reading
 from dnanalyze.loaders.thermometer import clusters
 
 NOT_LINEAR = 0.05  # of the span of the signal, from which a deviation from the line is told
-FAR = 4.0  # standard errors
+OUTLYING_LEVEL = 4.0  # standard errors
 ONE_EXPOSURE = "one exposure, and the black level is not known"
 NO_EXPOSURE = "the exposure is not known"
 NEGATIVE = 10.0  # standard errors, beyond which no statistic explains a negative dark current
@@ -170,7 +170,7 @@ def _linearity(found: Line) -> str:
     x, y = np.array(found.x), np.array(found.y)
     off = float(np.max(np.abs(y - found.intercept.value - found.slope.value * x)))
     span = float(np.ptp(y))
-    bent = off > NOT_LINEAR * span and off > FAR * max(found.error)
+    bent = off > NOT_LINEAR * span and off > OUTLYING_LEVEL * max(found.error)
     return f", off the line by up to {100 * off / span:.0f} %" if bent else ""
 
 

@@ -19,7 +19,7 @@ LEAST_VARIANCE = 0.24  # DN^2 for a step of 1 DN: below it quantization rules (E
 LIMIT = 0.40  # DN: upper limit of the dark noise there
 SLOPE_BAND = (0.005, 0.05)  # cycles/pixel
 FEWEST_MODES = 8
-CLEAR = 6.0  # standard deviations, above which the 5 of the list are surely passed
+SURE_DEVIATIONS = 6.0  # standard deviations, above which the 5 of the list are surely passed
 HOT_TIMES = 10.0  # median dark current, from which a pixel counts as hot
 ONE_FRAME = "one frame does not separate temporal noise from DSNU"
 
@@ -171,4 +171,4 @@ def _all_listed(
     if levels.size and threshold >= float(np.min(levels)):
         return True
     core = setting.values.get("pattern_noise_core")
-    return levels.size < MOST_LISTED and core is not None and above > CLEAR * core.value
+    return levels.size < MOST_LISTED and core is not None and above > SURE_DEVIATIONS * core.value

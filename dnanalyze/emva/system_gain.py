@@ -24,7 +24,7 @@ LEVEL, VARIANCE, ERROR, LEVEL_ERROR, ALL, EXPOSED, POINT, TYPICAL, PIXELS, EXPOS
 FEWEST = 3  # points: a line and a check of it
 STEADY = 0.5  # of the squared level, see `_of_charge`
 GROWN = 2.0  # over the least level of hot pixels, see `_of_charge`
-FAR = 4.0  # robust standard deviations from which a level is left out
+OUTLYING_LEVEL = 4.0  # robust standard deviations from which a level is left out
 
 
 def photon_transfer(
@@ -184,7 +184,7 @@ def _robust_line(points: np.ndarray, by: int) -> Line | None:
         if found is None:
             return None
         spread = max(robust_deviation(off, 0.0), 1.0)
-        good = np.abs(off) <= FAR * spread
+        good = np.abs(off) <= OUTLYING_LEVEL * spread
         if good.all() or 2 * (kept.sum() - np.count_nonzero(~good)) < len(points):
             return found
         kept[np.flatnonzero(kept)[~good]] = False

@@ -22,7 +22,7 @@ from dnanalyze.thermal import KELVIN
 SIGMA, SHARE = 3.0, 0.1  # a difference within either is none
 NOISE = 0.05  # of the temporal noise of a pixel: as much of a level, see `fitting.level`
 ENERGY_EV = 0.03  # of 1 eV, where thermometer readings are good to .2 C over 10 C: sqrt(2) .2 / 10
-SEEN = 5.0  # standard errors from which a dark signal tells its growth
+SIGNAL_ERRORS = 5.0  # standard errors from which a dark signal tells its growth
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def _dark_signals(problem: FitProblem, state: State) -> list[Agreement]:
             continue
         signal = seen.measured - black[0]
         error = math.hypot(seen.error, black[1])
-        if signal < -SEEN * error:
+        if signal < -SIGNAL_ERRORS * error:
             continue  # the black level of these frames is another one
         steady = problem.train.values[
             (problem.train.names == "temporal_noise_core") & (problem.train.setting == s)
@@ -164,7 +164,7 @@ def _energy(signals: Sequence[Agreement]) -> list[Agreement]:
         for a in signals
         if a.point is not None
         and a.point.temperature_c is not None
-        and a.direct > SEEN * a.error
+        and a.direct > SIGNAL_ERRORS * a.error
         and a.model > 0
     ]
     celsius = np.array([a.point.temperature_c for a in clear if a.point is not None], float)

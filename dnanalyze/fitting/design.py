@@ -13,7 +13,8 @@ from dnanalyze.loaders.code_unit import code_unit, in_codes
 BUDGET_PIXELS = 12_000_000
 MOST_SETTINGS = 8
 MOST_FRAMES = 8
-LARGE = 3_000_000  # pixels of a simulation from which a fit begins on a part of the field
+# Pixels of a simulation from which a fit begins on a part of the field
+PART_FROM_PIXELS = 3_000_000
 BAND = 32  # rows of a part at the least: frequencies down the columns from .03 c/px on
 ALIGNED = 4  # pixels by which a part may be moved: whole blocks of a colour filter
 
@@ -62,7 +63,7 @@ class Design:
 
         It has every column, as the halves have.
         """
-        if self.pixels < LARGE or self.train.shape[0] < 4 * BAND:
+        if self.pixels < PART_FROM_PIXELS or self.train.shape[0] < 4 * BAND:
             return None
         return replace(self, train=_band(self.train), test=_band(self.test))
 

@@ -53,12 +53,12 @@ if TYPE_CHECKING:
     from astropy.table import QTable
 
 REPLICATES = 24
-WHOLE = 0.95  # `lattice` of whole codes, 1, less its error
-FEW = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
-ALIKE = 0.97  # correlation from which two parameters are called indistinguishable
+WHOLE_CODES = 0.95  # `lattice` of whole codes, 1, less its error
+QUICK_REPLICATES = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
+CONFOUNDED_CORRELATION = 0.97  # correlation from which two parameters are called indistinguishable
 DERIVATIVES = 40  # simulations for the last derivatives of few groups; many take 6 each
-CLEAR = 15.0  # wanted size of their steps, in reproducibility SDs: counts move by jumps
-LOWEST = 0.2  # reproducibility SD of a number that hardly scatters, over the measured one
+STEP_SIZE = 15.0  # wanted size of their steps, in reproducibility SDs: counts move by jumps
+LEAST_SCATTER = 0.2  # reproducibility SD of a number that hardly scatters, over the measured one
 STEPS, SMALL = 4, 0.05  # last steps at most; size at which they end, in standard errors
 ONE_SIDED = 1.645  # standard errors that a normal deviate exceeds in 5 % of cases
 VAGUE = 1.0  # standard error on a log scale from which a parameter is called undetermined
@@ -278,7 +278,7 @@ def paper_start(problem: FitProblem, exclude: Sequence[str] = ()) -> NoiseModel:
 def as_captured(problem: FitProblem, model: NoiseModel) -> NoiseModel:
     """A model with quantization, where the measured values are whole codes."""
     seen = Readings(problem.measured[0])
-    if not (seen.value("lattice") > WHOLE).all():
+    if not (seen.value("lattice") > WHOLE_CODES).all():
         return model
     bits = converter_bits(seen, problem.plan.captures.sensor.bits)
     return model.with_effect(built_in()["quantization"](bits=bits))  # type: ignore[call-arg]
@@ -330,7 +330,7 @@ def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPL
     scatter = np.nan_to_num(drawn - mean)
     # The measured errors grow with the measured tails: weights by them would pull the tails down.
     spread = np.sqrt(2.0 * np.sum(scatter**2, axis=0) / np.maximum(count - 1, 1))
-    reproducibility_sd = np.maximum(spread, LOWEST * problem.train.reproducibility_sd)
+    reproducibility_sd = np.maximum(spread, LEAST_SCATTER * problem.train.reproducibility_sd)
     fair = replace(
         problem,
         train=replace(
@@ -370,7 +370,7 @@ def _redrawn(problem: FitProblem, state: State, replicates: int) -> tuple[np.nda
         train = other.fitted_coordinates(model)
         drawn.append(train)
         begun = replace(state, model=model, train=problem.train.z(train))
-        jacobian += derive(other, begun, smallest=CLEAR, anew=True).jacobian / several
+        jacobian += derive(other, begun, smallest=STEP_SIZE, anew=True).jacobian / several
     return np.array(drawn), jacobian
 
 
@@ -482,8 +482,8 @@ def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
     here = with_uncertainties(problem, state, 0)
     if not simulate:
         return here
-    freed = with_uncertainties(problem, state, FEW)
-    times = math.sqrt(2.0 / (1.0 + 1.0 / (1.0 + FEW)))
+    freed = with_uncertainties(problem, state, QUICK_REPLICATES)
+    times = math.sqrt(2.0 / (1.0 + 1.0 / (1.0 + QUICK_REPLICATES)))
     by_name = {p.name: p for p in freed.parameters}
     parameters = []
     for own in here.parameters:
@@ -531,7 +531,7 @@ def _doubts(
             sentences.append(f"not determined: {parameter.name}, within a factor of {factor}")
     for i in range(len(free)):
         for j in range(i):
-            if abs(correlations[i, j]) > ALIKE:
+            if abs(correlations[i, j]) > CONFOUNDED_CORRELATION:
                 sentences.append(
                     f"confounded in these captures: {free[j].name} and {free[i].name} "
                     f"(correlation {correlations[i, j]:+.3f})"

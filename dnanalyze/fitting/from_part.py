@@ -22,7 +22,7 @@ from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.model.noise_model import NoiseModel
 
-STEPS = 6  # of a fit between two computations of the derivatives
+FIT_STEPS = 6  # of a fit between two computations of the derivatives
 # Fall of the loss in a round with new derivatives, per overdispersion, below which no parameter
 # moves by more than about its standard error: then the fit has ended.
 SETTLED = 2.0
@@ -61,7 +61,7 @@ def converge(
     problem: FitProblem,
     state: State,
     rounds: int = 3,
-    iterations: int = STEPS,
+    iterations: int = FIT_STEPS,
     on_state: Callable[[State], None] = lambda _: None,
     hopeless: float = math.inf,
     settled: float = SETTLED,

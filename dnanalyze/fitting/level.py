@@ -17,7 +17,7 @@ from dnanalyze.model.laws import Law, value_at
 
 MEAN, MEDIAN = "mean", "median"
 ERRORS = 3.0  # standard errors of a difference that a level may be off
-SHARE = 0.01  # or of the dark signal: the level above the measured black level
+SIGNAL_SHARE = 0.01  # or of the dark signal: the level above the measured black level
 NOISE = 0.05  # or of the temporal noise of a pixel: 400 frames then tell it from the right level
 # A fit holds its own half within less, for the other may lie farther off: 2 errors (`FIT_ERRORS`)
 # and half of the shares. Of 35 virtual sensors held to 3 errors one stood at 3.4 over the field.
@@ -80,7 +80,7 @@ class DarkSignals:
     @property
     def tolerance(self) -> np.ndarray:
         """Tolerated deviation of a level regardless of its error, DN."""
-        return np.asarray(np.maximum(SHARE * self.signal, NOISE * self.noise))
+        return np.asarray(np.maximum(SIGNAL_SHARE * self.signal, NOISE * self.noise))
 
 
 def dark_signals(statistics: Statistics, target: Target, black: Law | None = None) -> DarkSignals:

@@ -31,13 +31,13 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.processors import cpu_count
 
-MOST = 15  # processes that are started; eight operating points have 16 halves
+MAX_PROCESSES = 15  # processes that are started; eight operating points have 16 halves
 SHARES = 16  # of the work for an executor of unknown size: all halves of eight operating points
 ROOMS = 4  # workers of such an executor that are expected on one machine
 WARM = 64, 64  # pixels of what a worker simulates before it is asked
 # Pixels of a simulation from which a process is worth its start. With one, `compare` is 0.2 s
 # slower at 37,000 pixels and 2 s faster at 2 million.
-WORTH = 500_000
+SHARED_FROM_PIXELS = 500_000
 
 
 Found = TypeVar("Found")
@@ -200,7 +200,7 @@ class Processes(Helpers):
 
 def helpers_for(pixels: int) -> Helpers:
     """One for each further processor, where simulations of so many pixels are worth its start."""
-    count = min(cpu_count() - 1, MOST) if pixels >= WORTH else 0
+    count = min(cpu_count() - 1, MAX_PROCESSES) if pixels >= SHARED_FROM_PIXELS else 0
     return Processes(count) if count else Helpers()
 
 

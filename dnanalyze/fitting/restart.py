@@ -24,8 +24,8 @@ from dnanalyze.model.noise_model import NoiseModel
 
 RISE = math.log(8.0)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
-# Fall of the loss below which a fit is not worth its simulations (see `selection.LEAST`)
-WORTH = 6.25
+# Fall of the loss below which a fit is not worth its simulations (see `selection.LEAST_GAIN`)
+LEAST_GAIN = 6.25
 
 
 def restarted(problem: FitProblem, state: State, iterations: int) -> State:
@@ -52,7 +52,7 @@ def restarted(problem: FitProblem, state: State, iterations: int) -> State:
         jacobian[:, i] = np.nan
     begun = start(problem, with_values(state.model, state.free, where), state.free)
     ended = minimise(problem, replace(begun, jacobian=jacobian), iterations)
-    return ended if ended.merit < state.merit - WORTH else state
+    return ended if ended.merit < state.merit - LEAST_GAIN else state
 
 
 def _lost(problem: FitProblem, state: State) -> list[int]:
@@ -145,4 +145,4 @@ def _best_share(state: State, change: np.ndarray, lost: Sequence[int]) -> float:
     step, rest = (x - free @ (free.T @ x) for x in (change * w, state.train * w))
     size = float(step @ step)
     share = -float(step @ rest) / size if size > 0.0 else 0.0
-    return min(share, 1.0) if share > 0.0 and share**2 * size > WORTH else 0.0
+    return min(share, 1.0) if share > 0.0 and share**2 * size > LEAST_GAIN else 0.0

@@ -17,7 +17,8 @@ from dnanalyze.analyzers.families.shading import NOISE, NOISE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 
 ORDER = 4
-CLEAR = 2.0  # standard errors from which blocks of a colour lie elsewhere than those of a half
+# Standard errors from which blocks of a colour lie elsewhere than those of a half
+BLOCK_ERRORS = 2.0
 WIDE = 8
 LEVELS = ("mean", "median")
 
@@ -99,7 +100,7 @@ def shading_values(
     moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
     if "median" in levels:  # few bright pixels scatter the means of blocks, by which it is moved
         own, error = levels["median"], _shift_error(blocks, colour.size)
-        share = max(0.0, 1.0 - (CLEAR * error / shift) ** 2) if shift else 0.0
+        share = max(0.0, 1.0 - (BLOCK_ERRORS * error / shift) ** 2) if shift else 0.0
         se = math.hypot(own.se, share * error)
         moved["median"] = replace(own, value=own.value + share * shift, se=se)
     return found | moved | _noise(upper, lower, parity)

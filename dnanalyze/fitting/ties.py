@@ -15,7 +15,7 @@ import numpy as np
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.emva import evaluate, kinds
 from dnanalyze.fitting.free_parameters import PEDESTAL, FreeParameter
-from dnanalyze.fitting.level import NOISE, SHARE
+from dnanalyze.fitting.level import NOISE, SIGNAL_SHARE
 from dnanalyze.fitting.level_laws import session_levels
 from dnanalyze.fitting.moments import BlackLevel, black_level
 from dnanalyze.fitting.readings import Readings
@@ -25,7 +25,7 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 
 RECORDED = 0.1  # relative error of a gain that the camera states, or the user
-LEAST = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
+GAIN_TOLERANCE = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
 LEAST_ERROR = 1e-3  # DN, of a level: frames of one code all over state none
 TRANSFER = "photon transfer"
 GAIN = ("dark_shot_noise", "dn_per_e")
@@ -185,7 +185,9 @@ def direct(statistics: Statistics) -> Direct:
         if told and len(told) == len(found):
             value, se = np.array(told).T
             mean = float(np.average(value, weights=se**-2.0))
-            error = max(float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, LEAST * mean)
+            error = max(
+                float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, GAIN_TOLERANCE * mean
+            )
             gains.append((setting, Known(mean, error, TRANSFER)))
         recorded = own[0][kinds.GAIN.key].value if kinds.GAIN.key in own[0] else None
         if recorded is not None:
@@ -198,7 +200,7 @@ def _sessions(seen: Readings, level: BlackLevel | None) -> SessionLevels | None:
     medians, errors = seen.value("median"), seen.error("median")
     noise = seen.noise
     signal = np.maximum(medians - np.nanmin(medians), 0.0)
-    off = np.maximum.reduce([FIT_ERRORS * errors, NOISE * noise, SHARE * signal])
+    off = np.maximum.reduce([FIT_ERRORS * errors, NOISE * noise, SIGNAL_SHARE * signal])
     off = np.maximum(off, LEAST_ERROR)
     if not (np.isfinite(medians).all() and np.isfinite(off).all()):
         return None

@@ -30,7 +30,7 @@ REPLICATES = 8  # their standard deviation is good to a quarter, 1 / sqrt(2 (8 -
 # say nothing of a large one. Without this the scatter of row_periodic_2 is up to 3.9 times the
 # yardstick (benchmarks/yardstick.py), and values that are no codes are off by 200 sigma.
 SKEWED = ("codes", "lines", "tails")
-LOWEST = 0.05  # of the stated error: less is none, of values that all replicates share
+LEAST_RATIO = 0.05  # of the stated error: less is none, of values that all replicates share
 
 
 def by_design(problem: FitProblem, model: NoiseModel) -> FitProblem:
@@ -71,14 +71,14 @@ def scales(halves: tuple[Target, Target], drawn: Pair) -> Pair:
     keys = [str(k) for half in halves for k in half.keys]
     _, first, which = np.unique(keys, return_index=True, return_inverse=True)
     own = np.sqrt(np.bincount(which, ratio) / np.bincount(which))
-    own = np.where(own > LOWEST, own, 1.0)
+    own = np.where(own > LEAST_RATIO, own, 1.0)
     names, families = (
         np.concatenate([getattr(half, of) for half in halves]) for of in ("names", "families")
     )
     found = _drawn_together(own, names[first], families[first], 2 * (len(drawn[0]) - 1))[which]
     known = infos()
     counts = np.array([known[str(n)].scale is Scale.ROOT for n in names])
-    found = np.maximum(found, np.where(np.isin(families, SKEWED) | counts, 1.0, LOWEST))
+    found = np.maximum(found, np.where(np.isin(families, SKEWED) | counts, 1.0, LEAST_RATIO))
     count = len(halves[0].keys)
     return found[:count], found[count:]
 

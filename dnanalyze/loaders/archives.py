@@ -24,7 +24,7 @@ TARS: dict[str, Callable[[Path], Any]] = {
     ".tar.gz": gzip.open, ".tgz": gzip.open, ".tar.bz2": bz2.open, ".tar.xz": lzma.open,
 }  # fmt: skip
 SUFFIXES = (".zip", *TARS)
-SMALL = 64 << 20  # bytes that may be unpacked of whatever is in the archive
+FREE_BYTES = 64 << 20  # bytes that may be unpacked of whatever is in the archive
 _BLOCK = 1 << 20
 _LONGEST = 240  # characters of a name; systems take 255
 
@@ -61,7 +61,9 @@ def _unpacked(path: Path, name: str, most: int, changed: int, size: int) -> Path
     root = local / (path.name.split(".")[0] or "captures")
     root.mkdir()
     # a byte of frames holds MIN_BITS at least, as in `checks.check_stored`
-    room = _Room(name, min(max(SMALL, int(8 * size / MIN_BITS)), shutil.disk_usage(local).free))
+    room = _Room(
+        name, min(max(FREE_BYTES, int(8 * size / MIN_BITS)), shutil.disk_usage(local).free)
+    )
     zipped = path.name.lower().endswith(".zip")
     try:
         for count, (member, file) in enumerate((_zip if zipped else _tar)(path, name, room)):
@@ -117,7 +119,7 @@ class _Bounded:
 
     def read(self, size: int = _BLOCK) -> bytes:
         """So many bytes, or what is left."""
-        data = self.stream.read(min(size, SMALL))
+        data = self.stream.read(min(size, FREE_BYTES))
         self.room.take(len(data))
         return data
 

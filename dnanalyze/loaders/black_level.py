@@ -12,7 +12,7 @@ from dnanalyze.loaders.captures import Sensor, Setting
 
 ROUNDING = 2.0  # DN: levels are rounded, and averaged over colours
 ABOVE = 0.5  # of the noise of a frame: dark signal is not negative, and a median is not so far off
-FAR = 20.0  # noises of a frame, from which a level of another scale is looked for
+OTHER_SCALE_NOISES = 20.0  # noises of a frame, from which a level of another scale is looked for
 SCALE = 0.02  # of a doubling: 1.4 %, more than offsets and dark signal move a level of 20 noises
 ZERO = 10.0  # noises of a frame, from which frames have a pedestal
 
@@ -71,7 +71,7 @@ def _fault(level: Level) -> str:
         return "and dark signal is not negative"
     if black == 0 and median > ZERO * noise:
         return f"{number(median / max(noise, 1e-9), 2)} times their noise: they have a pedestal"
-    if black > 0 and median - black > FAR * noise:
+    if black > 0 and median - black > OTHER_SCALE_NOISES * noise:
         doublings = math.log2(median / black)
         if doublings > 0.5 and abs(doublings - round(doublings)) < SCALE:
             return f"{2 ** round(doublings)} times that: it is of another scale"

@@ -16,7 +16,7 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, Sensor, Setting, Windo
 
 # Least factor of whole numbers: 2 may be a digital gain, or the sum of two pixels; converters of 14
 # bits and fewer in 16-bit files leave 4 and more.
-LEAST = 4
+LEAST_FACTOR = 4
 EXACT = 0.02  # of a code that a float32 of 16 bits may be off a multiple
 SMALL, LARGE = 0.05, 1000.0  # noise, as recorded, beyond which bounds in codes do not fit
 FINE = 16.0  # units of the noise of values that are no codes: rounding to these adds .02 % to it
@@ -89,13 +89,13 @@ def _sampled(setting: Setting, shape: tuple[int, int]) -> np.ndarray:
 
 
 def _divided(frames: list[np.ndarray]) -> float:
-    """Greatest common divisor of whole numbers, from `LEAST` on; else 1."""
+    """Greatest common divisor of whole numbers, from `LEAST_FACTOR` on; else 1."""
     found = 0
     for codes in frames:
         found = int(np.gcd.reduce(np.unique(codes).astype(np.int64), initial=found))
-        if 0 < found < LEAST:
+        if 0 < found < LEAST_FACTOR:
             return 1.0
-    return float(found) if found >= LEAST else 1.0
+    return float(found) if found >= LEAST_FACTOR else 1.0
 
 
 def in_codes(captures: CaptureSet, unit: float) -> CaptureSet:

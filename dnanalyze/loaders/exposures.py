@@ -12,7 +12,7 @@ RELATIVE = 0.01  # dark charge, and the mean with it, changes by as much: less t
 # A clock that counts or a header that rounds to a millisecond; of a short exposure at most a tenth,
 # and only where the times do not repeat: what was set repeats exactly.
 ROUNDED_S = 1e-3
-SHARE = 0.1
+EXPOSURE_SHARE = 0.1
 FEWEST = 3  # times that differ in every frame
 
 
@@ -71,4 +71,4 @@ def _tolerance(part: list[float], counts: list[int], tolerance_s: float | None) 
         return tolerance_s
     middle = (part[0] + part[-1]) / 2
     measured = len(part) >= FEWEST and max(counts) == 1
-    return max(RELATIVE * middle, min(ROUNDED_S, SHARE * middle) if measured else 0.0)
+    return max(RELATIVE * middle, min(ROUNDED_S, EXPOSURE_SHARE * middle) if measured else 0.0)

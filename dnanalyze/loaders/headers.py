@@ -55,7 +55,7 @@ WARM = 70.0  # C; cameras that write FITS are cooled, and 70 to 150 is as likely
 OFF_SET_POINT = 5.0  # C; a regulated sensor keeps within 1
 LONG = 1e4  # s; single dark frames are not longer, for cosmic rays cover them in an hour or two
 ROUNDED_S = 1e-3
-APART = 0.01  # of two exposures in one header, as the tolerance of exposures
+EXPOSURE_TOLERANCE = 0.01  # of two exposures in one header, as the tolerance of exposures
 _PER_ELECTRON = re.compile(
     r"(?:\be-?|\belectrons?|\bel(?:ec)?\.?|\bph(?:otons?)?)\s*(?:/|per|p)\s*(?:adu|dn|count|lsb)"
     r"|\bepadu\b"
@@ -285,7 +285,7 @@ class _Header:
         key, value = stated
         self.take("exposure_s", value, key)
         self._compare(key, value)
-        if dark is not None and abs(dark[1] - value) > max(APART * value, 1.0):
+        if dark is not None and abs(dark[1] - value) > max(EXPOSURE_TOLERANCE * value, 1.0):
             self.doubt(
                 "exposure_s", dark[0],
                 f"differs from {self.keys[key]}, which is used: {value:g} s",
@@ -298,7 +298,7 @@ class _Header:
             if reading is None or reading.value <= 0:
                 continue
             stated = self._seconds(other, reading, scale)
-            if abs(stated - seconds) > max(APART * seconds, ROUNDED_S):
+            if abs(stated - seconds) > max(EXPOSURE_TOLERANCE * seconds, ROUNDED_S):
                 self.doubt(
                     "exposure_s", other,
                     f"contradicts {self.keys[key]}, which is used: {seconds:g} s",

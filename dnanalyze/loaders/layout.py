@@ -26,7 +26,7 @@ FAR, WIDE = 20.0, 4.0  # noises off the level and factor of the noise that make 
 # Of the mean log share of pairs of bytes; that of 64 pixels scatters by a quarter of it
 UNLIKELY = 1.0
 LOOKED_AT = 1 << 22  # pixels
-CLEAR = 8.0  # standard errors of a variance of column means
+VARIANCE_ERRORS = 8.0  # standard errors of a variance of column means
 EDGE = 8  # rows; sensors embed one to four
 
 
@@ -194,7 +194,7 @@ def is_turned(pixels: np.ndarray) -> bool:
         by_chance = float(flat.var()) / held.shape[0]
         found.append((float(held.mean(axis=0).var()) - by_chance, by_chance))
     (stated, _), (turned, by_chance) = found
-    return turned > max(2.0 * stated, CLEAR * by_chance * float(np.sqrt(2 / rows)))
+    return turned > max(2.0 * stated, VARIANCE_ERRORS * by_chance * float(np.sqrt(2 / rows)))
 
 
 def odd_edges(read: Callable[[int, int], np.ndarray], height: int) -> str:

@@ -22,7 +22,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.loaders.checks import MAX_PIXELS, MIN_COLUMNS, MIN_ROWS
 
 GONE = 0.5  # share of a row or column, from which it is taken out
-MOST = 0.2  # share of the pixels that may be filled
+FILLED_SHARE = 0.2  # share of the pixels that may be filled
 # A correlation between two pixels, one of which may be filled, is too small by twice this share;
 # of a correlation of .1 that is 2e-4, a standard error of 25 million pixels.
 LEAST_PLACED = 1e-3
@@ -109,7 +109,7 @@ def make_mask(masked: np.ndarray, name: str, period: int = 1) -> Mask:
     if not _enough(rest):
         raise InputError(
             f"{name}: the mask leaves {int((~masked).sum())} of {masked.size} pixels, too few in "
-            f"too few rows and columns; mask less than {100 * MOST:g} % of what is analysed, or "
+            f"too few rows and columns; mask less than {100 * FILLED_SHARE:g} % of the pixels, or "
             "choose a part with active_rows and active_columns in the sidecar"
         )
     targets = np.flatnonzero(rest)
@@ -133,7 +133,9 @@ def _whole_lines(masked: np.ndarray, period: int) -> tuple[np.ndarray, np.ndarra
 
 
 def _enough(rest: np.ndarray) -> bool:
-    return rest.shape[0] >= MIN_ROWS and rest.shape[1] >= MIN_COLUMNS and rest.mean() <= MOST
+    return (
+        rest.shape[0] >= MIN_ROWS and rest.shape[1] >= MIN_COLUMNS and rest.mean() <= FILLED_SHARE
+    )
 
 
 def _left(kept: np.ndarray, period: int) -> np.ndarray:

@@ -13,7 +13,7 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 from dnanalyze.loaders.recording import Cfa
 from dnanalyze.robust import robust_deviation
 
-APART = 0.3  # of the scatter of the pixels of one colour: 1 % of its variance and more
+COLOUR_SCATTER = 0.3  # of the scatter of the pixels of one colour: 1 % of its variance and more
 
 
 def planes(captures: CaptureSet) -> list[tuple[str, CaptureSet]]:
@@ -80,7 +80,7 @@ def large_mosaic(cfa: Cfa, frame: np.ndarray) -> str:
         own[str(colour)] = np.concatenate(places)
     levels = {colour: float(np.median(v)) for colour, v in own.items()}
     scatter = min(robust_deviation(v) for v in own.values())
-    if np.ptp(list(levels.values())) <= max(APART * scatter, 1.0):
+    if np.ptp(list(levels.values())) <= max(COLOUR_SCATTER * scatter, 1.0):
         return said
     listed = ", ".join(f"{colour} {number(level, 5)}" for colour, level in levels.items())
     return (

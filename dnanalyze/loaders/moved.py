@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-CLEAR = 8.0  # root mean squares of the correlation: the largest of 4 x 10^7 normal values is 5.7
+# Root mean squares of the correlation: the largest of 4 x 10^7 normal values is 5.7
+CORRELATION_SCALES = 8.0
 CAP = 6.0  # robust sigmas
-MOST = 1 << 24  # pixels
+MAX_PIXELS = 1 << 24  # pixels
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def find_move(frame: np.ndarray, other: np.ndarray) -> Move | None:
     The peak of the circular cross-correlation of the fine patterns, for each of the four
     orientations that leave rows rows.
     """
-    if frame.size > MOST:
+    if frame.size > MAX_PIXELS:
         return None
     target = np.fft.rfft2(_fine(frame))
     best: tuple[float, Move] | None = None
@@ -59,7 +60,7 @@ def find_move(frame: np.ndarray, other: np.ndarray) -> Move | None:
                     _signed(int(column), frame.shape[1]),
                 )  # fmt: skip
                 best = height, move
-    if best is None or best[0] < CLEAR or not best[1].words():
+    if best is None or best[0] < CORRELATION_SCALES or not best[1].words():
         return None
     return best[1]
 

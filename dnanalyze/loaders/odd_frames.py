@@ -25,7 +25,7 @@ FULL = 8  # frames; what matters grows as 1 / frames below them, as the scatter 
 STRIP_DEGREES = 15  # degrees of freedom of a scatter over 16 strips
 QUARTER = 0.74  # lower quartile of a mean square of 15 degrees of freedom
 # Factors by which a median deviation of 3 to 9 values is too small (Croux and Rousseeuw 1992).
-FEW = {3: 1.495, 4: 1.363, 5: 1.206, 6: 1.200, 7: 1.140, 8: 1.129, 9: 1.107}
+SMALL_SAMPLE_FACTORS = {3: 1.495, 4: 1.363, 5: 1.206, 6: 1.200, 7: 1.140, 8: 1.129, 9: 1.107}
 MEDIAN_WORTH = 0.37  # degrees of freedom of a median deviation, for each of a mean square
 # Below these a frame changes the figures of its operating point little, whatever the significance:
 NOISE = 2 * np.log(1.2)  # variance 1.44 times: the noise of 8 frames moves by 3 %
@@ -36,7 +36,7 @@ LINE_SHARE = 0.01  # ... and that is 1 % of the variance of the pixels
 LEVEL = 0.01  # of the noise: the error of a median over thousands of pixels
 STEADY = 0.1  # of the noise: a level that scatters by less adds 1 % to its variance
 CHANGING = 0.05  # share of the pixels that change: .95^1000 is the chance that a strip does not
-MOST = 1 / 3  # of the frames; if more are odd, there is no rest that they are unlike
+ODD_SHARE = 1 / 3  # of the frames; if more are odd, there is no rest that they are unlike
 
 
 @dataclass
@@ -244,7 +244,7 @@ class Question:
     @property
     def scatter(self) -> float:
         """Robust scatter over the frames."""
-        few = FEW.get(len(self.values), 1.0)
+        few = SMALL_SAMPLE_FACTORS.get(len(self.values), 1.0)
         return few * robust_deviation(self.values - np.median(self.values, axis=0), 0.0)
 
     def odd(self, scatter: float, limit: float) -> np.ndarray:
@@ -291,7 +291,7 @@ def odd_frames(seen: Sequence[Seen]) -> list[dict[int, list[str]]]:
 
 def too_many(odd: int, frames: int) -> bool:
     """Whether so many frames are odd that there is no rest."""
-    return odd > MOST * frames
+    return odd > ODD_SHARE * frames
 
 
 def reason(seen: Seen, frame: int, asked: Sequence[str], move: Move | None, like: str) -> str:

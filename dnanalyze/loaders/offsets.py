@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from dnanalyze.loaders.recording import Metadata
 
-MOST = 8  # settings; more is a number that the program counts or measures
+MAX_SETTINGS = 8  # settings; more is a number that the program counts or measures
 
 
 def settled(frames: Sequence[Metadata]) -> tuple[list[Metadata], str]:
@@ -30,8 +30,8 @@ def settled(frames: Sequence[Metadata]) -> tuple[list[Metadata], str]:
     several = max(own.values(), key=len, default=set())
     if len(several) < 2:
         return list(frames), ""
-    shown = ", ".join(f"{v:g}" for v in sorted(several)[:MOST])
-    if len(several) > MOST:
+    shown = ", ".join(f"{v:g}" for v in sorted(several)[:MAX_SETTINGS])
+    if len(several) > MAX_SETTINGS:
         return list(frames), (
             f"The header's offset differs from frame to frame ({shown}, ...); it is not used, and "
             "frames of several black levels may stand in one operating point."

@@ -11,7 +11,7 @@ from dnanalyze.loaders.checks import MIN_COLUMNS
 
 PAIRS = 32  # of planes that are compared
 LOOKED_AT = 1 << 15  # pixels of each plane
-CLEAR = 6.0  # standard errors of a correlation
+CORRELATION_ERRORS = 6.0  # standard errors of a correlation
 NOTE = (
     "The last axis counts the frames, as their likeness tells; frame_axis in the sidecar decides."
 )
@@ -55,9 +55,9 @@ def frames_last(name: str, stack: Any, asked: str | None) -> bool:
         np.mean([_likeness(all_pairs[..., k], all_pairs[..., k + 1]) for k in range(c - 1)])
     )
     error = 1.0 / np.sqrt(all_pairs.size / 2)
-    if c < MIN_COLUMNS or along_last > along_first + CLEAR * error:
+    if c < MIN_COLUMNS or along_last > along_first + CORRELATION_ERRORS * error:
         return True
-    if along_first > along_last + CLEAR * error:
+    if along_first > along_last + CORRELATION_ERRORS * error:
         return False
     raise InputError(
         f"{name}: has shape {(a, b, c)}; whether the first or the last axis counts the frames is "

@@ -9,11 +9,12 @@ import numpy as np
 
 from dnanalyze.robust import robust_deviation
 
-REACH = 8  # columns on either side that are compared
-CLEAR = 12.0  # robust scatters of such comparisons elsewhere in the frame
-LARGE = 1.0  # of the noise of a pixel: a smaller step adds less than a quarter to its variance
-SHARE = 0.7  # of the step that the next columns show, and whole taps: an edge, and no ramp
-LEAST = 8  # a tap is at least so large a part of the frame
+COMPARED_COLUMNS = 8  # columns on either side that are compared
+STEP_SCATTERS = 12.0  # robust scatters of such comparisons elsewhere in the frame
+# Of the noise of a pixel: a smaller step adds less than a quarter to its variance
+NOISE_SHARE = 1.0
+STEP_SHARE = 0.7  # of the step that the next columns show, and whole taps: an edge, and no ramp
+LEAST_TAP_SHARE = 8  # a tap is at least so large a part of the frame
 
 
 @dataclass(frozen=True)
@@ -75,21 +76,23 @@ def words(steps: list[Step], label: str) -> str:
 def _columns(profile: np.ndarray, noise: float) -> list[tuple[int, float]]:
     """First columns of the taps but the first, and the steps there."""
     pairs = (profile[1:] + profile[:-1]) / 2  # columns of two colours alternate
-    if pairs.size < 4 * REACH:
+    if pairs.size < 4 * COMPARED_COLUMNS:
         return []
-    windows = np.median(np.lib.stride_tricks.sliding_window_view(pairs, REACH), axis=1)
-    change = windows[REACH:] - windows[:-REACH]  # of pairs[j : j + REACH] and those before j
+    windows = np.median(np.lib.stride_tricks.sliding_window_view(pairs, COMPARED_COLUMNS), axis=1)
+    change = (
+        windows[COMPARED_COLUMNS:] - windows[:-COMPARED_COLUMNS]
+    )  # of pairs[j : j + COMPARED_COLUMNS] and those before j
     usual = robust_deviation(change)
-    limit = max(CLEAR * usual, LARGE * noise)
+    limit = max(STEP_SCATTERS * usual, NOISE_SHARE * noise)
     left, found = np.abs(change), list[int]()
-    while left.max() > limit and len(found) < LEAST:
+    while left.max() > limit and len(found) < LEAST_TAP_SHARE:
         at = int(np.argmax(left))
-        near = slice(max(at - REACH, 0), at + REACH + 1)
-        j = at + REACH
-        around = slice(max(j - REACH // 2, 0), j + REACH // 2 + 1)
+        near = slice(max(at - COMPARED_COLUMNS, 0), at + COMPARED_COLUMNS + 1)
+        j = at + COMPARED_COLUMNS
+        around = slice(max(j - COMPARED_COLUMNS // 2, 0), j + COMPARED_COLUMNS // 2 + 1)
         jump = profile[around][2:] - profile[around][:-2]  # of one colour
         edge = int(np.argmax(np.abs(jump)))
-        if np.abs(jump[edge]) > SHARE * np.abs(change[at]):
+        if np.abs(jump[edge]) > STEP_SHARE * np.abs(change[at]):
             # the jump is seen in two places: from the first column of the tap and the next
             found.append(_edge(profile, around.start + edge, change[at]))
         left[near] = 0.0
@@ -108,12 +111,14 @@ def _edge(profile: np.ndarray, start: int, height: float) -> int:
 def _lasting(profile: np.ndarray, edges: list[int], limit: float) -> list[tuple[int, float]]:
     """Edges between wide stretches whose levels differ, too."""
     bounds = [0, *edges, profile.size]
-    if min(np.diff(bounds)) < profile.size / LEAST:
+    if min(np.diff(bounds)) < profile.size / LEAST_TAP_SHARE:
         return []
     levels = [float(np.median(profile[a:b])) for a, b in pairwise(bounds)]
     heights = np.diff(levels)
     return [
-        (edge, float(h)) for edge, h in zip(edges, heights, strict=True) if abs(h) > SHARE * limit
+        (edge, float(h))
+        for edge, h in zip(edges, heights, strict=True)
+        if abs(h) > STEP_SHARE * limit
     ]
 
 
@@ -124,7 +129,7 @@ def _rows(levels: np.ndarray, noise: float) -> tuple[int, float] | None:
         above, below = levels[:k], levels[k:]
         height = float(np.median(below) - np.median(above))
         usual = max(float(np.ptp(above)), float(np.ptp(below)))
-        clear = abs(height) > max(LARGE * noise, CLEAR / 2 * usual)
+        clear = abs(height) > max(NOISE_SHARE * noise, STEP_SCATTERS / 2 * usual)
         if clear and (best is None or abs(height) > abs(best[1])):
             best = k, height
     return best

@@ -7,13 +7,13 @@ from collections.abc import Iterable
 import numpy as np
 
 TOLERANCE_C = 1.5  # where a capture does not say; dark current changes by 15 % over it
-APART = 10.0  # gap over the spread on either side of it, from which there are two set points
+GAP_RATIO = 10.0  # gap over the spread on either side of it, from which there are two set points
 FEWEST = 3  # readings on either side that show such a spread; of six normal ones 1 in 1e4 does
 ERROR_C = 0.2  # of a sensor's thermometer
 # The slope of ln R over 1/T is as wrong as the difference of the temperatures, sqrt(2) ERROR_C
 # over the span, whatever the activation energy: below this span by more than a tenth.
 SLOPE_SPAN_C = 3.0
-ALIKE = 1e-9  # C; rounding
+ROUNDING_C = 1e-9  # C; rounding
 
 
 def tells_slope(temperatures: Iterable[float | None]) -> bool:
@@ -49,7 +49,7 @@ def clusters(readings: np.ndarray, tolerance_c: float | None = None) -> list[tup
         part = readings[first:last]
         at = _widest_gap(part)
         apart = tolerance_c is None and _two_set_points(part, at)
-        if apart or part[-1] - part[0] > span + ALIKE:
+        if apart or part[-1] - part[0] > span + ROUNDING_C:
             waiting += [(first + at, last), (first, first + at)]
         else:
             runs.append((first, last))
@@ -73,7 +73,7 @@ def _widest_gap(part: np.ndarray) -> int:
     if len(part) < 2:
         return len(part)
     gaps = np.diff(part)
-    widest = np.flatnonzero(gaps >= gaps.max() - ALIKE)
+    widest = np.flatnonzero(gaps >= gaps.max() - ROUNDING_C)
     return int(widest[np.argmin(np.abs(2 * widest + 2 - len(part)))]) + 1
 
 
@@ -81,4 +81,4 @@ def _two_set_points(part: np.ndarray, at: int) -> bool:
     if min(at, len(part) - at) < FEWEST:
         return False
     spread = max(part[at - 1] - part[0], part[-1] - part[at])
-    return bool(spread > ALIKE and part[at] - part[at - 1] >= APART * spread)
+    return bool(spread > ROUNDING_C and part[at] - part[at - 1] >= GAP_RATIO * spread)

@@ -177,7 +177,7 @@ def add_scaled_normal(key, top, left, width, offset, scale, factor, signal):
             line[c] += base[c] + factor * spread[c] * _normal(words[c])
 
 
-FEW = F(10)  # electrons; below, Poisson counts come by exact inversion
+INVERTED_BELOW = F(10)  # electrons; below, Poisson counts come by exact inversion
 _BLOCK = 256
 
 
@@ -199,7 +199,7 @@ def replace_by_counts(key, top, left, width, k, signal):
             few = 0
             for c in range(n):
                 mean[c] = line[c] / k if line[c] > 0 else F(0)
-                few += mean[c] < FEW
+                few += mean[c] < INVERTED_BELOW
             if few == 0:
                 _many(here, mean[:n], count)
             elif few == n:
@@ -220,7 +220,7 @@ def _sorted(words, mean, few, at, word, lam):
     """Those of few electrons first: pixels, words and means of the block, in their order."""
     low, high = 0, few
     for c in range(mean.size):
-        is_few = mean[c] < FEW
+        is_few = mean[c] < INVERTED_BELOW
         to = low if is_few else high
         at[to], word[to], lam[to] = c, words[c], mean[c]
         low += is_few
@@ -229,7 +229,7 @@ def _sorted(words, mean, few, at, word, lam):
 
 @_inlined
 def _many(words, mean, count):
-    """Poisson counts of means from `FEW` on.
+    """Poisson counts of means from `INVERTED_BELOW` on.
 
     The continuous variable that rounds to the count has its cumulants less Sheppard's corrections;
     a Cornish-Fisher expansion to fourth order gives its quantiles.
@@ -253,7 +253,7 @@ def _many(words, mean, count):
 
 @_inlined
 def _few(words, mean, count, work):
-    """Poisson counts of means below `FEW`: the k whose tail P(X > k) first drops to 1 - u."""
+    """Poisson counts of means below `INVERTED_BELOW`: least k with P(X > k) <= 1 - u."""
     lam, p, above, tail = work[0], work[1], work[2], work[3]
     n = words.size
     for j in range(n):

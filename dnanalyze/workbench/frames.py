@@ -16,8 +16,9 @@ Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
 MOST_FRAMES = 16  # that a mean or a standard deviation is taken over
 CONTRAST = 0.1, 99.9  # percentiles within which the displayed range lies
-REACH = 4.0  # robust standard deviations of the displayed range to either side of the median
-FAR = 5.0  # robust standard deviations from which a pixel is an outlier
+# Robust standard deviations of the displayed range to either side of the median
+COLOUR_DEVIATIONS = 4.0
+OUTLIER_DEVIATIONS = 5.0  # robust standard deviations from which a pixel is an outlier
 SAMPLE = 1 << 16  # pixels that tell a percentile: the 0.1 % one is that of .1 +- .012 %
 
 
@@ -134,7 +135,7 @@ def outliers(pixels: np.ndarray, window: Window, most: int) -> Outliers:
     cut = pixels[window.slices]
     middle, noise = _spread(cut)
     far = np.abs(cut - middle)
-    rows, columns = np.nonzero(far > FAR * noise)
+    rows, columns = np.nonzero(far > OUTLIER_DEVIATIONS * noise)
     order = np.argsort(-far[rows, columns], kind="stable")[:most]
     at = rows[order], columns[order]
     return Outliers(at[0] + window.top, at[1] + window.left, cut[at], len(rows))
@@ -152,7 +153,11 @@ def contrast(images: list[np.ndarray]) -> tuple[float, float]:
     middle, noise = _spread(values)
     low, high = np.percentile(values, CONTRAST)
     low, high = (
-        float(x) for x in (max(low, middle - REACH * noise), min(high, middle + REACH * noise))
+        float(x)
+        for x in (
+            max(low, middle - COLOUR_DEVIATIONS * noise),
+            min(high, middle + COLOUR_DEVIATIONS * noise),
+        )
     )
     return (low, high) if high > low else (low - 0.5, low + 0.5)
 

@@ -8,7 +8,7 @@ import pytest
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.diagnose import diagnose_on, first_answer
 from dnanalyze.diagnosis.refine import refine_on
-from dnanalyze.fitting.design import LARGE, design
+from dnanalyze.fitting.design import PART_FROM_PIXELS, design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -26,7 +26,7 @@ def sensor(side, frames):
 @pytest.fixture(scope="module")
 def large():
     problem = fit_problem(design(sensor(512, 6)))
-    assert problem.plan.pixels >= LARGE
+    assert problem.plan.pixels >= PART_FROM_PIXELS
     return problem
 
 

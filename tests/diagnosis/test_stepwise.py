@@ -219,7 +219,7 @@ def far():
     effects = tuple(built_in()[name](**own) for name, own in numbers.items())
     model = NoiseModel(effects, 500.0, points[0], seed=4)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(designs, "LARGE", 0)
+        patch.setattr(designs, "PART_FROM_PIXELS", 0)
         return fit_problem(design(simulate(model, (256, 256), [(p, 4) for p in points])))
 
 

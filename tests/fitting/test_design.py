@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.design import ALIGNED, BAND, BUDGET_PIXELS, LARGE, design
+from dnanalyze.fitting.design import ALIGNED, BAND, BUDGET_PIXELS, PART_FROM_PIXELS, design
 from dnanalyze.fitting.fit import baseline_model, with_seed
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
@@ -78,7 +78,7 @@ def test_frames_are_spared_before_area(side, frames, kept, share):
 )
 def test_a_large_one_has_a_band_in_the_middle_of_either_half(rows, columns, frames, cfa):
     plan = design(captures((rows, columns), 2, frames, cfa))
-    if plan.pixels < LARGE or plan.train.shape[0] < 4 * BAND:
+    if plan.pixels < PART_FROM_PIXELS or plan.train.shape[0] < 4 * BAND:
         assert plan.part is None
         return
     assert plan.part.settings == plan.settings

@@ -45,7 +45,7 @@ def model(seed, **more):
 def problem():
     """Two temperatures, with a part though they are small."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(designs, "LARGE", 0)
+        patch.setattr(designs, "PART_FROM_PIXELS", 0)
         return fit_problem(design(simulate(model(4), SHAPE, [(p, FRAMES) for p in POINTS])))
 
 

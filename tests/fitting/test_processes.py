@@ -15,7 +15,13 @@ import small_series as small
 
 from dnanalyze.errors import InputError
 from dnanalyze.fitting import processes
-from dnanalyze.fitting.processes import MOST, WORTH, Processes, helpers_for, helpers_of
+from dnanalyze.fitting.processes import (
+    MAX_PROCESSES,
+    SHARED_FROM_PIXELS,
+    Processes,
+    helpers_for,
+    helpers_of,
+)
 from dnanalyze.fitting.simulated import Job, room, shared
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effect import Effect, Stage
@@ -147,10 +153,10 @@ def test_the_error_of_either_process_is_told_and_the_next_job_is_its_own(problem
 
 
 def test_helpers_are_started_only_where_there_is_much_to_do():
-    assert helpers_for(WORTH - 1).shares == 1
-    many = helpers_for(WORTH)
+    assert helpers_for(SHARED_FROM_PIXELS - 1).shares == 1
+    many = helpers_for(SHARED_FROM_PIXELS)
     try:
-        assert many.shares == min(cpu_count() - 1, MOST) + 1
+        assert many.shares == min(cpu_count() - 1, MAX_PROCESSES) + 1
     finally:
         getattr(many, "close", bool)()
 

@@ -211,7 +211,7 @@ def test_a_count_does_not_depend_on_how_many_electrons_its_neighbours_have():
     mean = (10.0 * np.exp(rng.normal(0.0, 1.5, (7, 700)))).astype(np.float32)
     mean[0], mean[1] = 1.0, 1000.0
     mean[0, 300], mean[1, 300] = mean[1, 0], mean[0, 0]  # one among others
-    few = mean < kernels.FEW
+    few = mean < kernels.INVERTED_BELOW
     assert 0.2 < few.mean() < 0.8
     window = Window(3, 10, 5, 705)
 

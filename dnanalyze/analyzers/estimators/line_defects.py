@@ -7,10 +7,10 @@ import numpy as np
 from dnanalyze.robust import robust_deviation
 
 SURE = 5.0  # robust deviations: one Gaussian line in 1.7 million is farther off
-MOST = 0.1  # share of the lines up to which they are single ones
+SINGLE_LINES = 0.1  # share of the lines up to which they are single ones
 LOUDEST = 64  # lines that are looked at
 FEWEST, NEAR = 32, 15  # lines: of a profile, and of the neighbourhood that sets the level
-REACH = 4.0  # robust deviations to which a pixel counts
+COUNTED_DEVIATIONS = 4.0  # robust deviations to which a pixel counts
 KNOTS = 64  # places along a line that are tried first
 PARTIAL = 40.0  # gain in log likelihood, doubled, from which a line is taken to be a part of one
 
@@ -35,7 +35,7 @@ def standing_out(profile: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     apart = against_neighbours(profile)
     spread = robust_deviation(apart)
     far = np.flatnonzero(np.abs(apart) > SURE * spread)
-    if far.size > MOST * profile.size:
+    if far.size > SINGLE_LINES * profile.size:
         far = far[:0]
     return far, apart[far]
 
@@ -69,7 +69,9 @@ def _extent(pattern: np.ndarray, column: int, above: bool) -> tuple[float, float
     off = np.asarray(pattern[:, column] - level, float)
     spread = robust_deviation(around - level[:, None], 0.0)
     spread = spread or float(np.abs(off).max())  # of constant lines around
-    first, last = _part(np.clip((off if above else -off) / spread, -REACH, REACH))
+    first, last = _part(
+        np.clip((off if above else -off) / spread, -COUNTED_DEVIATIONS, COUNTED_DEVIATIONS)
+    )
     return float(column), float(np.median(off[first:last])), float(first), float(last)
 
 

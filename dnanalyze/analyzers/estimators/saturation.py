@@ -23,11 +23,11 @@ CROWDED = 20  # pixels of all frames at an outermost code below which they are s
 BIN = 64  # pixels; the median of their variances is good to 30 % for two frames
 FEWEST = 8  # bins of a plateau: chance does not keep that many low
 FALL = 9.0  # of the variance to the plateau; noise of amplifiers of a sensor differs by less than 3
-MOST = 0.9  # of the pixels from its begin on are on the plateau
+PLATEAU_SHARE = 0.9  # of the pixels from its begin on are on the plateau
 # Standard deviations of their noise that the pixels below a plateau lie below it. A pixel that is
 # as exposed, but left noisy by a denoise, lies sqrt(K) below with its outlier in one of K <= 16
 # frames.
-APART = 4.5
+PLATEAU_GAP = 4.5
 LEVELS = 2048  # bins at most
 MAJORITY = 0.5  # of the pixels clipped or saturated: the median and the noise are not a sensor's
 SAMPLE = 1 << 18  # pixels of a frame that are sorted: BIN for each of the levels, and more
@@ -189,7 +189,7 @@ def plateau(level: np.ndarray, variance: np.ndarray, frames: int) -> float:
         return math.inf
     before = level[order[:begins]]
     apart = level[order[begins, 0]] - np.median(before)
-    if apart < APART * math.sqrt(np.median(noise[:begins])):
+    if apart < PLATEAU_GAP * math.sqrt(np.median(noise[:begins])):
         return math.inf
     return float(level[order[begins, 0]])
 
@@ -204,7 +204,7 @@ def _collapse(noise: np.ndarray) -> int | None:
     for begins in range(FEWEST, noise.size - FEWEST + 1):
         before = noise[:begins]
         limit = np.median(before) / FALL
-        if noise[begins] > limit or np.mean(noise[begins:] <= limit) < MOST:
+        if noise[begins] > limit or np.mean(noise[begins:] <= limit) < PLATEAU_SHARE:
             continue
         quarters = [np.median(part) for part in np.array_split(before, 4)]
         # of the last median's three bins the last

@@ -14,7 +14,7 @@ from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 CENTRAL = 0.98  # share of a histogram that counts as its body
 GAUSSIAN = 3.45  # codes of the body over those between the quartiles, of a normal distribution
-FEW = 30  # counts
+TAIL_COUNTS = 30  # counts
 STEEP = 4.0  # times what is smooth over it that a code counts for at most
 OVERUSED = 5.0  # standard errors above its neighbours
 
@@ -127,10 +127,12 @@ def _spike(inwards: np.ndarray, frames: int, repeats: float) -> Value:
     last, second, third = int(reached[at]), int(inwards[at + 1]), int(inwards[at + 2])
     outer = math.log((last + 1) / (second + 1))
     inner = math.log((last + second + 1) / (third + 1))
-    above = max(last - frames, 0) + FEW
-    w = 1.0 - FEW / above
+    above = max(last - frames, 0) + TAIL_COUNTS
+    w = 1.0 - TAIL_COUNTS / above
     # Poisson, with some counts more: which code is the last one seen is itself chance
-    steps = abs(outer - inner) * FEW / above**2 + w / (last + 5) + (1 - w) / (last + second + 5)
+    steps = (
+        abs(outer - inner) * TAIL_COUNTS / above**2 + w / (last + 5) + (1 - w) / (last + second + 5)
+    )
     others = (w**2 + (1 - w) ** 2) / (second + 5) + (1 - w) ** 2 / (third + 5)
     se = math.sqrt(repeats * (steps**2 * (last + 5) + others))
     return Value(math.exp(w * outer + (1 - w) * inner), max(se, 0.02))

@@ -26,7 +26,9 @@ COLD = (5, 8)
 TRANSIENT = 8.0  # robust temporal sigmas
 _DEAD_CHANCE = 1e-4  # that so many of the pixels at a code never change
 DEAD_NOISE = 0.3  # DN of temporal noise from which a pixel without any is dead
-LEAST = math.sqrt(2.0)  # error of pixels in clumps, which hold two at least, where there are none
+LEAST_ERROR = math.sqrt(
+    2.0
+)  # error of pixels in clumps, which hold two at least, where there are none
 MOST_LISTED = 1 << 16  # hot pixels
 TAIL_SHARE = 0.001  # of the pixels, for the tail index
 EXCEEDANCE = np.concatenate([-np.geomspace(16, 1, 9), np.geomspace(1, 256, 33)])  # robust sigmas
@@ -174,7 +176,7 @@ def _in_clumps(found: Links, errors: bool) -> Value:
     """Pixels with a neighbour: clumps are Poisson, and a clump's pixels come together."""
     count = found.with_neighbour()
     if not (count and errors):
-        return Value(float(count), LEAST)
+        return Value(float(count), LEAST_ERROR)
     sizes = found.clump_sizes()
     return Value(float(count), math.sqrt(float(sizes[sizes > 1].mean())))
 

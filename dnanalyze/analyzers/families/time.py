@@ -25,7 +25,7 @@ VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
 GROUPS = {"50": (0.0, 0.5), "90": (0.9, 0.99), "99": (0.99, 0.999), "999": (0.999, 1.0)}
 CUTS = np.array([0.5, 0.9, 0.99, 0.999])
 FEWEST = 8.0  # pixels in a group for it to be stated
-REACH = 3.0  # ends of r1, times its scatter 1 / sqrt(frames)
+END_SCATTERS = 3.0  # ends of r1, times its scatter 1 / sqrt(frames)
 TIED_FRAMES = 8  # up to which variances of codes take few values
 
 INFOS = (
@@ -216,7 +216,7 @@ def _lag_one(acc: Accumulated, out: FamilyResult) -> None:
         r1 = acc.maps.lag_one / (variance * np.float32(k - 1))
     r1[~noisy] = -1.0 / k
     # A mean within fixed ends: codes give few different values, and a median jumps between them.
-    reach = REACH / math.sqrt(k)
+    reach = END_SCATTERS / math.sqrt(k)
     np.clip(r1, -1 / k - reach, -1 / k + reach, out=r1)
     mean = float(np.mean(r1, dtype=np.float64))
     drift = acc.drift_error(acc.temporal_mean) / math.sqrt(2)  # whole frames are one series

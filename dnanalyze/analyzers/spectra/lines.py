@@ -25,7 +25,7 @@ from dnanalyze.analyzers.spectra.peaks import (
     largest_peak,
 )
 
-MOST = 6  # lines off the axes, and as many on them, beside the strongest
+MAX_LINES = 6  # lines off the axes, and as many on them, beside the strongest
 NUMBERS = 7  # of a line, see `as_curve`
 _SPAN = 2  # modes on either side that are the line itself
 # Mode of the lowest line on the axes of what changes in time, which has no shading: from here on
@@ -100,7 +100,7 @@ def further_lines(
     for line in first:
         _take_out(left, shape, line, repeats, quiet)
     # where the strongest off the axes is not real no other is
-    wanted = {True: MOST, False: MOST if any(not line.axis for line in first) else 0}
+    wanted = {True: MAX_LINES, False: MAX_LINES if any(not line.axis for line in first) else 0}
     lines: list[Line] = []
     while any(wanted.values()):
         seen = [

@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
-REACH = 6.0  # standard normal deviates: 2e-9 of the pixels lie beyond
+LARGEST_DEVIATE = 6.0  # standard normal deviates: 2e-9 of the pixels lie beyond
 NODES = 1537  # of the table of gamma deviates: 2e-5 of their standard deviation for rms to 2
 LEFT = 0.3  # of the seed's standard deviation, 9 % of its variance: a fit can move it either way
 
@@ -91,7 +91,7 @@ def gamma_deviates(normal: np.ndarray, rms: float) -> np.ndarray:
     from scipy.special import gammaincinv, ndtr
 
     shape = 1.0 / rms**2
-    nodes = np.linspace(-REACH, REACH, NODES)
+    nodes = np.linspace(-LARGEST_DEVIATE, LARGEST_DEVIATE, NODES)
     table = gammaincinv(shape, ndtr(nodes)) / shape
     found: np.ndarray = np.interp(normal, nodes, table).astype(np.float32)
     return found

@@ -14,8 +14,8 @@ from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.hot_tail import HotTail, amplitude
 
-REACH = 8
-MOST = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
+MAX_RADIUS = 8
+MAX_OFFSPRING = 64  # offspring of one parent; P(more) < 1e-9 within the bounds
 
 
 @dataclass(frozen=True)
@@ -57,11 +57,11 @@ class HotClusters(HotTail):
         "crosstalk": "a halo by crosstalk has the same relative height around every hot pixel",
         "cosmic_rays": "a hit is in one frame only",
     }
-    reach: ClassVar[int] = REACH
+    reach: ClassVar[int] = MAX_RADIUS
 
     density: float = parameter(2e-4, "1/pixel", 1e-8, 0.05, "clusters per pixel of the field")
     members: float = parameter(4.0, "1", 0.1, 25.0, "mean number of hot pixels in a cluster")
-    radius: float = parameter(1.5, "pixel", 0.5, float(REACH - 1), "radius of a cluster")
+    radius: float = parameter(1.5, "pixel", 0.5, float(MAX_RADIUS - 1), "radius of a cluster")
     scale: float = parameter(
         50.0, "DN", 1e-2, 1e6, "mean extra signal at the reference temperature, exposure and gain"
     )
@@ -88,7 +88,7 @@ class HotClusters(HotTail):
         arrival = np.zeros(index.size)
         scale = self.scale_at(site)
         out = np.zeros(site.window.shape)
-        for n in range(MOST):
+        for n in range(MAX_OFFSPRING):
             arrival -= np.log(stream.child(n, "arrival").uniform_at(index))
             alive = arrival < self.value("members", site.point)
             if not alive.any():
@@ -130,9 +130,9 @@ class HotClusters(HotTail):
         r = self.value("radius", point)
         far = r * np.sqrt((np.arange(n) + 0.5) / n)[:, None]
         angle = 2 * np.pi * (np.arange(n) + 0.5)[None, :] / n
-        y = np.rint(far * np.sin(angle)).astype(int) + REACH
-        x = np.rint(far * np.cos(angle)).astype(int) + REACH
-        share = np.bincount((y * (2 * REACH + 1) + x).ravel()) / n**2
+        y = np.rint(far * np.sin(angle)).astype(int) + MAX_RADIUS
+        x = np.rint(far * np.cos(angle)).astype(int) + MAX_RADIUS
+        share = np.bincount((y * (2 * MAX_RADIUS + 1) + x).ravel()) / n**2
         return float((share**2).sum())
 
     def hot_signal(self, reference: OperatingPoint) -> HotSignal:

@@ -16,7 +16,7 @@ from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.wave import Wave, strongest_wave
 
 PERIODS = 1.5  # over the field; less is no pattern but a slope, or one under every other line
-MOST = 8  # lines, the first among them
+MAX_LINES = 8  # lines, the first among them
 RELATIVE = (1e-3, 10.0)  # amplitudes of further lines over the first's
 PARTS = {"temporal": "random", "pattern": "fixed"}  # of the spectrum, and the phase there
 
@@ -75,10 +75,10 @@ class PeriodicPattern(Effect):
     def __post_init__(self) -> None:
         super().__post_init__()
         lines, rest = divmod(len(self.more), 3)
-        if rest or lines >= MOST:
+        if rest or lines >= MAX_LINES:
             raise InputError(
                 f"periodic_pattern.more: {len(self.more)} numbers; give u, v and relative "
-                f"amplitude of each further line, {MOST - 1} lines at most"
+                f"amplitude of each further line, {MAX_LINES - 1} lines at most"
             )
         for u, v, relative in self.further:
             if abs(u) > 0.5 or abs(v) > 0.5:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 
-REACH = 5.0  # tail lengths after which the rest of a tail, 0.7 %, is put into its last pixel
+TAIL_LENGTHS = 5.0  # tail lengths after which the rest of a tail, 0.7 %, is put into its last pixel
 TOWARDS = {"down": (0, 1), "up": (0, -1), "right": (1, 1), "left": (1, -1)}  # axis, sign
 
 
@@ -68,12 +68,12 @@ class TransferTails(Effect):
     def margin(self) -> int:
         """Pixels of a tail."""
         longest = max(getattr(self.tau, "values", None) or (getattr(self.tau, "value", self.tau),))
-        return math.ceil(REACH * longest)
+        return math.ceil(TAIL_LENGTHS * longest)
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Defer the charge; the sum runs in one order everywhere, so windows agree."""
         loss, tau = (self.value(name, site.point) for name in ("loss", "tau"))
-        weights = deferred(tau, math.ceil(REACH * tau)) * loss
+        weights = deferred(tau, math.ceil(TAIL_LENGTHS * tau)) * loss
         axis, sign = TOWARDS[self.towards]
         # the tail runs along the last axis, from first to last
         source = np.moveaxis(signal, axis, 0)[::sign]

@@ -13,7 +13,7 @@ from dnanalyze.model.noise_model import NoiseModel, dump_model
 
 FORMATS = ("csv", "getframes", "json", "numpy", "pyxel", "torch", "yaml")
 BY_SUFFIX = {".csv": "csv", ".json": "json", ".py": "numpy", ".toml": "getframes", ".yaml": "yaml"}
-MOST = 100_000  # rows or columns of another program's detector
+MAX_SIDE = 100_000  # rows or columns of another program's detector
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ def exported(
     if len(temperatures) > 1:
         stated = ",".join(f"{t:g}" for t in temperatures)
         raise InputError(f"temperatures {stated}: {format} takes one temperature")
-    if not all(1 <= n <= MOST for n in shape):
-        raise InputError(f"shape {shape[0]}x{shape[1]}: valid: 1 to {MOST} rows and columns")
+    if not all(1 <= n <= MAX_SIDE for n in shape):
+        raise InputError(f"shape {shape[0]}x{shape[1]}: valid: 1 to {MAX_SIDE} rows and columns")
     translate = getframes_preset if format == "getframes" else pyxel_pipeline
     made = translate(model, shape, temperatures[0] if temperatures else None)
     return Exported(made.text, tuple(made.lost))

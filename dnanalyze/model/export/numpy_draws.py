@@ -21,7 +21,7 @@ NORMAL = (
     0.0020622294396162033, 0.00426151417195797,
 )  # fmt: skip
 TAIL = (1.930770993232727, 29.307710647583008, 10.0)
-FEW = 10.0
+INVERTED_BELOW = 10.0
 
 
 def bits_at(key: int, index: np.ndarray) -> np.ndarray:
@@ -108,8 +108,8 @@ def counts(signal: np.ndarray, dn_per_e: float, key: int, window: Window, width:
     k = np.float32(dn_per_e)
     word = words(key, window, width)
     mean = np.maximum(signal, 0) / k
-    few = mean < FEW
-    number = many_counts(normal_of(word), np.maximum(mean, FEW))
+    few = mean < INVERTED_BELOW
+    number = many_counts(normal_of(word), np.maximum(mean, INVERTED_BELOW))
     number[few] = few_counts(word[few], mean[few])
     return k * number + np.minimum(signal, 0)
 

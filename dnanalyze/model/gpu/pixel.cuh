@@ -1,6 +1,6 @@
 // What dnanalyze.model.kernels does to a row of pixels, to one pixel; operation by operation the
 // same, so that IEEE 754 gives the same bits as long as the compiler fuses none (--fmad=false).
-// The coefficients L, Z, A, B, C, FEW, LN2, ... and the table INVERSE are those of that module.
+// The coefficients L, Z, A, B, C, INVERTED_BELOW, LN2, ... and the table INVERSE are those of that module.
 
 typedef unsigned long long u64;
 typedef unsigned int u32;
@@ -69,7 +69,7 @@ __device__ inline float exponential(float x) {
     return p * __int_as_float((int(n) + 127) << 23);
 }
 
-// Poisson counts of a mean from FEW on: Cornish-Fisher.
+// Poisson counts of a mean from INVERTED_BELOW on: Cornish-Fisher.
 __device__ inline float many(u32 word, float lam) {
     const float z = normal(word);
     const float s2 = lam - float(1.0 / 12);
@@ -87,7 +87,7 @@ __device__ inline float many(u32 word, float lam) {
     return n > 0.0f ? n : 0.0f;
 }
 
-// Poisson counts of a mean below FEW: inversion.
+// Poisson counts of a mean below INVERTED_BELOW: inversion.
 __device__ inline float few(u32 word, float mean) {
     const double lam = mean;
     const double x = lam * (-1.0 / 16);
@@ -120,7 +120,7 @@ __device__ inline float few(u32 word, float mean) {
 
 __device__ inline float counts(float y, float k, u32 word) {
     const float mean = y > 0.0f ? y / k : 0.0f;
-    return k * (mean < FEW ? few(word, mean) : many(word, mean)) + (y < 0.0f ? y : 0.0f);
+    return k * (mean < INVERTED_BELOW ? few(word, mean) : many(word, mean)) + (y < 0.0f ? y : 0.0f);
 }
 
 // Whether a telegraph signal is in its upper level: ``keys`` are pairs (is it drawn anew, is it up)

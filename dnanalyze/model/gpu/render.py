@@ -19,7 +19,7 @@ from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulator import room
 
-SMALL = 1 << 16  # bytes; smaller arrays go to the device together, batch by batch
+BATCHED_BYTES = 1 << 16  # bytes; smaller arrays go to the device together, batch by batch
 ALIGNED = 16
 
 
@@ -134,7 +134,7 @@ class Renderer:
                     table[row, column] = number
                 elif isinstance(number, Result):
                     table[row, column] = self.device.address(made[number.step][row])
-                elif number.nbytes < SMALL:
+                elif number.nbytes < BATCHED_BYTES:
                     if id(number) not in where:
                         where[id(number)] = len(small)
                         small += number.tobytes() + bytes(-number.nbytes % ALIGNED)

@@ -168,7 +168,12 @@ def _constants() -> str:
 
     floats = {f"L{k}": getattr(kernels, f"_L{k}") for k in range(8)}
     floats |= {f"Z{k}": getattr(kernels, f"_Z{k}") for k in range(13)}
-    floats |= {"A": kernels._A, "B": kernels._B, "C": kernels._C, "FEW": kernels.FEW}
+    floats |= {
+        "A": kernels._A,
+        "B": kernels._B,
+        "C": kernels._C,
+        "INVERTED_BELOW": kernels.INVERTED_BELOW,
+    }
     floats |= {"LN2": kernels._LN2, "LN2_HIGH": kernels._LN2_HIGH, "LN2_LOW": kernels._LN2_LOW}
     floats |= {"LOG2E": kernels._LOG2E, "UNIT": kernels._UNIT, "TINY": kernels._TINY}
     floats |= {"BELOW_ONE": kernels._BELOW_ONE}

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.robust import MAD
 
 DEGREE = 3  # of the smooth trend beside the strips
-MOST = 15  # edges: the 16 outputs of the widest readout in the catalogue
+MAX_EDGES = 15  # edges: the 16 outputs of the widest readout in the catalogue
 NARROWEST = 8  # lines: from which a level is told from a defect of a few lines
 _FEWEST = 4 * NARROWEST  # lines
 _WITHOUT_GAIN = 3  # edges in a row that the criterion does not want: the search ends
@@ -78,7 +78,7 @@ def strips(profile: np.ndarray) -> Strips | None:
     trend = np.polynomial.legendre.legvander(np.linspace(-1, 1, n), DEGREE)
     found = [_fit(level, trend, ())]
     alone, best = found[0], 0
-    while len(found) <= min(MOST, n // NARROWEST - 1):
+    while len(found) <= min(MAX_EDGES, n // NARROWEST - 1):
         edges = _moved(level, trend, _with_another(level, trend, found[-1].edges))
         if len(edges) < len(found):
             break

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-SEEN = 12.0  # power of the characteristic function, times the count, from which its log is told
+# Power of the characteristic function, times the count, from which its log is told
+POWER_COUNTS = 12.0
 PERIODS = 0.9  # of the ripple that must be seen
 LEAST_RIPPLE = 10.0  # standard errors by which the ripple stands out
 NUMBERS = 0.02, 20.0
@@ -43,7 +44,7 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
     f = f[f < 4.0 / spread]
     wave = np.exp(-2j * np.pi * f[:, None] * (centres - mean)) @ counts / total
     power = total * np.abs(wave) ** 2
-    lost = np.flatnonzero(power < SEEN)
+    lost = np.flatnonzero(power < POWER_COUNTS)
     f, power = (a[: lost[0] if lost.size else None] for a in (f, power))
     if f.size < 12:
         return None

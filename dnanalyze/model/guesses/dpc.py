@@ -14,7 +14,7 @@ from dnanalyze.model.effects.dpc import Dpc
 from dnanalyze.model.guesses.evidence import excess, shows, strongest, typical_positive
 
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
-FAR = 3.0  # times the usual threshold from which that is looked at too
+HIGH_THRESHOLD = 3.0  # times the usual threshold from which that is looked at too
 _LEAST = 1.0, 2.0  # noise: net signal that a multiple of the median may be taken of
 _ENOUGH = 5.0  # pixels that should stand out
 _TAIL = (  # quantiles of the pattern, and the share of the pixels above them
@@ -50,7 +50,7 @@ def guess(effect: type[Dpc], clues: Clues) -> list[Effect]:
         guesses.append(effect(bounded(effect, "threshold", 0.2 * noise), kind="clamp"))
     if sparse or cut:
         guesses.append(effect(kind="static"))
-    if standing and threshold > FAR * usual:
+    if standing and threshold > HIGH_THRESHOLD * usual:
         guesses.append(effect(usual, kind="excess"))
     if rare:
         guesses.append(effect(low, kind="ratio"))

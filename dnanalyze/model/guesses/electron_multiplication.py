@@ -11,8 +11,9 @@ from dnanalyze.model.effects.electron_multiplication import ElectronMultiplicati
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows
 
-LEAST = 1.15  # third cumulant over that of counting noise from which a register is worth a trial
-FAR = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
+# Third cumulant over that of counting noise from which a register is worth a trial
+CUMULANT_RATIO = 1.15
+OUTLIER_DEVIATIONS = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
 HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that makes a kind, e-
 
 
@@ -34,7 +35,7 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
         return []
     slope, _ = np.polyfit(mean[good], variance[good], 1, w=1.0 / variance[good])
     skewed, zero = np.polyfit(mean[good], third[good], 1, w=variance[good] ** -1.5)
-    if slope <= 0 or skewed < LEAST * slope**2:
+    if slope <= 0 or skewed < CUMULANT_RATIO * slope**2:
         return []
     ratio = float(min(skewed / slope**2, 1.9))
     factors = dict.fromkeys((HIGH_GAIN, round(1.0 / (2.0 - ratio), 3)))
@@ -66,7 +67,7 @@ def _moments(clues: Clues, x: str, n: str, setting: int) -> tuple[float, float] 
         return None
     summed = np.cumsum(counts) / np.sum(counts)
     low, middle, high = values[np.searchsorted(summed, (0.159, 0.5, 0.841))]
-    near = np.abs(values - middle) <= FAR * max(high - low, 1.0) / 2.0
+    near = np.abs(values - middle) <= OUTLIER_DEVIATIONS * max(high - low, 1.0) / 2.0
     values, counts = values[near], counts[near] / np.sum(counts[near])
     away = values - counts @ values
     return float(counts @ away**2), float(counts @ away**3)

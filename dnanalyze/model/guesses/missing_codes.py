@@ -14,7 +14,7 @@ from dnanalyze.model.guesses.code_widths import code_widths
 from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
-ALIKE = 0.1  # of a width: histograms tell no better
+WIDTH_SCATTER = 0.1  # of a width: histograms tell no better
 FEWEST = 4  # codes of a period; in shorter ones too few others are alike
 
 
@@ -55,8 +55,8 @@ def _by_a_gain(d: np.ndarray) -> bool:
     odd = int(np.argmax(np.abs(d - np.median(d))))
     others = 1.0 + np.delete(d, odd)
     times = (1.0 + d[odd]) / others.mean()
-    alike = bool(np.ptp(others) < ALIKE * others.mean())
-    return alike and bool(min(abs(times - 2.0), times) < ALIKE)
+    alike = bool(np.ptp(others) < WIDTH_SCATTER * others.mean())
+    return alike and bool(min(abs(times - 2.0), times) < WIDTH_SCATTER)
 
 
 def _with_widths(d: np.ndarray) -> MissingCodes:

@@ -11,7 +11,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_taps import ColumnTaps
 from dnanalyze.model.effects.periodic_pattern import (
-    MOST,
+    MAX_LINES,
     PARTS,
     PERIODS,
     RELATIVE,
@@ -23,7 +23,7 @@ from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.guesses.evidence import shows
 from dnanalyze.model.wave import SAME, Wave, strongest_wave, together
 
-SEEN = 0.5  # share of the places with the first line at which a further one shows
+SEEN_SHARE = 0.5  # share of the places with the first line at which a further one shows
 WEAKEST = 0.1  # amplitude of a further line over the first's
 TAPS = ColumnTaps.parameters()["taps"].choices  # fixed lines at fractions of these are taps
 
@@ -51,13 +51,13 @@ def _further(first: Wave, waves: Sequence[Wave], clues: Clues, phase: str) -> tu
         seen = _amplitudes(same)
         relative = float(np.median(seen) / np.median(typical))
         if (
-            len(seen) >= SEEN * len(typical)
+            len(seen) >= SEEN_SHARE * len(typical)
             and WEAKEST <= relative <= RELATIVE[1]
             and beats(line.v, line.u, clues.field) >= PERIODS
             and not (phase == "fixed" and _of_taps(line))
         ):
             found.append((line.u, line.v, round(relative, 4)))
-    strongest = sorted(found, key=lambda f: -f[2])[: MOST - 1]
+    strongest = sorted(found, key=lambda f: -f[2])[: MAX_LINES - 1]
     return tuple(number for line in strongest for number in line)
 
 

@@ -15,7 +15,7 @@ from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows
 from dnanalyze.model.guesses.hot_counts import hot_signals
 
-ALIKE = 3.0  # times: two fractions nearer than this are one guess
+FRACTION_RATIO = 3.0  # times: two fractions nearer than this are one guess
 SLOW = 2.0  # frames: a pixel that hardly changes in the series shows in the pattern too
 
 
@@ -47,7 +47,7 @@ def _of_noise(effect: type[Rts], clues: Clues) -> list[Effect]:
     lost = lost[np.isfinite(lost) & (lost > 0)]
     fractions = [float(np.median(lost)) if lost.size else 0.01]
     few = _noisier(clues)
-    if not 1 / ALIKE < few / fractions[0] < ALIKE:
+    if not 1 / FRACTION_RATIO < few / fractions[0] < FRACTION_RATIO:
         fractions.append(few)
     step = np.sqrt(np.where(step2 > 0, step2, np.nan))
     thermal = hints.thermal_fit(clues, step / hints.exposure_and_gain(clues), 0.6)

@@ -9,7 +9,7 @@ import numpy as np
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import curve, shows
 
-FAR = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
+HOT_DEVIATIONS = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20  # hot pixels that show how they are spread
 NARROW = 0.4  # quartile distance over median; 1.6 where amplitudes are exponential
 _QUARTILES = 1.349  # between the quartiles of a normal distribution, standard deviations
@@ -50,7 +50,7 @@ def single_peak(clues: Clues) -> Peak | None:
             continue
         summed = np.cumsum(n)
         x = x - np.interp(0.5 * summed[-1], summed, x)
-        hot = x > FAR * sigma[setting]
+        hot = x > HOT_DEVIATIONS * sigma[setting]
         count = np.cumsum(n[hot])
         if not hot.any() or count[-1] < FEWEST:
             continue

@@ -17,7 +17,7 @@ from dnanalyze.model.guesses.evidence import (
     typical_positive,
 )
 
-ALIKE = 0.9  # share of the largest offset of a line from which others are as far off
+OFFSET_SHARE = 0.9  # share of the largest offset of a line from which others are as far off
 MORE = 1.1  # times the pixels that never change, in columns; rows may lie where none are counted
 
 
@@ -71,5 +71,7 @@ def _lines(clues: Clues, code: float, count: float) -> dict[str, tuple[float, ..
     for axis, along in (("columns", 0), ("rows", 1)):
         places, offsets, begins, ends = seen[axis].T
         whole = (begins <= 0) & (ends >= clues.field[along])
-        found[axis] = tuple(float(p) for p in places[whole & (sign * offsets >= ALIKE * most)])
+        found[axis] = tuple(
+            float(p) for p in places[whole & (sign * offsets >= OFFSET_SHARE * most)]
+        )
     return found if len(found["columns"]) * clues.shape[0] <= MORE * count else none

@@ -12,7 +12,7 @@ from dnanalyze.report.figures.style import GAUSSIAN, Cell, Picture, panels
 
 CELLS = 120
 FARTHEST = 60.0  # robust standard deviations
-MOST = 1e4  # pixels in a cell at the bright end of the colours
+BRIGHT_END = 1e4  # pixels in a cell at the bright end of the colours
 EQUAL = "pixel = neighbour"
 
 
@@ -43,7 +43,7 @@ def draw_neighbours(ax: Any, frame: np.ndarray) -> Any:
     ax.grid(visible=False)
     shown = np.ma.masked_less(counts.T, 1)
     ax.imshow(
-        shown, norm=LogNorm(1, MOST), cmap="cividis", origin="lower", aspect="equal",
+        shown, norm=LogNorm(1, BRIGHT_END), cmap="cividis", origin="lower", aspect="equal",
         extent=(edges[0], edges[-1], edges[0], edges[-1]),
     )  # fmt: skip
     ax.plot([-5, top], [-5, top], color=GAUSSIAN, linewidth=0.9, label=EQUAL)
@@ -69,7 +69,7 @@ def scatter(frames: Sequence[tuple[str, np.ndarray]]) -> Picture | None:
     if not frames:
         return None
     return panels(
-        [*(cell(*f) for f in frames), bar_cell("pixels", 1, MOST, height=3.3, log=True)],
+        [*(cell(*f) for f in frames), bar_cell("pixels", 1, BRIGHT_END, height=3.3, log=True)],
         "Each pixel of one frame over the largest of its eight neighbours (of its own colour), "
         "above the median, in robust standard deviations. Orange line: pixel and neighbour are "
         "equal. In an unfiltered frame hot pixels form a vertical arm at the left, far above that "

@@ -22,7 +22,7 @@ from dnanalyze.report.figures.style import (
 )
 from dnanalyze.report.tables import info
 
-MOST = 8  # statistics shown
+MAX_STATISTICS = 8  # statistics shown
 FLOOR = 0.3  # standard deviations, at the left end of the axis
 Rows = Sequence[Mapping[str, Any]]
 
@@ -35,7 +35,7 @@ def largest(rows: Rows) -> dict[str, float]:
     return dict(found)
 
 
-def changed(before: Rows, after: Rows, most: int = MOST) -> list[str]:
+def changed(before: Rows, after: Rows, most: int = MAX_STATISTICS) -> list[str]:
     """The statistics that an effect corrects most; of those that say the same, the first."""
     was, now = largest(before), largest(after)
     fall = {n: np.log(max(was[n], 1.0) / max(now[n], 1.0)) * was[n] ** 0.5 for n in was if n in now}

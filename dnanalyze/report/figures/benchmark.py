@@ -87,7 +87,7 @@ def _series(
     ax: Any, readings: Sequence[Any], criterion: Any, result: Any, look: dict[str, Any]
 ) -> None:
     from dnanalyze.benchmarking.laws import estimate
-    from dnanalyze.benchmarking.run import REACH
+    from dnanalyze.benchmarking.run import EXTRAPOLATION
 
     good = [r for r in readings if r.value > 0]
     if not good:
@@ -101,7 +101,7 @@ def _series(
         ax.plot([], [], **look)  # its name
         return
     common = result.temperatures
-    reach = REACH * float(np.ptp(t))
+    reach = EXTRAPOLATION * float(np.ptp(t))
     low, high = min([t.min(), *common]), max([t.max(), *common])
     grid = np.linspace(max(low, t.min() - reach), min(high, t.max() + reach), 40)
     laws = [estimate(readings, float(c), criterion.floor) for c in grid]

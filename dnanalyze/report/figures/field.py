@@ -14,11 +14,11 @@ from dnanalyze.report.words import point_label, sentence, varied
 from dnanalyze.robust import robust_deviation
 
 CELLS = 400  # a side of a panel: about its pixels on the screen
-SMALL = 260  # the same of more than three panels
-REACH = 4.0  # robust standard deviations about the median that the colours span
+SMALL_PANEL = 260  # the same of more than three panels
+COLOUR_DEVIATIONS = 4.0  # robust standard deviations about the median that the colours span
 TONES = 24  # colours of an image: fewer tones make a lighter page
 MEASURED, LEFT = "cividis", "RdBu_r"
-SCALE = f"Colours: the median and {REACH:g} robust standard deviations to either side."
+SCALE = f"Colours: the median and {COLOUR_DEVIATIONS:g} robust standard deviations to either side."
 
 
 def block_means(image: np.ndarray, most: int = CELLS, squares: bool = False) -> np.ndarray:
@@ -58,7 +58,7 @@ def side_of(shape: tuple[int, ...], most: int) -> int:
     return 2 * (math.ceil(max(shape) / most) // 2) + 1
 
 
-def robust_range(*images: np.ndarray, reach: float = REACH) -> tuple[float, float]:
+def robust_range(*images: np.ndarray, reach: float = COLOUR_DEVIATIONS) -> tuple[float, float]:
     """Ends of a colour scale: robust standard deviations about the median of all images, not empty.
 
     Examples
@@ -116,7 +116,7 @@ def draw_field(
 
 def _most(found: Fields, count: int) -> int:
     """Cells a side of one of ``count`` panels; a standard deviation of few frames is averaged."""
-    most = CELLS if count <= 3 else SMALL
+    most = CELLS if count <= 3 else SMALL_PANEL
     return most // 2 if found.place.kind == TEMPORAL else most
 
 

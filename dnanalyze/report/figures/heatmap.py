@@ -25,7 +25,7 @@ from dnanalyze.report.tables import info, worst
 from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label, varied
 
 LINEAR = 3.0  # sigma up to which the colour scale is linear, logarithmic beyond
-LOWEST = 30.0  # sigma at the end of the colours, at least
+COLOUR_END = 30.0  # sigma at the end of the colours, at least
 CLEAR, FEWEST = 2.0, 8  # statistics that are off by less are not worth a row, beyond the first few
 ROW, COLUMN, MARGIN = 0.25, 0.46, 1.2  # inch; two lines of a name fit a row
 LINE = 8.2  # points from line to line of a name
@@ -133,8 +133,8 @@ def _grid(rows: Rows, most: int) -> tuple[list[Mapping[str, Any]], list[str], np
 
 def _limit(largest: float) -> float:
     """The next of 30, 50, 100, 200, ... above: what is a few sigma stays pale."""
-    if largest <= LOWEST:
-        return LOWEST
+    if largest <= COLOUR_END:
+        return COLOUR_END
     decade = 10.0 ** math.floor(math.log10(largest))
     return next(k * decade for k in (1, 2, 5, 10) if k * decade >= largest or k == 10)
 

@@ -9,7 +9,7 @@ import numpy as np
 from dnanalyze.report.figures.shading import draw_shading
 from dnanalyze.report.figures.style import INK, Cell, Picture, panels
 
-MOST = 192  # rows and columns of the map that are drawn
+MAX_MAP_SIDE = 192  # rows and columns of the map that are drawn
 
 
 def learned_pattern(result: Any) -> Picture | None:
@@ -44,7 +44,7 @@ def learned_pattern(result: Any) -> Picture | None:
 
 def _small(field: np.ndarray) -> np.ndarray:
     """Means of blocks, so that a screen shows all of it."""
-    step = max(1, -(-max(field.shape) // MOST))
+    step = max(1, -(-max(field.shape) // MAX_MAP_SIDE))
     rows, columns = (n // step for n in field.shape)
     cut = field[: rows * step, : columns * step].reshape(rows, step, columns, step)
     return np.asarray(cut.mean(axis=(1, 3)))

@@ -31,7 +31,7 @@ from dnanalyze.report.figures.style import (
 )
 from dnanalyze.report.words import point_label
 
-MOST = 8  # operating points in one figure
+MAX_POINTS = 8  # operating points in one figure
 # from cold to hot, of one lightness, so that they show on light and on dark paper
 WARMTH = ["#2f7fd6", "#7d6bd8", "#c0519f", "#dd5a5a", "#e08a1e"]
 DASHES = "-", (0, (4, 1.6))  # measured, model
@@ -114,8 +114,8 @@ def figure_2(drawn: Sequence[Layer], raw: Layer | None = None) -> Picture | None
         The model without its filters (defect correction, denoise), drawn beside what is processed.
     """
     measured = drawn[0].statistics
-    parts, shown = parts_of(measured), chosen(measured, MOST, has(*names_of("frame", True)))
-    shown = shown or chosen(measured, MOST)
+    parts, shown = parts_of(measured), chosen(measured, MAX_POINTS, has(*names_of("frame", True)))
+    shown = shown or chosen(measured, MAX_POINTS)
 
     def cell(part: str, layers: Sequence[Layer], title: str, wide: float) -> Cell:
         def draw(ax: Any) -> None:

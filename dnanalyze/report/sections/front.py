@@ -19,7 +19,7 @@ from dnanalyze.report.leads import plain_name
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import DIRECT, direct_rows
 
-SMALL = 5  # operating points shown side by side
+SIDE_BY_SIDE = 5  # operating points shown side by side
 DIRECT_ROWS = 5  # of model against direct measurement, worst first
 HALF = "Measured on the held-out half of the field."
 NUMBERS = kinds.NOISE, kinds.DSNU, kinds.HOT_5
@@ -69,9 +69,12 @@ def series_section(captures: Any, measured: Statistics, place: Place | None) -> 
     """The sensor at several operating points, in the kind of picture that tells most."""
     if place is None or captures is None:
         return Section("frames", "The sensor")
-    shown = chosen(measured, SMALL)
+    shown = chosen(measured, SIDE_BY_SIDE)
     if all(s.point != place.point for s in shown):
-        shown = [*shown[: SMALL - 1], *[s for s in measured.settings if s.point == place.point][:1]]
+        shown = [
+            *shown[: SIDE_BY_SIDE - 1],
+            *[s for s in measured.settings if s.point == place.point][:1],
+        ]
     several = (fields(captures, Place(s.point, s.plane, place.kind), {}) for s in shown)
     picture = field_series([f for f in several if f is not None])
     return Section("frames", "The sensor", pictures=[picture])

@@ -19,7 +19,7 @@ from dnanalyze.report.words import (
     varied,
 )
 
-FEW = 6  # operating points that stand side by side
+SIDE_BY_SIDE = 6  # operating points that stand side by side
 
 
 def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
@@ -113,7 +113,7 @@ def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) ->
     for points, rows in made.items():
         heads = [point_label(p, varied(vars(q) for q in points)) for p in points]
         title = "Parameters by operating point"
-        if len(points) <= FEW:
+        if len(points) <= SIDE_BY_SIDE:
             tables.append(Table(("parameter", "unit", *heads), rows, words=2, title=title))
             continue
         long = [

@@ -31,7 +31,7 @@ from dnanalyze.workbench.worst import worst_row
 
 MOST_ROWS = 14  # statistics of a family in the matrix, the worst first
 LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
-STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
+COLOUR_STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
 GOOD = 1.3  # error up to which a family is as close as a second sensor
 NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
 
@@ -259,8 +259,8 @@ def _cell(row: dict[str, Any], index: int, chosen: bool, p: Palette) -> dict[str
     text = "0" if float(text) == 0 else minus(text)
     return {
         "z": text,
-        "colour": p.heat[int(np.searchsorted(STEPS, abs(z)))],
-        "ink": "#ffffff" if abs(z) > STEPS[-2] else p.ink,
+        "colour": p.heat[int(np.searchsorted(COLOUR_STEPS, abs(z)))],
+        "ink": "#ffffff" if abs(z) > COLOUR_STEPS[-2] else p.ink,
         "tip": f"{labelled(*_place(row))}\nmeasured {measured} {unit}\nmodel {model} {unit}\n"
         f"difference {text} σ",
         "index": index,

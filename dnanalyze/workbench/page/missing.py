@@ -18,7 +18,7 @@ from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.style import Palette, card, inner
 from dnanalyze.workbench.page.terms import plain_name
 
-MOST = 8  # candidates shown
+MAX_CANDIDATES = 8  # candidates shown
 TICK_MS = 250  # between two readings of a task's progress
 
 
@@ -127,7 +127,7 @@ class Missing:
                 "evidence": _evidence(c),
                 "can_add": c["effect"] not in present,
             }
-            for c in found["candidates"][:MOST]
+            for c in found["candidates"][:MAX_CANDIDATES]
         ]
         self._aged()
         if not found["finished"]:

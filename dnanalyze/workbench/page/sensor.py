@@ -32,10 +32,10 @@ from dnanalyze.workbench.pictures import Picture
 from dnanalyze.workbench.places import Places
 from dnanalyze.workbench.worst import worst_view
 
-LARGE = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
+REDRAWN_AT_REST = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
 FEWEST = 420  # rows and columns that are sent of an image; means would hide every second column
-MOST = 900  # the same in a large figure
+LARGE_HEIGHT = 900  # the same in a large figure
 SIDES = "histogram", "pixel"
 MODES = "side by side", "swipe", "blink"
 
@@ -156,7 +156,7 @@ class Sensor:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        live = self.kind.value == "frame" and math.prod(self.images.shape) <= LARGE
+        live = self.kind.value == "frame" and math.prod(self.images.shape) <= REDRAWN_AT_REST
         due = time.monotonic() - self._asked_s > LIVE_S
         if what in ("evaluation", "diagnosis"):
             self._lead()
@@ -270,7 +270,7 @@ class Sensor:
         preview = shown is not None and shown.preview
         grid = self._grid(view.plane)
         window = self._window(grid.scale)
-        most = min(MOST, max(FEWEST, self.images.most))
+        most = min(LARGE_HEIGHT, max(FEWEST, self.images.most))
         far = self.hot.value
         self._asked_s = time.monotonic()
         fresh = self._drawn is None or self._drawn[0] != view

@@ -284,7 +284,7 @@ def test_a_pixel_that_stays_far_out_is_a_spike():
 
 def test_a_spike_goes_from_the_last_codes_ratio_to_the_next_as_counts_get_few():
     """Half way, in logs, where the last code has thirty counts more than there are frames."""
-    last, second, third = 6 + codes.FEW, 300, 3000
+    last, second, third = 6 + codes.TAIL_COUNTS, 300, 3000
     seen = codes._spike(np.array([last, second, third]), 6, 1.0)
     ratios = (last + 1) / (second + 1), (last + second + 1) / (third + 1)
     assert seen.value == pytest.approx(math.sqrt(ratios[0] * ratios[1]), rel=1e-9)

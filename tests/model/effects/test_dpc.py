@@ -12,7 +12,7 @@ from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.guesses.dpc import FAR
+from dnanalyze.model.guesses.dpc import HIGH_THRESHOLD
 
 SHAPE = (192, 192)
 SENSOR = (ConvolvedLognormal(1.0, 1.2, sigma=1e-6), ReadNoise(2.0))
@@ -181,7 +181,7 @@ def test_where_nothing_is_missing_up_to_far_out_the_usual_threshold_is_tried_too
     assert [e.threshold for e in Dpc.guess(clues) if e.sides == "both"] == [usual]
     clues.seen["temporal_noise_core"] = 2.0
     near, _ = (e.threshold for e in Dpc.guess(clues) if e.kind == "excess")
-    assert near < FAR * usual
+    assert near < HIGH_THRESHOLD * usual
 
 
 def test_settings_of_different_noise_bracket_the_threshold():

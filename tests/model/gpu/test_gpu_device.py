@@ -100,7 +100,7 @@ def listed(row):
 
 
 def test_the_page_says_where_each_effect_is_drawn(host_device, monkeypatch):
-    monkeypatch.setattr("dnanalyze.model.gpu.render.SMALL", 0)
+    monkeypatch.setattr("dnanalyze.model.gpu.render.BATCHED_BYTES", 0)
     monkeypatch.setattr(host_device, "program", lambda source: None)
     monkeypatch.setattr(host_device, "launch", lambda *arguments: None)
     shape, on_host, by_field = (64, 96), set(), set()

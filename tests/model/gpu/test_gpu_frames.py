@@ -141,7 +141,7 @@ def test_frames_of_one_model_share_a_kernel(host_device):
 
 
 def test_fixed_fields_go_to_the_device_once(host_device, monkeypatch):
-    monkeypatch.setattr("dnanalyze.model.gpu.render.SMALL", 1024)
+    monkeypatch.setattr("dnanalyze.model.gpu.render.BATCHED_BYTES", 1024)
     sent = []
     upload = host_device.upload
     monkeypatch.setattr(host_device, "upload", lambda a: sent.append(a.nbytes) or upload(a))

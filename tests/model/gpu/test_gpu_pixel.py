@@ -77,9 +77,9 @@ def test_the_exponential_has_the_same_bits(library):
 
 @pytest.mark.parametrize("k", [1.0, 0.37])
 def test_counts_are_the_same_from_none_to_many(library, k):
-    # from below zero over the change of method at FEW to thousands of electrons
+    # from below zero over the change of method at INVERTED_BELOW to thousands of electrons
     signal = np.geomspace(1e-3, 5e3, SHAPE[0] * SHAPE[1]).astype(np.float32).reshape(SHAPE)
-    signal[::7] = kernels.FEW * np.float32(k)
+    signal[::7] = kernels.INVERTED_BELOW * np.float32(k)
     signal[::11] *= -1
     expected = draws.counts(signal.copy(), k, KEY, WHOLE, SHAPE[1])
     words = draws.bits(KEY, WHOLE, SHAPE[1])
