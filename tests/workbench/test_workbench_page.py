@@ -284,6 +284,32 @@ def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(be
         bench.page.set_viewport_size({"width": 1440, "height": 900})
 
 
+def _box(bench: Workbench, which: str) -> tuple[float, ...]:
+    """Left, top, width and height of the first element of a class."""
+    box = bench.page.locator(which).first.bounding_box()
+    return tuple(box[k] for k in ("x", "y", "width", "height"))
+
+
+def test_an_enlarged_pane_covers_the_page_and_a_second_press_puts_it_back(bench):
+    assert bench.page.get_by_text("ranks the effects that may be missing").is_visible()
+    buttons = bench.page.locator(".enlarge")
+    for i in range(buttons.count()):
+        before = buttons.nth(i).bounding_box()
+        buttons.nth(i).click()
+        bench.until(lambda: bench.page.locator(".large").count(), "a large pane")
+        bench.until(lambda: _box(bench, ".large") == (0, 0, 1440, 900), "the whole page")
+        buttons.nth(i).click()
+        bench.until(lambda b=before, i=i: buttons.nth(i).bounding_box() == b, "its place before")
+
+
+def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
+    before = _box(bench, ".measured")
+    bench.click("swipe")
+    bench.until(lambda: _box(bench, ".measured")[2] > 2.5 * before[2], "a wide image")
+    bench.click("side by side")
+    bench.until(lambda: _box(bench, ".measured") == before, "three images")
+
+
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):
     mark = bench.page.locator(".number .term")
     sentence = mark.locator("div")

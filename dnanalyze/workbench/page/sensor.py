@@ -261,7 +261,7 @@ class Sensor:
         self.swipe.visible = self.mode.value == "swipe"
         for name in NAMES[1:]:
             self._panes[name].visible = not alone
-        styles = {"grid-column": "1 / span 3"} if alone else {}
+        styles = {"grid-column": "1 / span 3" if alone else "auto"}
         if self._panes["measured"].styles != styles:
             self._panes["measured"].styles = styles
         self._blink()
