@@ -302,6 +302,22 @@ def test_an_enlarged_pane_covers_the_page_and_a_second_press_puts_it_back(bench)
         bench.until(lambda b=before, i=i: buttons.nth(i).bounding_box() == b, "its place before")
 
 
+SIDES = """() => {
+    const all = Bokeh.documents.flatMap((d) => [...d.all_models]);
+    const made = all.find((m) => m.name === "figure of measured");
+    const {x_range: x, y_range: y} = made;
+    return (x.end - x.start) / made.inner_width / ((y.start - y.end) / made.inner_height);
+}"""  # width of a pixel over its height, on the screen
+
+
+def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench):
+    button = bench.page.locator(".enlarge").nth(1)  # of the frames
+    for large in (1, 0):
+        button.click()
+        bench.until(lambda n=large: bench.page.locator(".large").count() == n, "the other size")
+        bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
+
+
 def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
     before = _box(bench, ".measured")
     bench.click("swipe")

@@ -33,7 +33,7 @@ MOST_ROWS = 14  # statistics of a family in the matrix, the worst first
 LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
 STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
 GOOD = 1.3  # error up to which a family is as close as a second sensor
-TALL = "clamp(190px, 20vh, 420px)"  # of families and statistics: the figure has the rest
+TALL = "clamp(204px, 22vh, 420px)"  # of families and statistics: the figure has the rest
 NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
 
 

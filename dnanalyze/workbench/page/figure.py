@@ -17,7 +17,7 @@ from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.plot import CurvePlot
-from dnanalyze.workbench.page.points import labelled, without_shared
+from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import inner
 from dnanalyze.workbench.page.terms import explained
 
@@ -83,7 +83,7 @@ class CurveFigure:
             return
         self.view.visible = True
         axes, labels, found = self._curves()
-        where = labelled(address.point, address.plane)
+        where = unbroken(labelled(address.point, address.plane))
         info = infos()[address.name]
         self.title.object = (
             f"<b>{html.escape(info.title)}</b>{explained(info.title)} "

@@ -168,6 +168,7 @@ class Images:
         ends = whole_ranges(self.shape, *self._inner.values())
         for r, (low, high) in zip((self.range_x, self.range_y), ends, strict=True):
             whole = (r.reset_start, r.reset_end)
+            r.bounds = None  # the browser would cut the new ends at the bounds before
             if whole == (None, None) or (r.start, r.end) == whole:
                 r.start, r.end = low, high
             r.reset_start, r.reset_end = low, high

@@ -115,8 +115,8 @@ a {{ color:{p.present}; }}
 def _arrow(colour: str) -> str:
     """Arrow of a choice, as an image of a style sheet; Bokeh's is black in both themes."""
     return (
-        "url(\"data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 20 20'"
-        f"%3E%3Cpath fill='%23{colour[1:]}' d='M4 6h12l-6 9z'/%3E%3C/svg%3E\")"
+        "url(\"data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 25 20'"
+        f"%3E%3Cpath fill='%23{colour[1:]}' d='M0 0h25L12.5 20z'/%3E%3C/svg%3E\")"
     )
 
 
