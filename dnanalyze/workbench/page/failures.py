@@ -256,7 +256,7 @@ def _cell(row: dict[str, Any], index: int, chosen: bool, p: Palette) -> dict[str
     z = float(row["discrepancy"])
     measured, model = plain_pair(row["measured"], row["simulated"])
     unit = symbol(row["unit"])
-    text = f"{z:.0f}" if abs(z) >= 10 else f"{z:.1f}"
+    text = f"{z:.0f}" if abs(z) >= 9.95 else f"{z:.1f}"
     text = "0" if float(text) == 0 else minus(text)
     return {
         "z": text,

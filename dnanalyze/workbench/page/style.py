@@ -79,6 +79,7 @@ def inner(p: Palette) -> str:
 .bk-input {{ padding:1px 5px !important; min-height:22px !important; height:24px !important; }}
 select.bk-input {{ padding-right:20px !important; text-overflow:ellipsis;
   background-image:{_arrow(p.quiet)} !important; }}
+.bk-spin-btn {{ --color:{p.quiet}; --disabled-color:{p.line}; }}
 .bk-btn {{ padding:2px 9px !important; }}
 .bk-btn-primary {{ background-color:{p.present} !important; color:{p.card} !important; }}
 .bk-btn:disabled {{ opacity:.45; }}
