@@ -156,6 +156,15 @@ def test_the_frames_show_before_the_statistics_are_taken(bench):
     assert bench.outside == []
 
 
+def test_a_second_page_begins_with_the_view_of_the_first(bench, browser, address):
+    def view(of: Workbench) -> list[str]:
+        return [of.page.locator(f".{c} select").input_value() for c in ("point", "kind")]
+
+    other = Workbench(browser, address)
+    assert view(other) == view(bench)
+    other.page.close()
+
+
 def _drawn(bench: Workbench) -> dict[str, Any]:
     """The figure of a statistic as the browser has it."""
     return bench.page.evaluate(
