@@ -268,7 +268,7 @@ def whole_ranges(
         return (0.0, columns), (rows, 0.0)
     more_x = max(0.0, columns * (ratio - 1.0)) / 2.0
     more_y = max(0.0, rows * (1.0 / ratio - 1.0)) / 2.0
-    return (-more_x, columns + more_x), (rows + more_y, -more_y)
+    return (0.0 - more_x, columns + more_x), (rows + more_y, 0.0 - more_y)
 
 
 def _add(lines: dict[str, Any], x0: float, y0: float, x1: float, y1: float) -> None:

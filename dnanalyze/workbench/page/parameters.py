@@ -249,7 +249,7 @@ def shown_value(parameter: FreeParameter, value: float) -> str:
 
     Examples
     --------
-    >>> from dnanalyze.fitting.free parameters import FreeParameter
+    >>> from dnanalyze.fitting.free_parameters import FreeParameter
     >>> from dnanalyze.workbench.page.parameters import shown_value
     >>> shown_value(FreeParameter("e", "rho", "value", False, -1.0, 1.0, "1"), 1.1e-16)
     '0'
