@@ -156,6 +156,15 @@ def test_the_frames_show_before_the_statistics_are_taken(bench):
     assert bench.outside == []
 
 
+def test_a_second_page_begins_with_the_view_of_the_first(bench, browser, address):
+    def view(of: Workbench) -> list[str]:
+        return [of.page.locator(f".{c} select").input_value() for c in ("point", "kind")]
+
+    other = Workbench(browser, address)
+    assert view(other) == view(bench)
+    other.page.close()
+
+
 def _drawn(bench: Workbench) -> dict[str, Any]:
     """The figure of a statistic as the browser has it."""
     return bench.page.evaluate(
@@ -282,6 +291,49 @@ def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(be
         assert 0 <= box["y"] <= 768
     finally:
         bench.page.set_viewport_size({"width": 1440, "height": 900})
+
+
+def _box(bench: Workbench, which: str) -> tuple[float, ...]:
+    """Left, top, width and height of the first element of a class."""
+    box = bench.page.locator(which).first.bounding_box()
+    return tuple(box[k] for k in ("x", "y", "width", "height"))
+
+
+def test_an_enlarged_pane_covers_the_page_and_a_second_press_puts_it_back(bench):
+    assert bench.page.get_by_text("ranks the effects that may be missing").is_visible()
+    buttons = bench.page.locator(".enlarge")
+    for i in range(buttons.count()):
+        before = buttons.nth(i).bounding_box()["x"]  # a click scrolls the page
+        buttons.nth(i).click()
+        bench.until(lambda: bench.page.locator(".large").count(), "a large pane")
+        bench.until(lambda: _box(bench, ".large") == (0, 0, 1440, 900), "the whole page")
+        buttons.nth(i).click()
+        bench.until(lambda b=before, i=i: buttons.nth(i).bounding_box()["x"] == b, "its place")
+        assert bench.page.locator(".large").count() == 0
+
+
+SIDES = """() => {
+    const all = Bokeh.documents.flatMap((d) => [...d.all_models]);
+    const made = all.find((m) => m.name === "figure of measured");
+    const {x_range: x, y_range: y} = made;
+    return (x.end - x.start) / made.inner_width / ((y.start - y.end) / made.inner_height);
+}"""  # width of a pixel over its height, on the screen
+
+
+def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench):
+    button = bench.page.locator(".enlarge").nth(1)  # of the frames
+    for large in (1, 0):
+        button.click()
+        bench.until(lambda n=large: bench.page.locator(".large").count() == n, "the other size")
+        bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
+
+
+def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
+    width = _box(bench, ".measured")[2]
+    bench.click("swipe")
+    bench.until(lambda: _box(bench, ".measured")[2] > 2.5 * width, "a wide image")
+    bench.click("side by side")
+    bench.until(lambda: _box(bench, ".measured")[2] == width, "three images")
 
 
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):

@@ -33,6 +33,7 @@ MOST_ROWS = 14  # statistics of a family in the matrix, the worst first
 LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
 COLOUR_STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
 GOOD = 1.3  # error up to which a family is as close as a second sensor
+TALL = "clamp(204px, 22vh, 420px)"  # of families and statistics: the figure has the rest
 NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
 
 
@@ -67,7 +68,7 @@ class Failures:
         self._rows_of: list[dict[str, Any]] = []
         self.table = FailureTable(
             one=_place_of(1.0), stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_width",
-            margin=(2, 0, 0, 0), css_classes=["failures"], max_height=190,
+            margin=(2, 0, 0, 0), css_classes=["failures"], styles={"max-height": TALL},
         )  # fmt: skip
         self.table.param.watch(lambda e: context.back(lambda: self._clicked(e.new)), "clicked")
         self.figure = CurveFigure(context)
@@ -255,7 +256,7 @@ def _cell(row: dict[str, Any], index: int, chosen: bool, p: Palette) -> dict[str
     z = float(row["discrepancy"])
     measured, model = plain_pair(row["measured"], row["simulated"])
     unit = symbol(row["unit"])
-    text = f"{z:.0f}" if abs(z) >= 10 else f"{z:.1f}"
+    text = f"{z:.0f}" if abs(z) >= 9.95 else f"{z:.1f}"
     text = "0" if float(text) == 0 else minus(text)
     return {
         "z": text,

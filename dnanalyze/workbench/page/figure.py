@@ -17,7 +17,7 @@ from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.plot import CurvePlot
-from dnanalyze.workbench.page.points import labelled, without_shared
+from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import inner
 from dnanalyze.workbench.page.terms import explained
 
@@ -29,7 +29,7 @@ class CurveFigure:
         self.context = context
         style = [inner(context.palette)]
         self.title = pn.pane.HTML(
-            "", css_classes=["statistic"], stylesheets=style, margin=(4, 0, 0, 0),
+            "", css_classes=["statistic"], stylesheets=style, margin=0,
             sizing_mode="stretch_width",
         )  # fmt: skip
         self.what = pn.widgets.RadioButtonGroup(
@@ -42,7 +42,7 @@ class CurveFigure:
             pn.Row(
                 self.title, self.what,
                 *downloads("statistic", self._table, self._drawn, style, "the curves shown"),
-                margin=0, sizing_mode="stretch_width",
+                margin=(4, 0, 0, 0), sizing_mode="stretch_width",
             ),
             pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150),
             pn.pane.Bokeh(self.plot.residuals, sizing_mode="stretch_width", margin=0),
@@ -83,7 +83,7 @@ class CurveFigure:
             return
         self.view.visible = True
         axes, labels, found = self._curves()
-        where = labelled(address.point, address.plane)
+        where = unbroken(labelled(address.point, address.plane))
         info = infos()[address.name]
         self.title.object = (
             f"<b>{html.escape(info.title)}</b>{explained(info.title)} "

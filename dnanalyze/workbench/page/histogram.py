@@ -12,7 +12,7 @@ from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.figure import curves_of, layers
 from dnanalyze.workbench.page.plot import CurvePlot
-from dnanalyze.workbench.page.points import labelled
+from dnanalyze.workbench.page.points import labelled, unbroken
 from dnanalyze.workbench.page.style import inner
 
 NAME = "frame_skewness"  # a statistic whose curve is the histogram
@@ -55,7 +55,7 @@ class Histogram:
         session, address = self.context.session, self._address
         if address is None:
             return
-        where = html.escape(labelled(address.point, address.plane))
+        where = html.escape(unbroken(labelled(address.point, address.plane)))
         if session.problem is None:
             self.title.object = f"<span class=loading>histogram at {where} …</span>"
             return
@@ -64,7 +64,7 @@ class Histogram:
         planes = [s.plane for s in measured.settings if s.point == address.point]
         if planes and address.plane not in planes:  # a mosaic has no histogram over all planes
             address = Address(NAME, address.point, planes[0])
-            where = html.escape(labelled(address.point, address.plane))
+            where = html.escape(unbroken(labelled(address.point, address.plane)))
         drawn = curves_of(found, address)
         text = f"<b>Pixel values</b> <span class=quiet>{where}, half of the field</span>"
         if "measured" not in drawn:

@@ -168,6 +168,7 @@ class Images:
         ends = whole_ranges(self.shape, *self._inner.values())
         for r, (low, high) in zip((self.range_x, self.range_y), ends, strict=True):
             whole = (r.reset_start, r.reset_end)
+            r.bounds = None  # the browser would cut the new ends at the bounds before
             if whole == (None, None) or (r.start, r.end) == whole:
                 r.start, r.end = low, high
             r.reset_start, r.reset_end = low, high
@@ -267,7 +268,7 @@ def whole_ranges(
         return (0.0, columns), (rows, 0.0)
     more_x = max(0.0, columns * (ratio - 1.0)) / 2.0
     more_y = max(0.0, rows * (1.0 / ratio - 1.0)) / 2.0
-    return (-more_x, columns + more_x), (rows + more_y, -more_y)
+    return (0.0 - more_x, columns + more_x), (rows + more_y, 0.0 - more_y)
 
 
 def _add(lines: dict[str, Any], x0: float, y0: float, x1: float, y1: float) -> None:

@@ -19,6 +19,10 @@ from dnanalyze.workbench.page.style import Palette, card, inner
 from dnanalyze.workbench.page.terms import plain_name
 
 MAX_CANDIDATES = 8  # candidates shown
+HINT = (  # where nothing has been asked for yet
+    "<span class=quiet><i>Diagnose</i> ranks the effects that may be missing; <i>Refine</i> adds "
+    "them until nothing more is missing; <i>Detect</i> looks for hidden filters.</span>"
+)
 TICK_MS = 250  # between two readings of a task's progress
 
 
@@ -59,7 +63,9 @@ class Missing:
         self.diagnose.on_click(lambda _: context.act(session.diagnose))
         self.refine.on_click(lambda _: context.act(session.refine))
         self.detect.on_click(lambda _: context.act(session.detect))
-        self.verdict = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
+        self.verdict = pn.pane.HTML(
+            HINT, stylesheets=style, margin=(2, 0, 0, 0), sizing_mode="stretch_width"
+        )
         self.filters = pn.pane.HTML("", stylesheets=style, margin=(2, 0, 0, 0))
         self.of = pn.pane.HTML("", stylesheets=style, margin=0)
         self.list = CandidateList(
@@ -113,7 +119,7 @@ class Missing:
     def _diagnosed(self) -> None:
         found = self.context.session.diagnosis
         if found is None:
-            self.list.rows, self.notes.object, self.verdict.object = [], "", ""
+            self.list.rows, self.notes.object, self.verdict.object = [], "", HINT
             return
         self._models = {c["effect"]: c["model"] for c in found["candidates"] if c["model"]}
         present = set(self.context.session.present.model.names)

@@ -18,6 +18,7 @@ from bokeh.models import (
 
 from dnanalyze.digits import number, symbol, unit_text
 from dnanalyze.fitting.free_parameters import FreeParameter
+from dnanalyze.workbench.page.points import unbroken
 from dnanalyze.workbench.page.style import Palette, hover, inner, plain_figure
 from dnanalyze.workbench.sliders import Slider
 
@@ -108,7 +109,7 @@ class ParameterRow:
     def _name(self, slider: Slider) -> None:
         parameter = slider.parameter
         unit = f" <span class=quiet>{html.escape(symbol(parameter.unit))}</span>"
-        name = html.escape(slider.label or parameter.name)
+        name = html.escape(unbroken(slider.label or parameter.name))
         self.label.object = f"<span title='{html.escape(limits(parameter))}'>{name}{unit}</span>"
 
     def _note(self, text: str, wrong: bool = False) -> None:
@@ -248,7 +249,7 @@ def shown_value(parameter: FreeParameter, value: float) -> str:
 
     Examples
     --------
-    >>> from dnanalyze.fitting.free parameters import FreeParameter
+    >>> from dnanalyze.fitting.free_parameters import FreeParameter
     >>> from dnanalyze.workbench.page.parameters import shown_value
     >>> shown_value(FreeParameter("e", "rho", "value", False, -1.0, 1.0, "1"), 1.1e-16)
     '0'

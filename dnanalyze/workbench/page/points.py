@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import point_label
 
@@ -19,3 +21,15 @@ def without_shared(labels: list[str]) -> list[str]:
         ", ".join(x for x in p if x not in shared) or label
         for p, label in zip(parts, labels, strict=True)
     ]
+
+
+def unbroken(text: str) -> str:
+    """A text whose numbers stay on one line with their units.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.points import unbroken
+    >>> unbroken("mu, 65 °C, 0.05 s, gain 1") == "mu, 65\u00a0°C, 0.05\u00a0s, gain 1"
+    True
+    """
+    return re.sub(r"(?<=\d) (?=[^\W\d]|°)", "\u00a0", text)

@@ -111,7 +111,9 @@ class Sensor:
             },
             value=0, width=190, css_classes=["point"], **small,
         )  # fmt: skip
-        self.kind = pn.widgets.Select(options=list(frames.KINDS), value="frame", width=118, **small)
+        self.kind = pn.widgets.Select(
+            options=list(frames.KINDS), value="frame", width=118, css_classes=["kind"], **small
+        )
         self.frame = pn.widgets.IntInput(
             value=0, start=0, end=max(len(s.frames) for s in settings) - 1, width=54, **small
         )
@@ -158,9 +160,11 @@ class Sensor:
         """Draw what has changed."""
         live = self.kind.value == "frame" and math.prod(self.images.shape) <= REDRAWN_AT_REST
         due = time.monotonic() - self._asked_s > LIVE_S
-        if what in ("evaluation", "diagnosis"):
+        if what in ("evaluation", "diagnosis", "yardstick"):
+            before = self.view_of
             self._lead()
-            self._changed()
+            if what != "yardstick" or self.view_of != before:
+                self._changed()
         elif what == "preview" and live and due:
             self._changed()
         elif what == "brush":
@@ -261,7 +265,7 @@ class Sensor:
         self.swipe.visible = self.mode.value == "swipe"
         for name in NAMES[1:]:
             self._panes[name].visible = not alone
-        styles = {"grid-column": "1 / span 3"} if alone else {}
+        styles = {"grid-column": "1 / span 3" if alone else "auto"}
         if self._panes["measured"].styles != styles:
             self._panes["measured"].styles = styles
         self._blink()

@@ -191,12 +191,20 @@ def plain_stage(progress: str) -> str:
 
 
 def _printed(text: str) -> str:
-    """Escaped, with the effects' names: in words, and the code name small."""
+    """Escaped, with the effects' names: in words, and the code name small; commands as code.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.strip import _printed
+    >>> _printed("`dnanalyze diagnose` tests < 9 effects")
+    '<code>dnanalyze diagnose</code> tests &lt; 9 effects'
+    """
 
     def named(found: re.Match[str]) -> str:
         return f"<b>{plain_name(found[1])}</b> <small class=quiet>{found[1]}</small>"
 
-    return re.sub(r"\{([a-z][a-z0-9_]*)\}", named, html.escape(text))
+    text = re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
+    return re.sub(r"\{([a-z][a-z0-9_]*)\}", named, text)
 
 
 def _label(said: Verdict) -> str:

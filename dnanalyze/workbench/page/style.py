@@ -77,13 +77,15 @@ def inner(p: Palette) -> str:
 .bk-input, .noUi-target, .bk-btn {{ background-color:{p.card} !important; color:{p.ink} !important;
   border-color:{p.line} !important; font-size:12px !important; }}
 .bk-input {{ padding:1px 5px !important; min-height:22px !important; height:24px !important; }}
-select.bk-input {{ padding-right:20px !important; text-overflow:ellipsis; }}
+select.bk-input {{ padding-right:20px !important; text-overflow:ellipsis;
+  background-image:{_arrow(p.quiet)} !important; }}
+.bk-spin-btn {{ --color:{p.quiet}; --disabled-color:{p.line}; }}
 .bk-btn {{ padding:2px 9px !important; }}
 .bk-btn-primary {{ background-color:{p.present} !important; color:{p.card} !important; }}
 .bk-btn:disabled {{ opacity:.45; }}
 .bk-active.bk-btn {{ background-color:{p.present} !important; color:{p.card} !important; }}
 label, .bk-slider-title {{ color:{p.quiet}; font-size:11px; }}
-.noUi-target {{ height:6px !important; margin:9px 8px !important; }}
+.noUi-target {{ height:6px !important; margin:9px 8px !important; box-shadow:none !important; }}
 .noUi-connect {{ background:{p.present} !important; }}
 .noUi-handle {{ width:14px !important; height:14px !important; top:-5px !important;
   right:-7px !important; border-radius:50% !important; background:{p.present} !important;
@@ -109,6 +111,14 @@ a {{ color:{p.present}; }}
   background:{p.card}; color:{p.ink}; border:1px solid {p.quiet}; border-radius:5px;
   font-size:12px; font-weight:400; text-align:left; white-space:normal; }}
 """
+
+
+def _arrow(colour: str) -> str:
+    """Arrow of a choice, as an image of a style sheet; Bokeh's is black in both themes."""
+    return (
+        "url(\"data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 25 20'"
+        f"%3E%3Cpath fill='%23{colour[1:]}' d='M0 0h25L12.5 20z'/%3E%3C/svg%3E\")"
+    )
 
 
 def card(p: Palette) -> dict[str, str]:
