@@ -139,6 +139,12 @@ class Workbench:
         }}"""
         return int(self.page.evaluate(script))
 
+    def move_a_slider(self) -> None:
+        """Twelve steps up."""
+        slider = self.page.locator(".parameter").nth(2).locator("[role=slider]")
+        for _ in range(12):
+            slider.press("ArrowRight")
+
     def click(self, name: str) -> None:
         """A button."""
         self.page.get_by_role("button", name=name, exact=True).first.click()
@@ -229,6 +235,7 @@ def test_one_figure_follows_every_pair_of_families_however_quickly(bench):
 def test_a_click_on_a_family_and_a_cell_open_their_figures(bench):
     title = bench.page.locator(".statistic div").first
     for chosen in (".family", ".cell"):
+        bench.settled()  # what is drawn anew takes no click
         before = title.inner_text()
         bench.page.locator(f"{chosen}:not(.chosen)").last.click()
         bench.until(lambda was=before: title.inner_text() != was, f"another title after {chosen}")
@@ -411,9 +418,7 @@ def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
 def test_work_after_an_undo_is_a_branch(bench):
     nodes = bench.page.locator("option").filter(has_text="set ")
     count, before = nodes.count(), bench.settled()
-    slider = bench.page.locator(".parameter").nth(2).locator("[role=slider]")
-    for _ in range(12):
-        slider.press("ArrowRight")
+    bench.move_a_slider()
     bench.until(lambda: nodes.count() > count, "a node beside the one undone")
     bench.settled()
     bench.click("Undo")
@@ -422,6 +427,9 @@ def test_work_after_an_undo_is_a_branch(bench):
 
 def test_steps_are_cards_of_a_tree_with_pictures_and_a_click_goes_there(bench):
     steps = bench.page.locator(".step")
+    if steps.count() < 3:  # the tests before were another process's
+        bench.settled()
+        bench.move_a_slider()
     bench.until(lambda: steps.count() > 2, "cards")
     bench.until(lambda: bench.page.locator(".step img").count() == steps.count(), "pictures")
     here = bench.page.locator(".step.present").get_attribute("data-number")
