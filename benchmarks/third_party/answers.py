@@ -101,7 +101,7 @@ ANSWERS: dict[str, Answer] = {
 
 
 # What every sensor of a generator has: an effect that its captures support, and nothing hidden.
-BASELINE_REASON: dict[str, frozenset[str]] = {
+IN_EVERY_SENSOR: dict[str, frozenset[str]] = {
     # a normal dark current nonuniformity; claimed of the ordinary ones (`pattern_skewness`)
     "pyxel": frozenset({"dark_current_fpn"}),
 }

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from third_party.answers import BASELINE, BASELINE_REASON, names_of
+from third_party.answers import BASELINE, IN_EVERY_SENSOR, names_of
 
 Row = Mapping[str, Any]
 SURE = 0.9  # an addition with at least this confidence is said for certain
@@ -34,7 +34,7 @@ def mcnemar(gained: int, lost: int) -> float:
 
 def hidden_only(row: Row) -> dict[str, Any]:
     """The row without the effects that every sensor of its generator has."""
-    own = BASELINE_REASON.get(row["generator"], frozenset())
+    own = IN_EVERY_SENSOR.get(row["generator"], frozenset())
     if row.get("failed") or not own & set(row["named"]):
         return dict(row)
     named = [name for name in row["named"] if name not in own]

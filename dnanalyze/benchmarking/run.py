@@ -13,7 +13,7 @@ from dnanalyze.benchmarking.figure import ABSENT, Figure
 from dnanalyze.benchmarking.laws import common_temperatures, estimate
 from dnanalyze.benchmarking.record import ELECTRON, SensorRecord, record, record_alone
 from dnanalyze.errors import InputError
-from dnanalyze.in_order import in_order
+from dnanalyze.executors import in_order
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result

@@ -17,7 +17,7 @@ from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
 from dnanalyze.detection.verdict import TestResult, ask, decide
-from dnanalyze.in_order import in_order
+from dnanalyze.executors import in_order
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.progress import Progress
 

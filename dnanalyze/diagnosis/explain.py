@@ -109,9 +109,8 @@ def _sentence(problem: FitProblem, state: State, name: str) -> str:
     if not told.any():
         return f"the model shows nothing of it: {info.title}"
     worst = int(np.argmax(np.where(told, np.abs(z), -1.0)))
-    off = np.abs(z) >= min(
-        STATED_SINGLY, abs(z[worst])
-    )  # the held-out half may be the one that differs
+    # the held-out half may be the one that differs
+    off = np.abs(z) >= min(STATED_SINGLY, abs(z[worst]))
     i = here[worst]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model[worst]))
     reproducibility_sd = float(train.reproducibility_sd[i])

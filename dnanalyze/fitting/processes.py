@@ -24,6 +24,7 @@ from typing import Any, TypeVar
 from threadpoolctl import threadpool_limits
 
 from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.executors import answer, submitted
 from dnanalyze.fitting.simulated import THREADS, Job, Part, room, shared
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
@@ -150,29 +151,16 @@ class Helpers:
         ]
         here = [task(memo) for task in tasks[len(away) :]]
         pairs = zip(away, tasks, strict=False)
-        return [self._answer(future, task, memo) for future, task in pairs] + here
+        return [answer(future, task, memo) if task else [] for future, task in pairs] + here
 
     def _submitted(self, executor: Executor, task: _Task) -> Future[Any] | None:
         """The task given to an executor; None where there is nothing to do, or nobody to do it."""
         if not task:
             return None
-        try:
-            return executor.submit(_at_worker, task, self._rooms)
-        except RuntimeError:  # broken, or shut down
-            self._without(executor)
-            return None
-
-    def _answer(self, future: Future[Any] | None, task: _Task, memo: Memo) -> Any:
-        """What a worker found; its task is done here where it failed, and tells its own error."""
-        if not task:
-            return []
-        if future is not None:
-            with suppress(Exception):
-                return future.result()
-        return task(memo)
-
-    def _without(self, executor: Executor) -> None:
-        self._executors = [e for e in self._executors if e is not executor]
+        future = submitted(executor, _at_worker, task, self._rooms)
+        if future is None:
+            self._executors = [e for e in self._executors if e is not executor]
+        return future
 
 
 class Processes(Helpers):
@@ -198,10 +186,9 @@ class Processes(Helpers):
         self.close = weakref.finalize(self, _close, lifelines, executors)
 
 
-def helpers_for(pixels: int) -> Helpers:
+def helpers_for(pixels: int) -> Processes:
     """One for each further processor, where simulations of so many pixels are worth its start."""
-    count = min(cpu_count() - 1, MAX_PROCESSES) if pixels >= SHARED_FROM_PIXELS else 0
-    return Processes(count) if count else Helpers()
+    return Processes(min(cpu_count() - 1, MAX_PROCESSES) if pixels >= SHARED_FROM_PIXELS else 0)
 
 
 def helpers_of(executor: Executor | None) -> Helpers:

@@ -29,13 +29,13 @@ STRONG = EVIDENCE_DECISIVE.with_effect(Denoise(kind="median", strength=1.0))
 WEAK = EVIDENCE_DECISIVE.with_effect(Denoise(kind="gaussian", space=0.2, strength=0.02))
 
 
-def held_of(model):
+def fit_problem_of(model):
     return fit_problem(design(simulate(model, (128, 128), POINTS)))
 
 
 @pytest.fixture(scope="module")
 def plain():
-    return held_of(EVIDENCE_DECISIVE)
+    return fit_problem_of(EVIDENCE_DECISIVE)
 
 
 def test_a_filter_that_the_tests_would_find_is_denied(plain):
@@ -48,7 +48,7 @@ def test_one_that_they_could_not_find_is_denied_beside_a_rival_only(plain):
 
 
 def test_a_filter_that_is_found_is_not_denied():
-    assert not denied(held_of(STRONG), STRONG, rivals=True)
+    assert not denied(fit_problem_of(STRONG), STRONG, rivals=True)
 
 
 def test_a_denied_candidate_is_never_named(plain):
@@ -66,7 +66,7 @@ def test_a_denied_candidate_is_never_named(plain):
     ("model", "kept"), [(EVIDENCE_DECISIVE, {"crosstalk"}), (STRONG, {"crosstalk", "dpc"})]
 )
 def test_forms_of_a_filter_are_not_tried_where_the_tests_deny_it_beside_another_kind(model, kept):
-    problem = held_of(model)
+    problem = fit_problem_of(model)
     state = start(problem, STRONG, [])
     filters = Trial("dpc", state, 700.0, 700.0, 1.0, 1.0)
     other = Trial("crosstalk", state, 800.0, 800.0, 1.0, 1.0)

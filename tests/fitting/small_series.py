@@ -18,7 +18,7 @@ def model(**more) -> NoiseModel:
     return NoiseModel(tuple(KNOWN[n](**more.get(n, {})) for n in names), 64.0, POINTS[0], seed=4)
 
 
-def bench_of(cfa=None) -> FitProblem:
+def fit_problem_of(cfa=None) -> FitProblem:
     """Three temperatures of four frames."""
     sensor = Sensor(SHAPE, cfa=cfa)
     return fit_problem(design(simulate(model(), SHAPE, [(p, 4) for p in POINTS], sensor=sensor)))

@@ -14,7 +14,7 @@ from dnanalyze.fitting.state import start
 
 
 def test_known_derivatives_size_the_steps_of_new_ones(monkeypatch):
-    problem, tried = small.bench_of(), []
+    problem, tried = small.fit_problem_of(), []
     whole = FitProblem.several
 
     def counted(self, models):
@@ -41,7 +41,7 @@ def test_known_derivatives_size_the_steps_of_new_ones(monkeypatch):
 @pytest.mark.parametrize("extra", [None, "rts", "row_fpn"])
 def test_many_derivatives_are_taken_on_half_of_the_field_where_that_tells_them(extra, monkeypatch):
     """The level and the shading but lack what is chance in the other half."""
-    problem, model = small.bench_of(), small.model()
+    problem, model = small.fit_problem_of(), small.model()
     if extra is not None:
         model = model.with_effect(small.KNOWN[extra]())
     begun, benches = start(problem, model, free_parameters(model)), []
@@ -70,7 +70,7 @@ def test_many_derivatives_are_taken_on_half_of_the_field_where_that_tells_them(e
 
 @pytest.mark.parametrize(("span", "fixed"), [(1.6, True), (20.0, False)])
 def test_an_energy_is_held_where_the_temperatures_tell_no_slope(span, fixed):
-    problem = small.bench_of()
+    problem = small.fit_problem_of()
     settings = tuple(
         replace(s, point=replace(s.point, temperature_c=25.0 + span * (n > 0)))
         for n, s in enumerate(problem.plan.captures.settings)

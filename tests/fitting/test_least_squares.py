@@ -42,7 +42,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
 
 def test_the_last_bits_of_linear_algebra_do_not_choose_the_path(monkeypatch):
     """Libraries that solve the same equations differ by some 1e-13; the models must not."""
-    problem, begun = small.bench_of(), replace(small.model(), pedestal=60.0)
+    problem, begun = small.fit_problem_of(), replace(small.model(), pedestal=60.0)
     exact, rng = np.linalg.solve, np.random.default_rng(4)
     ended = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
     monkeypatch.setattr(

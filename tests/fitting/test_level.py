@@ -65,7 +65,7 @@ def test_the_level_is_that_of_both_halves_together():
 
 
 def test_a_model_of_another_level_is_not_adequate_whatever_its_error():
-    problem = small.bench_of()
+    problem = small.fit_problem_of()
     right = start(problem, small.model(), [])
     mean = [np.where(half.names == "mean", 0.2, 0.0) for half in (problem.train, problem.test)]
     for size, kept in ((1.0, True), (40.0, False)):
@@ -77,7 +77,7 @@ def test_a_model_of_another_level_is_not_adequate_whatever_its_error():
 
 def test_the_signal_is_above_the_measured_black_level():
     """A fit may miss the median by half of 1 % of it, or by 2 standard deviations at no signal."""
-    problem = small.bench_of()
+    problem = small.fit_problem_of()
     at = problem.train.names == "median"
     assert np.isinf(problem.train.bounds()[~at]).all()
     values, floors = problem.train.values[at], problem.train.reproducibility_sd[at]
@@ -136,7 +136,7 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
 
 def test_bounds_that_are_kept_change_no_step():
     model = small.model()
-    problem = small.bench_of()
+    problem = small.fit_problem_of()
     unbound = replace(problem, train=replace(problem.train, allowed=None))
     free = free_parameters(model)[:2]
     wide = replace(

@@ -11,7 +11,7 @@ BAYER = (("R", "G"), ("G", "B"))
 
 @pytest.mark.parametrize("cfa", [None, BAYER])
 def test_either_half_alone_is_what_it_is_beside_the_other(cfa):
-    here, other = small.bench_of(cfa), small.model(read_noise={"sigma": 2.5})
+    here, other = small.fit_problem_of(cfa), small.model(read_noise={"sigma": 2.5})
     both = here.coordinates(other)
     np.testing.assert_array_equal(here.fitted_coordinates(other), both[0])
     np.testing.assert_array_equal(here.fitted_z(other), here.train.z(both[0]))
@@ -24,7 +24,7 @@ def test_either_half_alone_is_what_it_is_beside_the_other(cfa):
 
 
 def test_what_was_simulated_is_not_simulated_again(monkeypatch):
-    here, made = small.bench_of(), []
+    here, made = small.fit_problem_of(), []
     whole = FitProblem._simulated
     monkeypatch.setattr(
         FitProblem, "_simulated", lambda self, jobs: made.extend(jobs) or whole(self, jobs)
@@ -43,7 +43,7 @@ def test_what_was_simulated_is_not_simulated_again(monkeypatch):
 
 
 def test_another_sensor_of_the_make_is_drawn_once(monkeypatch):
-    here, made = small.bench_of(), []
+    here, made = small.fit_problem_of(), []
     whole = FitProblem.coordinates
     monkeypatch.setattr(
         FitProblem, "coordinates", lambda self, model: made.append(model) or whole(self, model)
@@ -66,7 +66,7 @@ def test_another_sensor_of_the_make_is_drawn_once(monkeypatch):
     ("effect", "even"), [("rts", True), ("crosstalk", True), ("row_fpn", False)]
 )
 def test_half_of_the_field_is_left_out_only_where_nothing_lies_somewhere(effect, even):
-    here = small.bench_of()
+    here = small.fit_problem_of()
     assert here.evened(small.model()).even
     assert here.evened(small.model().with_effect(small.KNOWN[effect]())).even == even
     assert here.evened(small.model()).evened(small.model()).even

@@ -32,7 +32,7 @@ from dnanalyze.processors import cpu_count
 
 @pytest.fixture(scope="module")
 def problem():
-    return small.bench_of()
+    return small.fit_problem_of()
 
 
 @contextmanager
@@ -158,7 +158,7 @@ def test_helpers_are_started_only_where_there_is_much_to_do():
     try:
         assert many.shares == min(cpu_count() - 1, MAX_PROCESSES) + 1
     finally:
-        getattr(many, "close", bool)()
+        many.close()
 
 
 def test_an_executor_of_the_caller_takes_all_of_it_and_finds_the_same(problem, taken):

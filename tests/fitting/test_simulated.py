@@ -42,7 +42,7 @@ def test_shares_of_several_jobs_weigh_that_of_one_half_little_is_wanted(settings
 
 def test_the_mirror_image_of_a_half_shows_the_shading_of_even_fields():
     """By its law: as far from none, and as often to either side, as a half that is drawn."""
-    problem, drawn = small.bench_of(), {}
+    problem, drawn = small.fit_problem_of(), {}
     rows = [k.name.startswith("shading_") and k.name[-1].isdigit() for k in problem.train.keys]
     for even in (False, True):
         problem = replace(problem, even=even)
@@ -60,7 +60,7 @@ def test_the_mirror_image_of_a_half_shows_the_shading_of_even_fields():
 
 
 def test_of_even_models_nothing_of_the_other_half_is_simulated(taken):
-    problem = replace(small.bench_of(), even=True)
+    problem = replace(small.fit_problem_of(), even=True)
     problem.fitted_z(small.model())
     assert taken == [(n, 0) for n in range(len(small.POINTS))]
     taken.clear()

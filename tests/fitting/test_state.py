@@ -20,7 +20,7 @@ def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkey
     monkeypatch.setattr(
         FitProblem, "judged_z", lambda self, model: asked.append(model) or whole(self, model)
     )
-    problem, free = small.bench_of(), free_parameters(small.model())
+    problem, free = small.fit_problem_of(), free_parameters(small.model())
     ended = minimise(problem, start(problem, small.model(), free))
     assert not asked
     assert np.isfinite(ended.test).all()
@@ -30,7 +30,7 @@ def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkey
 
 
 def test_derivatives_of_another_model_are_taken_over_by_name():
-    problem, model = small.bench_of(), small.model()
+    problem, model = small.fit_problem_of(), small.model()
     free = free_parameters(model)
     first = derive(problem, start(problem, model, free))
     other = with_derivatives_of(

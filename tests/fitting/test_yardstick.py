@@ -35,7 +35,7 @@ def of(*more: object) -> NoiseModel:
     return NoiseModel((*PLAIN, *more), 64.0, POINT, 1)
 
 
-def held_of(model: NoiseModel) -> FitProblem:
+def fit_problem_of(model: NoiseModel) -> FitProblem:
     return fit_problem(design(simulate(model, (128, 128), [(POINT, 6)])))
 
 
@@ -58,7 +58,7 @@ def spread(problem: FitProblem, model: NoiseModel, name: str) -> float:
 def test_the_floor_is_what_two_sensors_differ_by(more, name):
     """Of 8 and of 24 replicates: within 3 times sqrt(1 / (2 * 14) + 1 / (2 * 23))."""
     model = of(*more)
-    problem = held_of(model)
+    problem = fit_problem_of(model)
     reproducibility_sd = by_design(problem, model).train.reproducibility_sd[
         problem.train.names == name
     ]
@@ -128,7 +128,7 @@ def test_replicates_without_scatter_tell_nothing():
 
 def test_a_state_keeps_its_model_and_its_misfit_in_units_of_the_statistics():
     model = of(FlickerFpn(3.0, 2.0))
-    problem = held_of(model)
+    problem = fit_problem_of(model)
     free = free_parameters(model)
     state = derive(problem, start(problem, model, free))
     there, moved = measured_by(problem, state)

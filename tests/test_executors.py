@@ -6,7 +6,7 @@ from multiprocessing import get_context
 
 import pytest
 
-from dnanalyze.in_order import in_order
+from dnanalyze.executors import in_order
 
 HERE = os.getpid()
 

@@ -1,4 +1,4 @@
-"""Tasks of a caller's executor, in order; one that it loses is done here."""
+"""Tasks of an executor; one that it loses is done by this process."""
 
 from __future__ import annotations
 
@@ -39,24 +39,24 @@ def in_order(
     ...     list(in_order(executor, pow, [(2, 3), (3, 2)]))
     [8, 9]
     """
-    waiting = [_submitted(executor, function, some) for some in arguments]
+    waiting = [submitted(executor, function, *some) for some in arguments]
     for future, some in zip(waiting, arguments, strict=True):
-        yield _found(future, function, some)
+        yield answer(future, function, *some)
 
 
-def _submitted(
-    executor: Executor, function: Callable[..., Found], some: tuple[Any, ...]
+def submitted(
+    executor: Executor, function: Callable[..., Found], *arguments: Any
 ) -> Future[Found] | None:
+    """The task as an executor takes it; None where it is broken or shut down."""
     try:
-        return executor.submit(function, *some)
-    except RuntimeError:  # broken, or shut down
+        return executor.submit(function, *arguments)
+    except RuntimeError:
         return None
 
 
-def _found(
-    future: Future[Found] | None, function: Callable[..., Found], some: tuple[Any, ...]
-) -> Found:
+def answer(future: Future[Found] | None, here: Callable[..., Found], *arguments: Any) -> Found:
+    """What a task found; where it is lost or failed, what the function finds ``here``."""
     if future is not None:
         with suppress(Exception):
             return future.result()
-    return function(*some)
+    return here(*arguments)
