@@ -80,8 +80,18 @@ def pair_differences(stack: np.ndarray) -> np.ndarray:
     )
 
 
-def without_tones(image: np.ndarray, strength: float = STRENGTH) -> np.ndarray:
-    """Less the spectral lines (hum): bins ``strength`` times above the median of their octave.
+def without_tones(image: np.ndarray) -> np.ndarray:
+    """Less the spectral lines (hum), which are those of its core.
+
+    A bright pixel or a particle track adds power to all bins; bins set to zero for that would take
+    a pattern over the whole image away.
+    """
+    core = clipped(image)
+    return image - (core - _without_tones(core))
+
+
+def _without_tones(image: np.ndarray, strength: float = STRENGTH) -> np.ndarray:
+    """Less the bins ``strength`` times above the median of their octave.
 
     A line between two bins leaks into all others, its power falling with the square of the distance
     in bins. One whose leakage would be left is first subtracted as the sinusoid that it is.

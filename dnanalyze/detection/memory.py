@@ -88,10 +88,7 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         d = frame - mean
         d = d - np.float32(centre_and_sd(d, 8192)[0])
         slope = np.float32(float((d * pattern_here).mean()) / power) if power else np.float32(0)
-        reach = np.float32(4 * centre_and_sd(d - slope * pattern, 8192)[1])
-        d = without_lines(d - slope * pattern)
-        tones = np.clip(d, -reach, reach)
-        rest[n] = d - (tones - without_tones(tones))
+        rest[n] = without_tones(without_lines(d - slope * pattern))
         squares += rest[n] * rest[n]
     typical = np.median(squares)
     if typical <= 0:

@@ -57,15 +57,17 @@ def choose(
     known: dict[str, type[Effect]],
     on_progress: Callable[[str], None] = ignored,
     on_trial: Callable[[SoFar], None] = ignored,
+    spread: bool = True,
 ) -> tuple[list[Trial], Trial | None]:
     """The candidates refitted, the most probable first, and the one to add next.
 
     That is the first of them, or the slope of the spread of the dark current (named as the base),
-    if it is significant and has more evidence. Arguments are those of `trials`.
+    if it is significant and has more evidence. ``spread``: whether that is open. Other arguments
+    are those of `trials`.
     """
     tried = trials(null, known, on_progress, on_trial)
     best = supported(null, tried)
-    law = spread_law(null, math.inf if best is None else best.state.loss)
+    law = spread_law(null, math.inf if best is None else best.state.loss) if spread else None
     if law is not None and (best is None or law.evidence > best.evidence):
         return tried, law
     return tried, best
@@ -303,7 +305,8 @@ class Search:
 
     def _tested(self, path: Path, null: FittedModel) -> Path:
         """The candidates tested: those first that were significant beside the last one."""
-        tried, best = choose(null, self._first(path) or self._open(path), self.on_progress)
+        known = self._first(path) or self._open(path)
+        tried, best = choose(null, known, self.on_progress, spread=BASE not in path.refused)
         if best is None and self._first(path):
             return self._tested(replace(path, open=()), null)
         return replace(path, tried=tuple(tried), best=best)
@@ -344,7 +347,7 @@ class Search:
         ``most`` is not taken: it fits the residual of what else is missing.
         """
         if best.effect == BASE:
-            return self._with_law(path, null, best)
+            return self._with_law(path, null, best, most)
         tried = path.tried
         sure, near = confidence_of(best, tried), competitors(best, tried)
         state = completed(null.problem, best)
@@ -397,10 +400,14 @@ class Search:
         self._kept(path)
         return self._reduced(path)
 
-    def _with_law(self, path: Path, null: FittedModel, law: Trial) -> Path:
+    def _with_law(self, path: Path, null: FittedModel, law: Trial, most: float) -> Path:
         """The spread of the dark current free to change with temperature: no effect more."""
         state = self._at_home(converge(null.problem, law.state), null)
-        path = self._noted(path, state, None, why=[in_words(self.problem, state.model)])
+        error = self._error(state)
+        if error > most:
+            return replace(path, refused=(*path.refused, BASE))
+        why = [in_words(self.problem, state.model)]
+        path = self._noted(path, state, None, why=why, error=error)
         self._kept(path)
         return path
 

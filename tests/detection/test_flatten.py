@@ -49,3 +49,14 @@ def test_a_broad_line_loses_what_stands_out_of_its_octave():
     jumps = np.random.default_rng(6).standard_normal((SHAPE[0], 1)).astype(np.float32)
     broad = jumps * wave(0.0, 0.25, 4.0)
     assert rms(without_tones(noise() + broad)) < 0.5 * rms(noise() + broad)
+
+
+def test_particle_tracks_leave_the_noise_as_it_is():
+    """Their power at low frequencies is no line; only what a sine takes is subtracted."""
+    image = noise()
+    draw = np.random.default_rng(7)
+    for y, x in draw.integers(10, 190, (12, 2)):
+        image[y : y + 8, x : x + 3] += 400.0
+    hit = image - noise() > 1.0
+    rest = without_tones(image)
+    assert rms((rest - noise())[~hit]) < 0.1

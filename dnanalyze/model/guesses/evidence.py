@@ -89,6 +89,21 @@ def line_sigma(clues: Clues, prefix: str, length: int) -> float:
     return math.sqrt(typical_positive(power) / length)
 
 
+def white_line_sigma(clues: Clues, prefix: str, length: int) -> float:
+    """As `line_sigma`, of offsets that have the same power at all frequencies of the axis.
+
+    The mean over the bands by their standard deviations: a band with a line of a periodic pattern
+    tells little of what is at all frequencies, and may have too much of it.
+    """
+    power = band_excess(clues, prefix)
+    z = np.stack([np.asarray(clues.z(name), float) for name in named(prefix, LINE_BANDS)])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        weight = (z / power) ** 2  # of a power in units of its standard deviation
+        weight = np.where(np.isfinite(weight), weight, 0.0)
+        mean = np.nansum(weight * power, axis=0) / weight.sum(axis=0)
+    return math.sqrt(typical_positive(mean) / length)
+
+
 def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
     """A measured curve, or None where these captures have none."""
     try:
