@@ -16,13 +16,10 @@ from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.state import State, loss
+from dnanalyze.model.bounds import bounded
 from dnanalyze.model.effect import Effect, ParameterInfo, Placing
 from dnanalyze.model.noise_model import NoiseModel
-
-STRENGTHS = (
-    "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step",
-    "strength",
-)  # fmt: skip
+from dnanalyze.model.strength import strength_of
 
 
 @dataclass(frozen=True)
@@ -153,10 +150,10 @@ class _View:
 
 def _strength(effect: type[Effect], noise: float) -> tuple[str, float] | None:
     """The parameter that says how strong an effect is, and a strength that shows."""
-    for name, info in effect.parameters().items():
-        if info.scale == "log" and name in STRENGTHS:
-            default = getattr(effect(), name)
-            value = default if isinstance(default, (int, float)) else default.value
-            first = 0.3 * noise if info.unit.startswith("DN") else float(value)
-            return name, min(max(first, info.lower), info.upper)
-    return None
+    name = strength_of(effect)
+    if name is None:
+        return None
+    default = getattr(effect(), name)
+    value = default if isinstance(default, (int, float)) else default.value
+    in_dn = effect.parameters()[name].unit.startswith("DN")
+    return name, bounded(effect, name, 0.3 * noise if in_dn else float(value))

@@ -21,6 +21,8 @@ from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.progress import ignored
 
+LONGEST = 3.0  # times a change; farther the statistics do not follow in proportion
+
 
 @dataclass(frozen=True)
 class Guess:
@@ -78,7 +80,7 @@ class _View:
     def of(cls, problem: FitProblem, state: State) -> _View:
         settings = telling(problem, state)
         there = restricted(problem, state, settings)
-        idle = _least_loss(there, np.zeros(len(there.train)))
+        idle = along(there, np.zeros(len(there.train))).loss
         return cls(problem.only(settings), there, idle, least_noise(problem), much_left(there))
 
     @cached_property
@@ -99,7 +101,7 @@ class _View:
         found = []
         for name, model, seen in made:
             if seen:
-                promise = self.idle - _least_loss(self.state, next(shifts))
+                promise = self.idle - along(self.state, next(shifts)).loss
             else:  # the fitted half has none of it
                 promise = loss(self.state.test) - loss(self.problem.judged_z(model))
             found.append(Guess(name, model, promise))
@@ -133,7 +135,15 @@ def restricted(problem: FitProblem, state: State, settings: list[int]) -> State:
     )
 
 
-def _least_loss(state: State, change: np.ndarray) -> float:
+@dataclass(frozen=True)
+class Least:
+    """Least loss along a change of the predictions, and the share of the change where it is."""
+
+    loss: float
+    share: float
+
+
+def along(state: State, change: np.ndarray) -> Least:
     """Least loss along the line of a change of the predictions, in reproducibility SDs.
 
     The nuisance parameters are projected out.
@@ -142,10 +152,12 @@ def _least_loss(state: State, change: np.ndarray) -> float:
     usable = np.linalg.norm(state.jacobian, axis=0) > 1e-6
     free = np.linalg.qr(state.jacobian[:, usable] * w[:, None])[0]
 
-    def at(step: float) -> float:
-        z = state.train - step * change
+    def at(share: float) -> float:
+        z = state.train - share * change
         return loss(z - (free @ (free.T @ (z * w))) / w)
 
+    whole = Least(at(1.0), 1.0)
     if not change.any():
-        return at(0.0)
-    return float(min(at(1.0), minimize_scalar(at, bounds=(0.0, 3.0), method="bounded").fun))
+        return whole
+    found = minimize_scalar(at, bounds=(0.0, LONGEST), method="bounded")
+    return min(whole, Least(float(found.fun), float(found.x)), key=lambda least: least.loss)

@@ -6,11 +6,15 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_noise import ColumnNoise
-from dnanalyze.model.guesses.evidence import white_line_sigma, shows
+from dnanalyze.model.guesses.evidence import shows, white_line_sigma
 
 
 def guess(effect: type[ColumnNoise], clues: Clues) -> list[Effect]:
     """Sigma from the unexplained power of the v = 0 axis of differences of frames."""
     if not shows(clues, effect.fingerprint):
         return []
-    return [effect(bounded(effect, "sigma", white_line_sigma(clues, "temporal_columns", clues.shape[0])))]
+    return [
+        effect(
+            bounded(effect, "sigma", white_line_sigma(clues, "temporal_columns", clues.shape[0]))
+        )
+    ]

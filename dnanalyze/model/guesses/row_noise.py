@@ -6,11 +6,13 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.row_noise import RowNoise
-from dnanalyze.model.guesses.evidence import white_line_sigma, shows
+from dnanalyze.model.guesses.evidence import shows, white_line_sigma
 
 
 def guess(effect: type[RowNoise], clues: Clues) -> list[Effect]:
     """Sigma from the unexplained power of the u = 0 axis of differences of frames."""
     if not shows(clues, effect.fingerprint):
         return []
-    return [effect(bounded(effect, "sigma", white_line_sigma(clues, "temporal_rows", clues.shape[1])))]
+    return [
+        effect(bounded(effect, "sigma", white_line_sigma(clues, "temporal_rows", clues.shape[1])))
+    ]

@@ -53,6 +53,21 @@ def test_line_sigma_inverts_the_power_of_line_offsets():
     assert evidence.line_sigma(clues, "pattern_rows", 200) == pytest.approx(0.3)
 
 
+def test_white_line_sigma_is_that_of_the_bands_that_tell_it():
+    """A line of a pattern raises one band by 50 DN^2 and its error 100 times."""
+    names = fingerprints.named("pattern_rows", fingerprints.LINE_BANDS)
+    white = 200 * 0.09
+    excess = dict(zip(names, (white, white - 50.0, white, white), strict=True))
+    errors = dict(zip(names, (1.0, 100.0, 1.0, 1.0), strict=True))
+    clues = Two(
+        {n: 4.0 + e for n, e in excess.items()},
+        dict.fromkeys(names, 4.0),
+        {n: excess[n] / errors[n] for n in names},
+    )
+    assert evidence.white_line_sigma(clues, "pattern_rows", 200) == pytest.approx(0.3, rel=1e-3)
+    assert evidence.line_sigma(clues, "pattern_rows", 200) < 0.29
+
+
 def test_mean_power_leaves_absent_bands_out():
     power = np.array([[np.nan], [1.0], [2.0], [3.0]])
     expected = (0.08 * 1 + 0.2 * 2 + 0.2 * 3) / 0.48
