@@ -8,10 +8,11 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
-from dnanalyze.diagnosis.candidates import candidates_of, refitted_once, trials
+from dnanalyze.diagnosis.candidates import candidates_of, refitted, refitted_once, trials
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel
+from dnanalyze.diagnosis.score_test import Guess
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
@@ -50,6 +51,16 @@ def test_both_hidden_effects_are_refitted_and_significant(null):
     assert set(so_far.screened) <= set(ROWS)
     assert {t.effect for t in so_far.trials} == set(named)
     assert set(named) <= set(told)
+
+
+@pytest.mark.parametrize("times", [1.0, 30.0])
+def test_a_refit_begins_at_the_strength_that_the_statistics_want(null, times):
+    """The wanted sigma is 1; a guess far beyond it comes back, one near it stays."""
+    own = next(t.state.model.get("column_fpn") for t in trials(null, of("column_fpn")))
+    guess = Guess("column_fpn", null.state.model.with_effect(ColumnFpn(times * own.sigma)), 1.0)
+    ended = refitted(null.problem, guess, null.state)
+    assert ended.loss < null.state.loss
+    assert ended.model.get("column_fpn").sigma == pytest.approx(own.sigma, rel=0.15)
 
 
 def test_plain_cases_are_settled_by_one_refit_of_what_is_everywhere(null):

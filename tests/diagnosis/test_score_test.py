@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.score_test import much_left, score_tests
+from dnanalyze.diagnosis.score_test import LONGEST, along, much_left, score_tests
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import fit_problem
-from dnanalyze.fitting.state import start
+from dnanalyze.fitting.state import State, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import TableLaw
@@ -112,6 +112,22 @@ def test_the_promise_is_near_what_a_refit_brings():
     fell = state.loss - minimise(problem, begun, 6).loss
     # two of two operating points are simulated: all of what the refit sees
     assert first.promise == pytest.approx(fell, rel=0.15)
+
+
+def test_the_least_loss_along_a_change_is_where_the_change_explains_the_misfits():
+    """Of small misfits, where the loss is a sum of squares; nuisance parameters are projected out.
+
+    z = 0.25 change + nuisance: least at a quarter of the change, where nothing is left.
+    """
+    draw = np.random.default_rng(2)
+    nuisance, change = draw.standard_normal((2, 200))
+    z = 0.01 * (0.25 * change + 3.0 * nuisance)
+    state = State(None, [], z, lambda: z, nuisance[:, None])
+    least = along(state, 0.01 * change)
+    assert least.share == pytest.approx(0.25, abs=1e-3)
+    assert least.loss == pytest.approx(0.0, abs=1e-4 * np.sum(z**2))
+    far = along(state, 1e-5 * change)  # beyond the longest step
+    assert far.share == pytest.approx(LONGEST, rel=1e-3)
 
 
 def test_much_is_left_where_the_loss_per_statistic_is_beyond_an_adequate_models(state):
