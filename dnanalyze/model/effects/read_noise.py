@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
+from dnanalyze.model.serial import averaged, moving_average
 
 
 @dataclass(frozen=True)
@@ -102,29 +103,8 @@ def _one_after_another(correlations: tuple[float, float], key: int, site: Site) 
 
     The first two of a row have none, or one, before them.
     """
-    weights = _moving_average(*correlations)
+    weights = moving_average(*correlations)
     window = site.window
     left = max(0, window.left - weights.size + 1)
     field = draws.normal(key, replace(window, left=left), site.shape[1])
-    mixed = field * np.float32(weights[0])
-    for lag in range(1, weights.size):
-        mixed[:, lag:] += np.float32(weights[lag]) * field[:, :-lag]
-    if left == 0:
-        for column in range(weights.size - 1):
-            mixed[:, column] /= np.float32(np.linalg.norm(weights[: column + 1]))
-    return mixed[:, window.left - left :]
-
-
-def _moving_average(first: float, second: float) -> np.ndarray:
-    """Weights of the present and the earlier deviates for correlations at lags 1 and 2.
-
-    The factor 1 + b_1 z + b_2 z^2 of 1 + r_1 (z + 1/z) + r_2 (z^2 + 1/z^2) whose roots lie outside
-    the unit circle. Correlations that no noise can have together are made smaller in proportion.
-    """
-    wave = 2.0 * np.pi * np.linspace(0.0, 0.5, 257)
-    deepest = float(np.min(2.0 * first * np.cos(wave) + 2.0 * second * np.cos(2.0 * wave)))
-    first, second = np.array([first, second]) * min(1.0, 0.99 / max(-deepest, 1e-9))
-    roots = np.roots([second, first, 1.0, first, second])
-    inside = roots[np.abs(roots) < 1.0]
-    weights = np.real(np.poly(inside))
-    return weights / np.linalg.norm(weights)
+    return averaged(field, weights, left == 0)[:, window.left - left :]

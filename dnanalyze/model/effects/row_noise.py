@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.serial import averaged, moving_average
+
+RELATED = ("serial", 0.2), ("serial", -0.2), ("serial2", 0.2)  # forms tried where rows are white
 
 
 @dataclass(frozen=True)
@@ -24,12 +27,17 @@ class RowNoise(Effect):
     physics: ClassVar[str] = (
         "All pixels of a row are sampled at the same instant. A disturbance of the supply, "
         "the ramp or the reference at that instant shifts the whole row; the next row has "
-        "another value. It is visible to the eye at a tenth of the pixel noise. It does not "
-        "grow with temperature or exposure and follows the analog gain. Averaging K frames "
-        "lowers its power K times. Remedy: subtract the mean of the row's n optically black "
+        "another value. Rows that follow each other may share some of a slow disturbance "
+        "(`serial`), and rows of the same field of an interlaced readout, or of the same bank of "
+        "converters, some of theirs (`serial2`). It is visible to the eye at a tenth of the pixel "
+        "noise. It does not grow with temperature or exposure and follows the analog gain. "
+        "Averaging K frames lowers its power K times. Remedy: subtract the mean of the row's n optically black "
         "pixels, which leaves 1/n of their noise; quieter supplies."
     )
-    formula: ClassVar[str] = "y_ij += r_i;  r_i ~ N(0, sigma^2), new in every frame"
+    formula: ClassVar[str] = (
+        "y_ij += r_i;  r_i ~ N(0, sigma^2), new in every frame; correlation r_1 with the row "
+        "before, r_2 with the one before that, none farther"
+    )
     references: ClassVar[tuple[str, ...]] = (
         "Wei, Fu, Yang, Huang, A physics-based noise formation model for extreme low-light raw "
         "denoising (ELD), CVPR 2020",
@@ -44,11 +52,37 @@ class RowNoise(Effect):
 
     sigma: float = parameter(0.3, "DN", 1e-4, 1e3, "standard deviation of the row offsets")
 
+    serial: float = parameter(0.0, "1", -0.45, 0.45, "correlation with the row before", "linear")
+    serial2: float = parameter(
+        0.0, "1", -0.45, 0.45, "correlation with the row before that one", "linear"
+    )
+
+    def inactive_parameters(self) -> tuple[str, ...]:
+        """Correlations where there are none."""
+        return tuple(name for name in ("serial", "serial2") if getattr(self, name) == 0)
+
+    def relatives(self) -> list[Effect]:
+        """Rows that are correlated, where they are not, with either neighbour."""
+        if self.serial != 0 or self.serial2 != 0:
+            return []
+        return [replace(self, **{n: r}) for n, r in RELATED]  # type: ignore[arg-type]
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
-        signal += np.float32(sigma) * site.rows(site.frame_stream.child("rows"))[:, None]
+        signal += np.float32(sigma) * self._offsets(site)[:, None]
         return signal
+
+    def _offsets(self, site: Site) -> np.ndarray:
+        """Unit offsets of the window's rows, float32."""
+        stream = site.frame_stream.child("rows")
+        serial = self.value("serial", site.point), self.value("serial2", site.point)
+        if not any(serial):
+            return site.rows(stream)
+        weights = moving_average(*serial)
+        top = max(0, site.window.top - weights.size + 1)
+        white = stream.normal(Window(0, 1, top, site.window.bottom), site.shape[0])[0]
+        return averaged(white, weights, top == 0)[site.window.top - top :]
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2."""

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
-from readout_bench import added, line_clues
+from readout_bench import added, frames, line_clues
 
+from dnanalyze.loaders.captures import Window
 from dnanalyze.model.effects.row_noise import RowNoise
 
 
@@ -23,3 +24,28 @@ def test_guess_from_power_in_differences():
     (effect,) = RowNoise.guess(line_clues("temporal_rows", 4.0 + 256 * 0.49, 4.0))
     assert effect.sigma == pytest.approx(0.7, rel=1e-6)
     assert RowNoise.guess(line_clues("pattern_rows", 90.0, 4.0)) == []
+
+
+@pytest.mark.parametrize("serial", [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (-0.1, 0.25)])
+def test_rows_are_correlated_as_stated_with_two_neighbours_and_no_others(serial):
+    r = added(RowNoise(0.7, *serial), count=3, shape=(8192, 6))[:, :, 0]
+    assert r.var() == pytest.approx(0.49, rel=6 * np.sqrt(2 / r.size))
+    wanted = (*serial, 0.0, 0.0)
+    for lag, expected in enumerate(wanted, 1):
+        seen = np.mean(r[:, lag:] * r[:, :-lag]) / r.var()
+        assert seen == pytest.approx(expected, abs=6 / np.sqrt(r.size))
+
+
+def test_a_window_has_the_rows_of_the_whole_frame():
+    whole = frames(RowNoise(0.7, 0.2, 0.3), count=1, shape=(64, 6))
+    for window in (Window(0, 9, 0, 6), Window(1, 20, 0, 6), Window(33, 64, 2, 5)):
+        part = frames(RowNoise(0.7, 0.2, 0.3), count=1, shape=(64, 6), window=window)
+        rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
+        np.testing.assert_allclose(part, whole[:, rows, columns], atol=1e-6)
+
+
+def test_white_rows_have_forms_with_neighbours_and_those_no_others():
+    forms = RowNoise(0.3).relatives()
+    assert {(f.serial, f.serial2) for f in forms} == {(0.2, 0.0), (-0.2, 0.0), (0.0, 0.2)}
+    assert RowNoise(0.3).inactive_parameters() == ("serial", "serial2")
+    assert all(f.sigma == 0.3 and not f.relatives() for f in forms)
