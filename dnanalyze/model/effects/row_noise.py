@@ -31,8 +31,8 @@ class RowNoise(Effect):
         "(`serial`), and rows of the same field of an interlaced readout, or of the same bank of "
         "converters, some of theirs (`serial2`). It is visible to the eye at a tenth of the pixel "
         "noise. It does not grow with temperature or exposure and follows the analog gain. "
-        "Averaging K frames lowers its power K times. Remedy: subtract the mean of the row's n optically black "
-        "pixels, which leaves 1/n of their noise; quieter supplies."
+        "Averaging K frames lowers its power K times. Remedy: subtract the mean of the row's n "
+        "optically black pixels, which leaves 1/n of their noise; quieter supplies."
     )
     formula: ClassVar[str] = (
         "y_ij += r_i;  r_i ~ N(0, sigma^2), new in every frame; correlation r_1 with the row "
