@@ -23,6 +23,8 @@ from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.guesses.evidence import shows
 from dnanalyze.model.wave import SAME, Wave, strongest_wave, together
 
+_Line = tuple[float, float, float]  # u, v, and amplitude over that of another line
+
 SEEN_SHARE = 0.5  # share of the places with the first line at which a further one shows
 WEAKEST = 0.1  # amplitude of a further line over the first's
 TAPS = ColumnTaps.parameters()["taps"].choices  # fixed lines at fractions of these are taps
@@ -35,15 +37,24 @@ def guess(effect: type[PeriodicPattern], clues: Clues) -> list[Effect]:
         waves = [w for w in clues.waves(part) if _seen(clues, part, w)]
         line = strongest_wave(waves)
         if line is not None and beats(line.v, line.u, clues.field) >= PERIODS:
-            amplitude = bounded(effect, "amplitude", line.amplitude)
-            more = _further(line, waves, clues, phase)
-            several = [effect(amplitude, line.u, line.v, phase, more)] if more else []
-            guesses += [*several, effect(amplitude, line.u, line.v, phase)]
+            further = _further(line, waves, clues, phase)
+            several = [_of_lines(effect, line, further, phase)] if further else []
+            guesses += [*several, _of_lines(effect, line, [], phase)]
     return guesses
 
 
-def _further(first: Wave, waves: Sequence[Wave], clues: Clues, phase: str) -> tuple[float, ...]:
-    """u, v and relative amplitude of each line beside the first, the strongest first."""
+def _of_lines(
+    effect: type[PeriodicPattern], first: Wave, further: Sequence[_Line], phase: str
+) -> PeriodicPattern:
+    """The pattern of these lines, that of the largest amplitude first."""
+    lines = sorted([(first.u, first.v, 1.0), *further], key=lambda line: -line[2])
+    u, v, most = lines[0]
+    more = tuple(n for u, v, relative in lines[1:] for n in (u, v, round(relative / most, 4)))
+    return effect(bounded(effect, "amplitude", most * first.amplitude), u, v, phase, more)
+
+
+def _further(first: Wave, waves: Sequence[Wave], clues: Clues, phase: str) -> list[_Line]:
+    """The lines beside the first that have most of its amplitude."""
     own = [w for w in waves if _is_one(w, first, clues)]
     typical = _amplitudes(own)
     found = []
@@ -56,9 +67,8 @@ def _further(first: Wave, waves: Sequence[Wave], clues: Clues, phase: str) -> tu
             and beats(line.v, line.u, clues.field) >= PERIODS
             and not (phase == "fixed" and _of_taps(line))
         ):
-            found.append((line.u, line.v, round(relative, 4)))
-    strongest = sorted(found, key=lambda f: -f[2])[: MAX_LINES - 1]
-    return tuple(number for line in strongest for number in line)
+            found.append((line.u, line.v, relative))
+    return sorted(found, key=lambda f: -f[2])[: MAX_LINES - 1]
 
 
 def _amplitudes(waves: Sequence[Wave]) -> list[float]:

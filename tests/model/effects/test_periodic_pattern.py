@@ -211,6 +211,15 @@ def test_guess_has_the_further_lines_and_the_first_alone():
     assert alone.more == ()
 
 
+def test_of_several_lines_that_of_the_largest_amplitude_is_the_first():
+    """The other stands higher over its own floor."""
+    clear, large = line(0.05, -0.17, 0.3), line(0.1, -0.34, 1.2, ratio=9.0)
+    several, alone = PeriodicPattern.guess(seen_at([clear, large]))
+    assert (several.u, several.v, several.amplitude) == (0.1, -0.34, pytest.approx(1.2))
+    assert several.further == [(0.05, -0.17, 0.25)]
+    assert (alone.u, alone.v, alone.amplitude) == (0.05, -0.17, 0.3)
+
+
 def test_guess_leaves_out_what_is_weak_or_seldom_or_beside_the_first():
     first = (0.05, -0.17)
     weak, seldom = line(0.1, -0.34, 0.05, ratio=9.0), line(0.3, 0.2, 0.5, ratio=9.0)
