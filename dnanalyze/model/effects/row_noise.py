@@ -65,7 +65,7 @@ class RowNoise(Effect):
         """Rows that are correlated, where they are not, with either neighbour."""
         if self.serial != 0 or self.serial2 != 0:
             return []
-        return [replace(self, **{n: r}) for n, r in RELATED]  # type: ignore[arg-type]
+        return [replace(self, **{n: r}) for n, r in RELATED]
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
