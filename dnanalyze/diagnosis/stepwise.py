@@ -46,6 +46,7 @@ from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
+from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.fitting.yardstick import expressed
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, BASELINE
@@ -245,8 +246,9 @@ class Search:
         return begun, self._converged(replace(found, state=there, converged=False), checked=False)
 
     def _begun(self, state: State) -> Path:
-        """The starting model, noted and kept."""
-        path = self._noted(Path(state), state, None)
+        """The starting model, noted and kept; whatever the time, since it is the least answer."""
+        untimed = replace(self, problem=self.problem.within(TimeLimit()))
+        path = untimed._noted(Path(state), state, None)
         self._kept(path)
         return path
 

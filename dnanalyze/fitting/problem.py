@@ -177,13 +177,22 @@ class FitProblem:
         )
 
     def replicate(self, model: NoiseModel, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Predicted coordinates of another sensor of the same design."""
+        """Predicted coordinates of another sensor of the same design.
+
+        Raises
+        ------
+        TimeUp
+            The time is up.
+        """
         other = replace(model, seed=model.seed + 1 + number)
         # Its fields are drawn once, and would only push the useful ones out of the memo.
         problem = self.with_memo(Memo(0))
-        return self.predictions.get(
-            ("both halves", self._key(other)), partial(problem.coordinates, other)
-        )
+
+        def drawn() -> tuple[np.ndarray, np.ndarray]:
+            self.limit.check()
+            return problem.coordinates(other)
+
+        return self.predictions.get(("both halves", self._key(other)), drawn)
 
 
 def _of_all(plan: Design, measured: Statistics) -> Statistics:
