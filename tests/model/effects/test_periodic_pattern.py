@@ -1,13 +1,16 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from readout_bench import POINT, Given, added, frames
+from scipy.signal import hilbert
 
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.effects.periodic_pattern import PeriodicPattern
+from dnanalyze.model.effects.periodic_pattern import NARROW, PeriodicPattern, harmonic
 from dnanalyze.model.noise_model import NoiseModel, load_model
 from dnanalyze.model.wave import Wave
 
@@ -247,3 +250,56 @@ def test_the_first_line_is_told_beside_the_further_ones():
     clues = Given(spectral={"temporal": waves})
     told = PeriodicPattern(u=0.4, v=0.4, more=(0.3, 0.1, 0.5)).measured_parameters(clues)
     assert (told["u"].value, told["v"].value) == (pytest.approx(0.1005), pytest.approx(-0.2))
+
+
+def test_a_phase_that_walks_makes_a_lorentzian_line():
+    """Autocorrelation A^2 / 2 cos(2 pi v k) exp(-pi linewidth k) of the rows."""
+    amplitude, v, width = 3.0, 0.13, 0.004
+    d = added(PeriodicPattern(amplitude, 0.0, v, linewidth=width), count=60, shape=(2048, 4))
+    r = d[:, :, 0]
+    for lag in (1, 20, 77, 150):
+        seen = np.mean(r[:, lag:] * r[:, :-lag])
+        wanted = amplitude**2 / 2 * np.cos(2 * np.pi * v * lag) * np.exp(-np.pi * width * lag)
+        # coherent over 1 / (pi width) = 80 rows: 60 x 25 independent pieces
+        assert seen == pytest.approx(wanted, abs=5 * amplitude**2 / 2 / np.sqrt(60 * 25))
+
+
+def test_harmonics_walk_with_their_line_and_other_lines_by_themselves():
+    first = PeriodicPattern(1.0, 0.0, 1 / 16, linewidth=2e-3)
+
+    def share_in_step(v):
+        """Of the variance of another line, what twice the phase of the first explains."""
+        both = replace(first, more=(0.0, v, 1.0))
+        one, other = (added(e, count=1, shape=(4096, 2))[0, :, 0] for e in (first, both))
+        theta = np.angle(hilbert(one))
+        basis = np.stack([np.cos(2 * theta), np.sin(2 * theta)], 1)
+        further = other - one
+        left = further - basis @ np.linalg.lstsq(basis, further, rcond=None)[0]
+        return 1 - np.var(left) / np.var(further)
+
+    assert share_in_step(2 / 16) > 0.95
+    assert share_in_step(2 / 16 + 3 / 4096) < 0.5  # three modes beside: another source
+
+
+def test_a_window_of_a_wide_line_is_that_of_the_whole_frame():
+    effect = PeriodicPattern(2.0, 0.03, 0.17, linewidth=0.01)
+    whole = frames(effect, count=1, shape=(64, 48))
+    for window in (Window(0, 9, 0, 48), Window(33, 64, 7, 20)):
+        part = frames(effect, count=1, shape=(64, 48), window=window)
+        rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
+        np.testing.assert_allclose(part, whole[:, rows, columns], atol=1e-5)
+
+
+def test_which_harmonic_a_line_is():
+    field = (512, 512)
+    assert harmonic((0.0, 0.0355), (0.0, 0.0177), field) == 2
+    assert harmonic((0.1, -0.34), (0.05, -0.17), field) == 2
+    assert harmonic((0.0, 0.4), (0.0, 0.3), field) == 2  # 0.6, folded
+    assert harmonic((0.0, 0.05), (0.0, 0.0177), field) == 0
+
+
+def test_a_sharp_line_has_a_narrow_form():
+    sharp = PeriodicPattern(1.0, 0.0, 0.1)
+    assert sharp.inactive_parameters() == ("linewidth",)
+    (narrow,) = sharp.relatives()
+    assert (narrow.linewidth, narrow.amplitude, narrow.relatives()) == (NARROW, 1.0, [])
