@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import FittedModel
-from dnanalyze.diagnosis.score_test import Guess, along, score_tests
+from dnanalyze.diagnosis.score_test import Guess, along, much_left, score_tests
 from dnanalyze.diagnosis.selection import (
     COMPETING_SHARE,
     EVIDENCE_DECISIVE,
@@ -135,12 +135,16 @@ def _refits(
 
 
 def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial:
-    """A candidate filter with the result of the tests for filters."""
+    """A candidate filter with the result of the tests for filters.
+
+    Where another kind of effect explains as much, or much is left with the filter too, its evidence
+    says little by itself: then these tests must find it.
+    """
     if found.effect not in FILTERS or not significant(found, EVIDENCE_NULL):
         return found
     rivals = [t for t in trials if t.effect in competitors(found, trials)]
     other = any(t.effect not in FILTERS and significant(t) for t in rivals)
-    against = denied(problem, found.state.model, other)
+    against = denied(problem, found.state.model, other or much_left(found.state))
     return replace(found, denied=DENIED if against else "")
 
 

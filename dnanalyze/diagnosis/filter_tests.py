@@ -18,16 +18,15 @@ FILTERS = ("dpc", "denoise", "temporal_denoise")
 DENIED = "the tests of `detect` find no sign of a filter in these captures"
 
 
-def denied(problem: FitProblem, model: NoiseModel, rivals: bool) -> bool:
+def denied(problem: FitProblem, model: NoiseModel, needed: bool) -> bool:
     """Whether the tests for filters reject a candidate filter.
 
-    They find no mark of filtering in the captures, and either another kind of effect explains as
-    much (``rivals``), or they find it in the frames of the model with the filter: captures that
-    could not show it do not deny it.
+    They find no mark of filtering in the captures, and either they must (``needed``), or they find
+    it in the frames of the model with the filter: captures that could not show it do not deny it.
     """
     if problem.predictions.get("filtered", partial(_filtered, problem.plan.captures)) != _NO:
         return False
-    if rivals:
+    if needed:
         return True
     plan = problem.plan
     made = simulate(model.in_codes, plan.shape, plan.settings, "simulation", plan.captures.sensor)
@@ -46,7 +45,7 @@ def without_denied(
     if leader.effect in FILTERS or not significant(leader, EVIDENCE_NULL):
         return set(contenders)
     return set(contenders) - {
-        t.effect for t in filters if denied(problem, t.state.model, rivals=True)
+        t.effect for t in filters if denied(problem, t.state.model, needed=True)
     }
 
 

@@ -153,8 +153,8 @@ class Path:
 
     ``dropped``: effects that were removed and are not added again. ``converged``: whether all
     parameters are at their optimum, which waits for the end where much is missing. ``refused``:
-    effects with which the error of the present model would rise; a further effect in the model
-    opens them again, since they then no longer fit its residual. ``open``:
+    effects with which the error of the present model would rise; a further effect in the model, or
+    a fit of all parameters, opens them again, since they then no longer fit its residual. ``open``:
     candidates tried before all others: those of other statistics that were significant beside the
     last one, and those with the largest score tests on a part of the field. At the end, ``tried``:
     the candidates tested last, and ``best``: the significant one that a limit of the user kept out.
@@ -395,7 +395,9 @@ class Search:
             else s
             for s in path.steps
         ]
-        path, last = replace(path, state=state, steps=tuple(steps), converged=True), steps[-1]
+        refused = path.refused if state is path.state else ()
+        path = replace(path, state=state, steps=tuple(steps), converged=True, refused=refused)
+        last = steps[-1]
         if last.added in self._added(state) and last.error > steps[-2].error:
             without = converge(self.problem, removal(self.problem, state, last.added))
             path = self._without(path, without, [last.added])

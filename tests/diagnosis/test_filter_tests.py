@@ -39,16 +39,16 @@ def plain():
 
 
 def test_a_filter_that_the_tests_would_find_is_denied(plain):
-    assert denied(plain, STRONG, rivals=False)
+    assert denied(plain, STRONG, needed=False)
 
 
-def test_one_that_they_could_not_find_is_denied_beside_a_rival_only(plain):
-    assert not denied(plain, WEAK, rivals=False)
-    assert denied(plain, WEAK, rivals=True)
+def test_one_that_they_could_not_find_is_denied_only_where_they_must_find_it(plain):
+    assert not denied(plain, WEAK, needed=False)
+    assert denied(plain, WEAK, needed=True)
 
 
 def test_a_filter_that_is_found_is_not_denied():
-    assert not denied(fit_problem_of(STRONG), STRONG, rivals=True)
+    assert not denied(fit_problem_of(STRONG), STRONG, needed=True)
 
 
 def test_a_denied_candidate_is_never_named(plain):
