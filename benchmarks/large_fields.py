@@ -16,15 +16,19 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+
+import dnanalyze
 
 SHAPE = (4000, 6000)
 TEMPERATURES = (15.0, 35.0, 55.0)
 FRAMES = 5
 LEVEL, READ, OFFSETS = 64.0, 2.5, 0.8  # DN
+LONGEST_DIAGNOSIS = 400.0  # s
 
 Structure = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
@@ -80,38 +84,32 @@ def draw(folder: Path, structure: Structure | None, strength: float, seed: int =
             np.save(folder / f"dark_{temperature:.0f}C_0.1s_{n}.npy", codes)
 
 
-def run(folder: Path, effect: str = "") -> dict[str, object]:
-    """What the package says of a folder, in a process of its own; with an effect, its limit."""
-    command = [sys.executable, __file__, "--judge", str(folder), "--limit-of", effect]
+def run(folder: Path, what: str) -> dict[str, Any]:
+    """The limits or the refinement of a folder, by a process of its own."""
+    command = [sys.executable, __file__, f"--{what}", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return dict(json.loads(done.stdout.splitlines()[-1]))
 
 
-def judge(folder: Path, effect: str) -> dict[str, object]:
-    """`refine` of a folder, or the detection limit of an effect in it."""
-    import dnanalyze
+def limits(folder: Path) -> dict[str, Any]:
+    """The detection limit of every effect."""
+    found = dnanalyze.diagnose(dnanalyze.load(folder), budget=LONGEST_DIAGNOSIS)
+    return {name: limit.value for name, limit in found.detection_limits.items()}
 
+
+def refinement(folder: Path, budget: float) -> dict[str, Any]:
+    """What `refine` finds in a time, with what it takes."""
     begun = time.perf_counter()
-    first: list[float] = []
-    captures = dnanalyze.load(folder)
-    if effect:
-        found = dnanalyze.diagnose(captures, budget=400.0)
-        limit = found.detection_limits.get(effect)
-        return {"limit": None if limit is None else limit.value}
-    refined = dnanalyze.refine(
-        captures, budget=180.0, progress=lambda *_: first.append(time.perf_counter() - begun)
-    )
-    children, own = (
-        resource.getrusage(who).ru_maxrss / 2**20
-        for who in (resource.RUSAGE_CHILDREN, resource.RUSAGE_SELF)
-    )
+    found = dnanalyze.refine(dnanalyze.load(folder), budget=budget)
+    seconds = time.perf_counter() - begun
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     return {
-        "effects": refined.effects,
-        "verdict": refined.verdict,
-        "errors": [s.error for s in refined.steps],
-        "seconds": time.perf_counter() - begun,
-        "memory_gib": own + children,
-        "coverage": str(refined.coverage),
+        "effects": found.effects,
+        "verdict": found.verdict,
+        "errors": [s.error for s in found.steps],
+        "seconds": seconds,
+        "memory_gib": memory,
+        "coverage": str(found.coverage),
     }
 
 
@@ -122,32 +120,37 @@ def main() -> None:
     parser.add_argument("--times", type=float, default=3.0)
     parser.add_argument("--cases", default=",".join(CASES))
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--judge", type=Path, help=argparse.SUPPRESS)
-    parser.add_argument("--limit-of", default="", help=argparse.SUPPRESS)
+    parser.add_argument("--budget", type=float, default=180.0, help="seconds of a refinement")
+    parser.add_argument("--limits", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--refinement", type=Path, help=argparse.SUPPRESS)
     args = parser.parse_args()
-    if args.judge:
-        print(json.dumps(judge(args.judge, args.limit_of)))
-        return
+    if args.limits:
+        print(json.dumps(limits(args.limits)))
+    elif args.refinement:
+        print(json.dumps(refinement(args.refinement, args.budget)))
+    else:
+        study(args.cases.split(","), args.times, args.json)
+
+
+def study(cases: Sequence[str], times: float, rows: Path | None) -> None:
+    """Draw and judge every case."""
     with tempfile.TemporaryDirectory() as at:
         draw(Path(at), None, 0.0)
-        plain = {e: run(Path(at), e)["limit"] for e in {CASES[n][1] for n in args.cases.split(",")}}
-    for name in args.cases.split(","):
+        plain = run(Path(at), "limits")
+    for name in cases:
         structure, effect, right = CASES[name]
-        limit = plain[effect]
-        if limit is None:
-            print(f"{name}: no limit is stated")
-            continue
         with tempfile.TemporaryDirectory() as at:
-            draw(Path(at), structure, args.times * float(limit), seed=1)
-            seen = run(Path(at))
+            draw(Path(at), structure, times * plain[effect], seed=1)
+            seen = run(Path(at), "refinement")
         found = any(e in right for e in seen["effects"])
-        row = {"case": name, "limit": limit, "found": found, **seen}
         print(
-            f"{name}: {args.times:g} x {limit:.3g} DN, found {found}: {seen['effects']}, "
-            f"{seen['verdict']}, {seen['seconds']:.0f} s, {seen['memory_gib']:.2f} GiB"
+            f"{name}: {times:g} x {plain[effect]:.3g} DN, found {found}: {seen['effects']}, "
+            f"{seen['verdict']}, {seen['seconds']:.0f} s, {seen['memory_gib']:.2f} GiB",
+            flush=True,
         )
-        if args.json:
-            with args.json.open("a") as file:
+        if rows:
+            with rows.open("a") as file:
+                row = {"case": name, "limit": plain[effect], "found": found, **seen}
                 file.write(json.dumps(row) + "\n")
 
 
