@@ -2,9 +2,11 @@
 
     python benchmarks/large_fields.py [--times 3] [--cases corner_glow,...] [--json rows.jsonl]
 
-The frames are drawn by NumPy alone: 4000 x 6000 pixels, three temperatures, five frames each,
-ordinary noise and one structure. Its strength is `--times` the detection limit of the effect that
-makes it, which `diagnose` states for a sensor of the same size without it.
+The frames are drawn by NumPy alone: 4000 x 6000 pixels, three temperatures, each with another
+exposure, five frames each, ordinary noise and one structure. Glow is proportional to the exposure,
+else it is no other than columns that settle. The strength is `--times` the detection limit of the
+effect that makes the structure, which `diagnose` states for a sensor of the same size without it;
+of a single column no limit is stated, and it is 1 DN.
 """
 
 from __future__ import annotations
@@ -25,39 +27,42 @@ import numpy as np
 import dnanalyze
 
 SHAPE = (4000, 6000)
-TEMPERATURES = (15.0, 35.0, 55.0)
+SETTINGS = ((15.0, 0.4), (35.0, 0.2), (55.0, 0.1))  # C, s
 FRAMES = 5
 LEVEL, READ, OFFSETS = 64.0, 2.5, 0.8  # DN
+GAIN = 0.5  # DN/e-
 LONGEST_DIAGNOSIS = 400.0  # s
 
-Structure = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
+Structure = Callable[[np.ndarray, np.ndarray, float], np.ndarray]  # of rows, columns, exposure
 
 
-def _corner(y: np.ndarray, x: np.ndarray, strength: float) -> np.ndarray:
-    return strength * np.exp(-np.hypot(y, x) / 500.0)
+def _corner(y: np.ndarray, x: np.ndarray, exposure: float) -> np.ndarray:
+    return exposure / 0.1 * np.exp(-np.hypot(y, x) / 500.0)
 
 
-def _edge(y: np.ndarray, x: np.ndarray, strength: float) -> np.ndarray:
-    return strength * np.exp(-(SHAPE[1] - 1 - x) / 300.0) * np.ones_like(y)
+def _edge(y: np.ndarray, x: np.ndarray, exposure: float) -> np.ndarray:
+    return exposure / 0.1 * np.exp(-(SHAPE[1] - 1 - x) / 300.0) * np.ones_like(y)
 
 
-def _column(y: np.ndarray, x: np.ndarray, strength: float) -> np.ndarray:
-    return strength * (x == 4321) * np.ones_like(y)
+def _column(y: np.ndarray, x: np.ndarray, exposure: float) -> np.ndarray:
+    return (x == 4321) * np.ones_like(y)
 
 
-def _tap(y: np.ndarray, x: np.ndarray, strength: float) -> np.ndarray:
-    return strength * (x >= SHAPE[1] // 2) * np.ones_like(y)
+def _tap(y: np.ndarray, x: np.ndarray, exposure: float) -> np.ndarray:
+    return (x >= SHAPE[1] // 2) * np.ones_like(y)
 
 
-def _stripe(y: np.ndarray, x: np.ndarray, strength: float) -> np.ndarray:
-    return strength * (y < 24) * np.ones_like(x)
+def _stripe(y: np.ndarray, x: np.ndarray, exposure: float) -> np.ndarray:
+    return (y < 24) * np.ones_like(x)
 
+
+GLOWS = _corner, _edge
 
 # The structure, the effect whose limit is taken, and the effects that are right.
 CASES: dict[str, tuple[Structure, str, tuple[str, ...]]] = {
     "corner_glow": (_corner, "amp_glow", ("amp_glow",)),
     "edge_glow": (_edge, "amp_glow", ("amp_glow",)),
-    "defect_column": (_column, "defect_lines", ("defect_lines",)),
+    "defect_column": (_column, "", ("defect_lines",)),
     "tap_boundary": (_tap, "column_taps", ("column_taps",)),
     "border_stripe": (_stripe, "amp_glow", ("amp_glow", "defect_lines", "row_fpn")),
 }
@@ -69,19 +74,24 @@ def draw(folder: Path, structure: Structure | None, strength: float, seed: int =
     offsets = draw_seed.standard_normal(SHAPE, np.float32) * np.float32(OFFSETS)
     current = np.exp(0.4 * draw_seed.standard_normal(SHAPE, np.float32))  # 1 e- in the median
     y, x = np.ogrid[: SHAPE[0], : SHAPE[1]]
-    for temperature in TEMPERATURES:
-        charge = current * np.float32(2.0 * 2.0 ** ((temperature - 15.0) / 8.0))
+    for temperature, exposure in SETTINGS:
+        rate = 20.0 * 2.0 ** ((temperature - 15.0) / 8.0)  # e-/s
+        charge = current * np.float32(rate * exposure)
         mean = np.float32(LEVEL) + offsets
         if structure is not None:
-            mean = mean + structure(y, x, strength).astype(np.float32)
+            added = np.float32(strength) * structure(y, x, exposure).astype(np.float32)
+            if structure in GLOWS:  # charge, with its shot noise
+                charge += added / np.float32(GAIN)
+            else:
+                mean += added
         for n in range(FRAMES):
             frame = np.random.default_rng([seed, n, int(temperature)])
             # shot noise by its normal limit; the square root keeps small charges positive
             root = np.sqrt(charge) + 0.5 * frame.standard_normal(SHAPE, np.float32)
-            dark = np.float32(0.5) * root * root
+            dark = np.float32(GAIN) * root * root
             noise = np.float32(READ) * frame.standard_normal(SHAPE, np.float32)
             codes = np.clip(np.rint(mean + dark + noise), 0, 4095).astype(np.uint16)
-            np.save(folder / f"dark_{temperature:.0f}C_0.1s_{n}.npy", codes)
+            np.save(folder / f"dark_{temperature:.0f}C_{exposure}s_{n}.npy", codes)
 
 
 def run(folder: Path, what: str) -> dict[str, Any]:
@@ -140,17 +150,18 @@ def study(cases: Sequence[str], times: float, rows: Path | None) -> None:
     for name in cases:
         structure, effect, right = CASES[name]
         with tempfile.TemporaryDirectory() as at:
-            draw(Path(at), structure, times * plain[effect], seed=1)
+            strength = times * plain[effect] if effect else 1.0
+            draw(Path(at), structure, strength, seed=1)
             seen = run(Path(at), "refinement")
         found = any(e in right for e in seen["effects"])
         print(
-            f"{name}: {times:g} x {plain[effect]:.3g} DN, found {found}: {seen['effects']}, "
+            f"{name}: {strength:.3g} DN, found {found}: {seen['effects']}, "
             f"{seen['verdict']}, {seen['seconds']:.0f} s, {seen['memory_gib']:.2f} GiB",
             flush=True,
         )
         if rows:
             with rows.open("a") as file:
-                row = {"case": name, "limit": plain[effect], "found": found, **seen}
+                row = {"case": name, "strength": strength, "found": found, **seen}
                 file.write(json.dumps(row) + "\n")
 
 
