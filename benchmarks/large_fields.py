@@ -64,7 +64,7 @@ CASES: dict[str, tuple[Structure, str, tuple[str, ...]]] = {
     "edge_glow": (_edge, "amp_glow", ("amp_glow",)),
     "defect_column": (_column, "", ("defect_lines",)),
     "tap_boundary": (_tap, "column_taps", ("column_taps",)),
-    "border_stripe": (_stripe, "amp_glow", ("amp_glow", "defect_lines", "row_fpn")),
+    "border_stripe": (_stripe, "amp_glow", ("column_taps", "defect_lines", "row_fpn")),
 }
 
 
