@@ -14,7 +14,7 @@ from dnanalyze.fitting.measured_parameters import Measured
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.state import State
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.guesses.hints import gains
 from dnanalyze.model.guesses.line_profile import line_profile
 from dnanalyze.model.wave import Wave
@@ -53,6 +53,12 @@ class Residual:
         """Full frame."""
         return self.problem.plan.shape
 
+    @property
+    def area(self) -> Window:
+        """The window of the frame that both halves make up."""
+        upper, lower = self.problem.plan.windows
+        return Window(upper.top, lower.bottom, upper.left, upper.right)
+
     def waves(self, part: str) -> Sequence[Wave]:
         """Lines of a spectrum, of both halves and all settings."""
         return Measured(self.problem, self.reference).waves(part)
@@ -77,7 +83,7 @@ class Residual:
         return self._over_settings(name, self.state.train)
 
     def curve(self, name: str, setting: int) -> np.ndarray:
-        """A measured curve; block means cover the whole field."""
+        """A measured curve; block means are of both halves (`area`)."""
         upper, lower = (r.curve(name, setting) for r in self._readings)
         if name == "block_means" and upper.ndim == 2 and lower.ndim == 2:
             return np.concatenate([upper, lower])

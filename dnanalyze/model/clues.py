@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.wave import Wave
 
 
@@ -38,7 +38,11 @@ class Clues(MeasuredLines, Protocol):
 
     @property
     def field(self) -> tuple[int, int]:
-        """Full frame, over which the curve "block_means" reaches."""
+        """Full frame."""
+
+    @property
+    def area(self) -> Window:
+        """The part of it that the curve "block_means" covers: of large sensors a window."""
 
     def measured(self, name: str) -> np.ndarray:
         """One value a setting."""

@@ -26,7 +26,7 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
         return []
     fitted_places = []
     for place in PLACES:
-        fits = [(*_fit(place, length, blocks, clues.field), length) for length in LENGTHS]
+        fits = [(*_fit(place, length, blocks, clues), length) for length in LENGTHS]
         error, height, length = min(f for f in fits)
         if height > 0:
             fitted_places.append((error, place, length))
@@ -37,7 +37,7 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
         for j in range(heights.size):
             each = curve(clues, "block_means", j)
             if each is not None:
-                heights[j] = _fit(place, length, each, clues.field)[1]
+                heights[j] = _fit(place, length, each, clues)[1]
         fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
         if fitted is not None:
             height, ea = fitted
@@ -46,13 +46,16 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
     return guesses
 
 
-def _fit(
-    place: str, length: float, blocks: np.ndarray, shape: tuple[int, int]
-) -> tuple[float, float]:
+def _fit(place: str, length: float, blocks: np.ndarray, clues: Clues) -> tuple[float, float]:
     """(residual mean square, amplitude) of c + a e^(-r/l) on the block means."""
-    rows = (np.arange(blocks.shape[0]) + 0.5) * shape[0] / blocks.shape[0]
-    columns = (np.arange(blocks.shape[1]) + 0.5) * shape[1] / blocks.shape[1]
-    light = glow(place, length, rows, columns, shape)
+    area = clues.area
+    rows, columns = (
+        begin + (np.arange(count) + 0.5) * length_here / count
+        for begin, count, length_here in zip(
+            (area.top, area.left), blocks.shape, area.shape, strict=True
+        )
+    )
+    light = glow(place, length, rows, columns, clues.field)
     light -= light.mean()
     y = blocks - blocks.mean()
     height = float((light * y).sum() / max((light * light).sum(), 1e-30))

@@ -13,7 +13,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import shows
-from dnanalyze.model.guesses.surfaces import LEAST_TERM, shading, surfaces
+from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
 
 SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
@@ -44,13 +44,16 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
     height, ea = fitted
     best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
     told = np.abs(raw[best]) >= min(LEAST_TERM * errors[best], np.abs(raw[best]).max())
-    values = dict(zip(TERMS, told * fits[best] / size[best] * height, strict=True))
+    terms = over_frame(told * fits[best] / size[best] * height, clues)
+    values = dict(zip(TERMS, terms, strict=True))
     inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)
     added = effect(**inside)
     shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
     if shares is None:
         return [added]
-    share: dict[str, Any] = dict(zip(TERMS, map(float, told * shares), strict=True))
+    share: dict[str, Any] = clip(
+        effect, **dict(zip(TERMS, over_frame(told * shares, clues), strict=True))
+    )
     return [added, effect(**share, form="scaled")]
 
 

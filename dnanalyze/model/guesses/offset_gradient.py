@@ -11,7 +11,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.offset_gradient import OffsetGradient
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.surfaces import LEAST_TERM, shading, surfaces
+from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
 
 
@@ -32,5 +32,6 @@ def guess(effect: type[OffsetGradient], clues: Clues) -> list[Effect]:
     told = np.abs(mean) >= LEAST_TERM / np.sqrt(weight.sum())
     if not told.any():
         return []
-    values: dict[str, Any] = clip(effect, **dict(zip(TERMS, told * mean, strict=True)))
+    terms = over_frame(told * mean, clues)
+    values: dict[str, Any] = clip(effect, **dict(zip(TERMS, terms, strict=True)))
     return [effect(**values)]

@@ -1,4 +1,8 @@
-"""The low-order surface of the block means, setting by setting."""
+"""The low-order surface of the block means, setting by setting.
+
+The block means of a large sensor are those of a window; there the terms are told apart, and then
+stated as a surface over the whole frame (`over_frame`).
+"""
 
 from __future__ import annotations
 
@@ -22,7 +26,10 @@ def shading(clues: Clues) -> np.ndarray | None:
 
 
 def surfaces(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients, DN rms, (settings, terms), and their standard errors; NaN without blocks."""
+    """Coefficients, DN rms over the area, (settings, terms), and their standard errors.
+
+    NaN without blocks.
+    """
     raw = np.full((len(clues.points), len(TERMS)), np.nan)
     errors = np.full(len(clues.points), np.nan)
     for j in range(len(clues.points)):
@@ -48,3 +55,29 @@ def surface(blocks: np.ndarray) -> tuple[np.ndarray, float]:
     coefficients = np.linalg.lstsq(design, blocks.ravel(), rcond=None)[0]
     rest = blocks.ravel() - design @ coefficients
     return coefficients[1:], float(np.std(rest)) / math.sqrt(blocks.size)
+
+
+def over_frame(terms: np.ndarray, clues: Clues) -> np.ndarray:
+    """The coefficients x, y, xx, yy, xy over the frame of a surface stated over the area.
+
+    Both are the same polynomial of the second degree, but for a constant. With s from -1 to 1 over
+    the frame, t = (s - c) / w runs from -1 to 1 over the area.
+    """
+    area, frame = clues.area, clues.field
+    (cy, wy), (cx, wx) = (
+        ((begin + end) / size - 1.0, (end - begin) / size)
+        for begin, end, size in (
+            (area.top, area.bottom, frame[0]), (area.left, area.right, frame[1]),
+        )
+    )  # fmt: skip
+    x, y, xx, yy, xy = np.asarray(terms, float)
+    # powers of s: sqrt(3) t, sqrt(5) (3 t^2 - 1) / 2 and 3 t_x t_y written out
+    xx, yy, xy = xx / wx**2, yy / wy**2, xy / (wx * wy)
+    bend = 3.0 * math.sqrt(5.0)
+    return np.array(
+        [
+            x / wx - (bend * xx * cx + 3.0 * xy * cy) / math.sqrt(3.0),
+            y / wy - (bend * yy * cy + 3.0 * xy * cx) / math.sqrt(3.0),
+            xx, yy, xy,
+        ]
+    )  # fmt: skip

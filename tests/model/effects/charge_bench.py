@@ -69,6 +69,10 @@ class MadeUpClues:
     def field(self) -> tuple[int, int]:
         return self.shape
 
+    @property
+    def area(self) -> Window:
+        return Window.whole(self.shape)
+
     def _all(self, values: object) -> np.ndarray:
         return np.broadcast_to(np.asarray(values, float), (len(self.points),)).copy()
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect, Stage, parameter
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.noise_model import NoiseModel
@@ -67,12 +67,17 @@ class Given:
     reference: OperatingPoint = POINT
     profiles: dict = field(default_factory=dict)
     whole: tuple[int, int] | None = None
+    window: Window | None = None
     standing_out: dict = field(default_factory=dict)
     spectral: dict = field(default_factory=dict)
 
     @property
     def field(self):
         return self.whole or self.shape
+
+    @property
+    def area(self):
+        return self.window or Window.whole(self.field)
 
     def lines(self, axis, setting):
         means = self.profiles.get(axis, [np.empty(0)] * len(self.points))[setting]
