@@ -1,12 +1,15 @@
 """The best form of an effect."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.forms import completed, in_best_form, preferred
+from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import FittedModel
+from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.free_parameters import free_parameters
@@ -14,6 +17,7 @@ from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
@@ -70,3 +74,19 @@ def test_the_better_by_both_halves_is_preferred():
     assert preferred(without, right) is right
     assert preferred(right, without) is right
     assert preferred(right, right) is right
+
+
+def test_forms_that_the_captures_do_not_tell_apart_are_none():
+    """A glow of a thousandth of the noise is the same in any corner, one of 30 DN is not."""
+    point = OperatingPoint(25.0, 1.0, 1.0)
+
+    def promising(amplitude):
+        glow = AmpGlow(amplitude, location="nw")
+        model = NoiseModel((ReadNoise(4.0), PixelFpn(2.0), glow), 64.0, point, 1)
+        problem = fit_problem(design(simulate(model, (128, 128), [(point, 4)])))
+        begun = replace(model, seed=2).with_effect(replace(glow, location="se"))
+        state = derive(problem, start(problem, begun, free_parameters(begun)))
+        return _promising(problem, state, [replace(model, seed=2)])
+
+    assert promising(0.004) == []
+    assert promising(30.0) != []
