@@ -85,7 +85,7 @@ def test_a_sign_that_was_measured_is_kept(sign):
 @pytest.mark.parametrize(
     ("effect", "held"),
     [
-        ("periodic_pattern", {"u", "v", "phase", "more"}),
+        ("periodic_pattern", {"u", "v", "phase", "more", "linewidth"}),
         ("stuck_pixels", {"code", "codes", "columns", "rows"}),
         ("digital_gain", {"gain", "offset", "top"}),
         ("black_clipping", {"level"}),
