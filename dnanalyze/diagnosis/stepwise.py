@@ -286,7 +286,7 @@ class Search:
         while not self.near_enough(path):
             null = FittedModel.of(self.problem, path.state)
             path = self._tested(path, null)
-            best, gone = path.best, None
+            best = path.best
             if best is None and not path.converged:
                 path = self._converged(path)
                 if not FittedModel.of(self.problem, path.state).adequate:
@@ -295,15 +295,28 @@ class Search:
             if best is None and not null.adequate:
                 added = self._added(path.state)
                 found = swapped(self.problem, path.state, added, self._open(path), self.on_progress)
-                if found is not None:
-                    gone, null, best = found
-                    path = replace(path, tried=(best,))
-            if best is None or self._full(path, gone):
+                other = None
+                if found is not None and not self._full(path, found[0]):
+                    other = self._exchanged(path, *found)
+                if other is not None:
+                    path = other
+                    continue
+            if best is None or self._full(path):
                 return self._converged(path)
-            if gone is not None:
-                path = self._without(path, self._at_home(null.state, null), [gone])
-            path = self._with(path, null, best, math.inf if gone is not None else path.error)
+            path = self._with(path, null, best, path.error)
         return self._converged(replace(path, tried=(), best=None))
+
+    def _exchanged(self, path: Path, gone: str, null: FittedModel, best: Trial) -> Path | None:
+        """One effect in the place of another; None where the model error would rise.
+
+        ``null``: the model without either.
+        """
+        state, error, why = self._made(null, best)
+        if error > path.error:
+            return None
+        path = replace(path, tried=(best,))
+        path = self._without(path, self._at_home(null.state, null), [gone])
+        return self._taken(path, best, state, error, why)
 
     def _tested(self, path: Path, null: FittedModel) -> Path:
         """The candidates tested: those first that were significant beside the last one."""
@@ -350,17 +363,27 @@ class Search:
         """
         if best.effect == BASE:
             return self._with_law(path, null, best, most)
-        tried = path.tried
-        sure, near = confidence_of(best, tried), competitors(best, tried)
+        state, error, why = self._made(null, best)
+        if error > most:
+            return replace(path, refused=(*path.refused, best.effect))
+        return self._taken(path, best, state, error, why)
+
+    def _made(self, null: FittedModel, best: Trial) -> tuple[State, float, list[str]]:
+        """The model with an effect completed, its error, and the evidence in words."""
         state = completed(null.problem, best)
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
             state = converge(null.problem, state, rounds=1, settled=DEFLATION, last=False)
         effect = type(state.model.get(best.effect))
         why = evidence_for(null.problem, null.state, state, effect)  # type: ignore[arg-type]
         state = self._at_home(state, null)
-        error = self._error(state)
-        if error > most:
-            return replace(path, refused=(*path.refused, best.effect))
+        return state, self._error(state), why
+
+    def _taken(
+        self, path: Path, best: Trial, state: State, error: float, why: Sequence[str]
+    ) -> Path:
+        """The step of an effect that is taken."""
+        tried = path.tried
+        sure, near = confidence_of(best, tried), competitors(best, tried)
         path = self._noted(path, state, best.effect, sure, near, why, error)
         beside = [t.effect for t in tried if significant(t) and apart(best, t)]
         path = replace(path, refused=(), converged=False, open=tuple(beside))
