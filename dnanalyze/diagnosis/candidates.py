@@ -44,6 +44,7 @@ GAIN_OVER_PROMISE = 6.0
 # Of a real CCD (st7_2013) a glow needs one weaker start and a gradient two; without them their
 # refits end 4,000 and 10,000 above the loss of the model without, with them 1,500 and 3,300 below.
 STARTS = 2
+NEAR = 0.5  # share of a guess: half and twice a strength are forms that are tried (`forms`)
 
 
 @dataclass(frozen=True)
@@ -217,9 +218,8 @@ def _from_guess(problem: FitProblem, guess: Guess, like: State, wanted: float) -
 def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     """A guess simulated, at a lower strength where the statistics want less than half of it.
 
-    The statistics of two operating points tell the sign of an effect better than its strength at
-    all of them, and a refit that begins far beyond does not come back. An effect of which no
-    strength is right beside the other parameters as they are begins as guessed.
+    A refit that begins far beyond does not come back. A guess that comes with corrected nuisance
+    parameters begins as it is, since these go with its strength.
     """
     begun = start(problem, guess.model, free_parameters(guess.model), like=like)
     if guess.model.without(guess.effect) != like.model:
@@ -227,7 +227,7 @@ def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     for _ in range(STARTS):
         effect = begun.model.get(guess.effect)
         share = along(like, like.train - begun.train).share
-        weaker = at_factor(effect, share) if effect is not None and share < 0.5 else None
+        weaker = at_factor(effect, share) if effect is not None and share < NEAR else None
         if weaker is None:
             break
         model = begun.model.with_effect(weaker)

@@ -2,7 +2,8 @@
 
 A fit without a temporal filter makes the read noise small instead, and one without a digital gain
 makes every noise large. A candidate of that kind is tested beside parameters that no longer make up
-for it: by its own factors (`Effect.bent`), or by the moments of the frames less what it adds.
+for it: by its own factors (`Effect.nuisance_bias`), or by the moments of the frames less what it
+adds.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Forward, backward and swap steps."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.row_fpn import RowFpn
 from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import built_in
+from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
 
 ROWS = {"row_fpn": RowFpn, "row_noise": RowNoise}
@@ -272,3 +273,16 @@ def test_baseline_effects_that_raise_the_error_enter_with_the_first_that_lowers_
 def test_falling_steps_stay_as_they_are():
     falling = [Step(None, 4.0), Step("read_noise", 2.0), Step("column_fpn", 0.9)]
     assert descending(falling) == falling
+
+
+def test_nothing_is_taken_with_which_the_model_error_would_rise(problem, null):
+    """An exchange is not made, and the spread law is refused until the model is another."""
+    search = Search(problem, ROWS)
+    found = trial(null, 1000.0, fitted(problem, RowFpn(1.0)))
+    best, worst = (Path(null.state, (Step(None, error),)) for error in (0.0, math.inf))
+    assert search._exchanged(best, "row_noise", null, found) is None
+    taken = search._exchanged(worst, "row_noise", null, found)
+    assert [s.added for s in taken.steps] == [None, "-row_noise", "row_fpn"]
+    law = replace(trial(null, 1000.0), effect=BASE)
+    assert search._with_law(best, null, law, best.error).refused == (BASE,)
+    assert search._with_law(worst, null, law, worst.error).refused == ()

@@ -69,3 +69,13 @@ def test_time_enough_changes_nothing(captures):
     assert not limited.timed_out
     assert limited.steps == free.steps
     assert limited.model == free.model
+
+
+def test_no_replicate_is_begun_without_time(captures):
+    problem = fit_problem(design(captures))
+    model = baseline_model(problem)
+    late = problem.within(TimeLimit(0.0))
+    with pytest.raises(TimeUp):
+        late.replicate(model, 0)
+    drawn = problem.replicate(model, 0)
+    assert late.replicate(model, 0) is drawn  # what is known costs no time

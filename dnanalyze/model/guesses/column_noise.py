@@ -13,8 +13,5 @@ def guess(effect: type[ColumnNoise], clues: Clues) -> list[Effect]:
     """Sigma from the unexplained power of the v = 0 axis of differences of frames."""
     if not shows(clues, effect.fingerprint):
         return []
-    return [
-        effect(
-            bounded(effect, "sigma", white_line_sigma(clues, "temporal_columns", clues.shape[0]))
-        )
-    ]
+    sigma = white_line_sigma(clues, "temporal_columns", clues.shape[0])
+    return [effect(bounded(effect, "sigma", sigma))]

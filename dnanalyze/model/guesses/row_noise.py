@@ -13,6 +13,5 @@ def guess(effect: type[RowNoise], clues: Clues) -> list[Effect]:
     """Sigma from the unexplained power of the u = 0 axis of differences of frames."""
     if not shows(clues, effect.fingerprint):
         return []
-    return [
-        effect(bounded(effect, "sigma", white_line_sigma(clues, "temporal_rows", clues.shape[1])))
-    ]
+    sigma = white_line_sigma(clues, "temporal_rows", clues.shape[1])
+    return [effect(bounded(effect, "sigma", sigma))]
