@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 
 MOST_WHOLE = 1_000_000  # pixels, periods: no sensor has as many columns
+# Factor of a spread over pixels that shares its variance with another cause. A spread enters as its
+# square: at 0 it has no derivative, and a fit that begins there does not find it.
+HALF_THE_VARIANCE = math.sqrt(0.5)
 
 
 class Stage(IntEnum):

@@ -25,7 +25,6 @@ __all__ = ["INFOS", "finish"]
 PERIODS = {"column": (2, 3, 4, 8), "row": (2,)}
 TAPS = (2, 4, 8)
 OUTLIER_SIGMAS = 6.0
-FLATTEST = 0.5  # Hill exponent: defects of one type within a factor of two or so
 LINE_CLIP = 4.0  # robust sigmas
 FEWEST = 16  # lines
 # Lines: every period above divides it, so that the periods pass the filter unchanged
@@ -73,29 +72,18 @@ def _outliers(kind: str, mean: np.ndarray, result: FamilyResult) -> None:
     # where most lines equal their neighbours the spread of the rest is the scale
     sigma = sigma or float(np.sqrt(np.mean(apart**2)))
     sigmas = apart / sigma
-    beyond = sigmas[sigmas > OUTLIER_SIGMAS]
-    result.values[f"{kind}_outliers"] = Value(float(beyond.size), 1.0)
-    result.values[f"{kind}_extreme"] = Value(
-        float(sigmas.max()), _extreme_error(mean.size, beyond / OUTLIER_SIGMAS)
-    )
-
-
-def _extreme_error(lines: int, beyond: np.ndarray) -> float:
-    """Standard error of the log of the largest of many deviations.
-
-    Gumbel's law for Gaussian lines; where there are outliers, that of the largest of a Pareto tail
-    with their Hill exponent, another sensor of the type having other defects; but no flatter than
-    `FLATTEST`: one defect far out says nothing of the tail, yet no line is there by chance.
-    """
-    chance = _chance_of_extreme(lines)
-    if not beyond.size:
-        return chance
-    return max(chance, _GUMBEL_SD * min(float(np.mean(np.log(beyond))), FLATTEST))
+    count = int(np.count_nonzero(sigmas > OUTLIER_SIGMAS))
+    result.values[f"{kind}_outliers"] = Value(float(count), 1.0)
+    result.values[f"{kind}_extreme"] = Value(float(sigmas.max()), _extreme_error(mean.size))
 
 
 @lru_cache(maxsize=64)
-def _chance_of_extreme(lines: int) -> float:
-    """Standard error of the log of the largest of so many Gaussian deviations."""
+def _extreme_error(lines: int) -> float:
+    """Standard error of the log of the largest of so many Gaussian deviations, by Gumbel's law.
+
+    Also where lines stand out: one defect tells nothing of the defects of the next sensor, and none
+    is there by chance. Replicates of a model show how far those that it draws scatter.
+    """
     expected, step = (-float(special.ndtri(0.5 * p / lines)) for p in (1.0, 0.9))
     # exceeded by one line, and by .9 of a line: ln(1/.9) steps of Gumbel's scale apart
     return _GUMBEL_SD * (step - expected) / math.log(1 / 0.9) / expected

@@ -10,7 +10,15 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
+from dnanalyze.model.effect import (
+    HALF_THE_VARIANCE,
+    Effect,
+    Placing,
+    Site,
+    Stage,
+    choice,
+    parameter,
+)
 
 QUARTILE = 0.6744898  # of the standard normal distribution
 
@@ -91,7 +99,7 @@ class HeavyTailedReadNoise(Effect):
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none."""
-        return {"read_noise.spread": 0.0, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
+        return {"read_noise.spread": HALF_THE_VARIANCE, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
 
     def variance(self, point: OperatingPoint) -> float:
         """Variance of the Tukey-lambda distribution, or nu / (nu - 2) of Student's t, DN^2."""

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
+from dnanalyze.model.effect import HALF_THE_VARIANCE, Effect, Placing, Site, Stage, parameter
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class NoisyPixels(Effect):
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A fit without them has the read noise of all pixels higher, and unlike."""
         if name == "read_noise.spread":
-            return 0.0, 0.0
+            return HALF_THE_VARIANCE, 0.0
         if name == "read_noise.sigma" and isinstance(self.sigma, (int, float)):
             share = float(self.fraction) * self.sigma**2 / noise**2
             return math.sqrt(max(1.0 - share, 0.25)), 0.0

@@ -10,7 +10,15 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.bounds import bounded, clip
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
+from dnanalyze.model.effect import (
+    HALF_THE_VARIANCE,
+    Effect,
+    Placing,
+    Site,
+    Stage,
+    choice,
+    parameter,
+)
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
@@ -102,7 +110,7 @@ class Rts(Effect):
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
-        return (0.0 if name == "read_noise.spread" else 1.0), 0.0
+        return (HALF_THE_VARIANCE if name == "read_noise.spread" else 1.0), 0.0
 
     @classmethod
     def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
