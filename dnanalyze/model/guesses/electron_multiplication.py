@@ -11,8 +11,7 @@ from dnanalyze.model.effects.electron_multiplication import ElectronMultiplicati
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows
 
-# Third cumulant over that of counting noise from which a register is worth a trial
-CUMULANT_RATIO = 1.15
+CUMULANT_RATIO = 1.15  # third cumulant over that of counting noise from which it tells a factor
 OUTLIER_DEVIATIONS = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
 HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that makes a kind, e-
 
@@ -20,7 +19,8 @@ HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that mak
 def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     """The excess noise factor from the skewness of the temporal noise, and that of high gain.
 
-    Slopes of variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the
+    Where pixels hold an electron or none, hot pixels and the long tail of the register are not told
+    apart, and the skewness says little: that of high gain is then the only one. Slopes of variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the
     third cumulant is 0 there is no charge: what the coldest setting has above that level bounds
     the clock-induced charge.
     """
@@ -35,12 +35,14 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
         return []
     slope, _ = np.polyfit(mean[good], variance[good], 1, w=1.0 / variance[good])
     skewed, zero = np.polyfit(mean[good], third[good], 1, w=variance[good] ** -1.5)
-    if slope <= 0 or skewed < CUMULANT_RATIO * slope**2:
+    if slope <= 0:
         return []
     ratio = float(min(skewed / slope**2, 1.9))
-    factors = dict.fromkeys((HIGH_GAIN, round(1.0 / (2.0 - ratio), 3)))
-    guesses: list[Effect] = [effect(**clip(effect, excess=f)) for f in factors]
-    induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope
+    factors = [HIGH_GAIN]
+    if ratio > CUMULANT_RATIO:
+        factors.append(round(1.0 / (2.0 - ratio), 3))
+    guesses: list[Effect] = [effect(**clip(effect, excess=f)) for f in dict.fromkeys(factors)]
+    induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope if skewed > 0 else 0.0
     if induced > MUCH:
         guesses.append(effect(**clip(effect, excess=HIGH_GAIN, induced=induced)))
     return guesses
