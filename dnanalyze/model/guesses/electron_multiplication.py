@@ -11,7 +11,9 @@ from dnanalyze.model.effects.electron_multiplication import ElectronMultiplicati
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows
 
-CUMULANT_RATIO = 1.15  # third cumulant over that of counting noise from which it tells a factor
+# Third cumulant over that of counting noise from which a register is worth a trial. Below its inverse
+# it is that of no counted charge: hot pixels hide it.
+CUMULANT_RATIO = 1.15
 OUTLIER_DEVIATIONS = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
 HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that makes a kind, e-
 
@@ -20,7 +22,7 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     """The excess noise factor from the skewness of the temporal noise, and that of high gain.
 
     Where pixels hold an electron or none, hot pixels and the long tail of the register are not told
-    apart, and the skewness says little: that of high gain is then the only one. Slopes of variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the
+    apart, and the skewness tells no factor: that of high gain is then the only one. Slopes of variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the
     third cumulant is 0 there is no charge: what the coldest setting has above that level bounds
     the clock-induced charge.
     """
@@ -38,11 +40,15 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     if slope <= 0:
         return []
     ratio = float(min(skewed / slope**2, 1.9))
-    factors = [HIGH_GAIN]
-    if ratio > CUMULANT_RATIO:
-        factors.append(round(1.0 / (2.0 - ratio), 3))
-    guesses: list[Effect] = [effect(**clip(effect, excess=f)) for f in dict.fromkeys(factors)]
-    induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope if skewed > 0 else 0.0
+    if 1.0 / CUMULANT_RATIO < ratio < CUMULANT_RATIO:
+        return []
+    guesses: list[Effect] = [effect(**clip(effect, excess=HIGH_GAIN))]
+    if ratio < CUMULANT_RATIO:
+        return guesses
+    factor = round(1.0 / (2.0 - ratio), 3)
+    if factor != HIGH_GAIN:
+        guesses.append(effect(**clip(effect, excess=factor)))
+    induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope
     if induced > MUCH:
         guesses.append(effect(**clip(effect, excess=HIGH_GAIN, induced=induced)))
     return guesses

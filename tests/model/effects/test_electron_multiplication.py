@@ -118,6 +118,11 @@ def test_it_is_guessed_from_the_skewness_of_the_noise_alone():
     assert guesses[1].excess == pytest.approx(1 / 0.6, rel=0.1)
 
 
+def test_skewness_of_no_counted_charge_leaves_high_gain_alone():
+    (only,) = ElectronMultiplication.guess(made_up(0.4))
+    assert only.excess == 2.0
+
+
 def test_photon_transfer_without_it_has_the_gain_too_large():
     effect = ElectronMultiplication(1.8)
     assert effect.nuisance_bias("dark_shot_noise.dn_per_e", "DN/e-") == (1 / 1.8, 0.0)
