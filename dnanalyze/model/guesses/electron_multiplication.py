@@ -11,8 +11,8 @@ from dnanalyze.model.effects.electron_multiplication import ElectronMultiplicati
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows
 
-# Third cumulant over that of counting noise from which a register is worth a trial. Below its inverse
-# it is that of no counted charge: hot pixels hide it.
+# Third cumulant over that of counting noise from which a register is worth a trial. Below its
+# inverse it is that of no counted charge: hot pixels hide it.
 CUMULANT_RATIO = 1.15
 OUTLIER_DEVIATIONS = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
 HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that makes a kind, e-
@@ -22,9 +22,10 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     """The excess noise factor from the skewness of the temporal noise, and that of high gain.
 
     Where pixels hold an electron or none, hot pixels and the long tail of the register are not told
-    apart, and the skewness tells no factor: that of high gain is then the only one. Slopes of variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the
-    third cumulant is 0 there is no charge: what the coldest setting has above that level bounds
-    the clock-induced charge.
+    apart, and the skewness tells no factor: that of high gain is then the only one. Slopes of
+    variance and third cumulant over the mean are F2 K and F2 (2 F2 - 1) K^2. Where the third
+    cumulant is 0 there is no charge: what the coldest setting has above that level bounds the
+    clock-induced charge.
     """
     if not shows(clues, effect.fingerprint, 0):
         return []
