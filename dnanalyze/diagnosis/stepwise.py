@@ -402,7 +402,7 @@ class Search:
         """Everything at its optimum, and what is then superfluous gone.
 
         The error of the last step, which the baseline effects share, is that of the new state; an
-        effect that raises it is taken out. ``checked``: whether a fit with which the error rises is
+        effect that raises it is taken out (`_undone`). ``checked``: whether a fit with which the error rises is
         not taken. The loss of one simulated sensor has several minima along parameters of which the
         fitted half shows little, such as those of a glow in a corner of the other half.
         """
@@ -422,10 +422,19 @@ class Search:
         path = replace(path, state=state, steps=tuple(steps), converged=True, refused=refused)
         last = steps[-1]
         if last.added in self._added(state) and last.error > steps[-2].error:
-            without = converge(self.problem, removal(self.problem, state, last.added))
-            path = self._without(path, without, [last.added])
+            path = self._undone(path)
         self._kept(path)
         return self._reduced(path)
+
+    def _undone(self, path: Path) -> Path:
+        """Without the last effect: fitted anew, or the model before it where that error is lower."""
+        last, before = path.steps[-1], path.steps[-2]
+        assert last.added is not None
+        state = converge(self.problem, removal(self.problem, path.state, last.added))
+        error, model = self._error(state), before.model
+        if model is not None and error > before.error:
+            state, error = start(self.problem, model, free_parameters(model)), before.error
+        return self._without(path, state, [last.added], error)
 
     def _with_law(self, path: Path, null: FittedModel, law: Trial, most: float) -> Path:
         """The spread of the dark current free to change with temperature: no effect more."""
@@ -438,9 +447,11 @@ class Search:
         self._kept(path)
         return path
 
-    def _without(self, path: Path, state: State, gone: Sequence[str]) -> Path:
+    def _without(
+        self, path: Path, state: State, gone: Sequence[str], error: float | None = None
+    ) -> Path:
         for name in gone:
-            path = self._noted(path, state, f"-{name}")
+            path = self._noted(path, state, f"-{name}", error=error)
         return replace(path, state=state, dropped=(*path.dropped, *gone))
 
     def _noted(

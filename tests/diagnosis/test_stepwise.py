@@ -185,6 +185,18 @@ def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(problem, wi
     assert path.state.model.get("row_fpn") is None
 
 
+def test_what_is_taken_out_leaves_the_model_before_it_where_that_is_better(problem, with_rows):
+    state, error = with_rows
+    model = state.model.without("row_fpn")
+    steps = (Step(None, 1e-3, model=model), Step("row_fpn", 0.98 * error))
+    path = Search(problem, ROWS)._converged(Path(state, steps, converged=False))
+    assert path.state.model == model
+    assert path.error == 1e-3
+    steps = (Step(None, 0.99 * error, model=model), Step("row_fpn", 0.98 * error))
+    path = Search(problem, ROWS)._undone(Path(state, steps))
+    assert path.error <= 0.99 * error or path.state.model == model
+
+
 def test_a_last_fit_with_which_the_error_rises_is_not_taken(problem, with_rows):
     state, error = with_rows
     steps = (Step(None, 2.0 * error), Step("row_fpn", 0.9 * error))
