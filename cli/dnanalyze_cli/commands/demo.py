@@ -80,13 +80,14 @@ def _tell(
         f"{len(made.settings)} temperatures, with one hidden effect.\n   {where}\n"
     )
     found = session.load()
-    with session.progress("Comparing"):
-        first = compare_on(found)
+    with session.progress("Comparing") as progress:
+        problem = progress.fit_problem(found)  # what is simulated here, the search need not
+        first = compare_on(found, problem=problem)
     print("2. The Wang 2025 model, fitted and compared with it (`dnanalyze compare`):\n")
     session.show(first)
     print("3. Missing effects, added until no further one is detectable (`dnanalyze refine`):\n")
     with session.progress("Refining") as progress:
-        result = refine_on(found, on_progress=progress.trying)
+        result = refine_on(found, problem=problem, on_progress=progress.trying)
         progress.now("Standard errors of the parameters")
         _ = result.parameters
     session.show(result)
