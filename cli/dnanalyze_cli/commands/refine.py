@@ -64,6 +64,7 @@ def refine(
     """
     from dnanalyze.diagnosis.refine import Refinement
     from dnanalyze.diagnosis.refine import refine_on as run
+    from dnanalyze.diagnosis.stepwise import SearchLimits
     from dnanalyze.model.registry import find
     from dnanalyze.report import words
     from dnanalyze.report.results import refinement as report
@@ -75,6 +76,7 @@ def refine(
         if max_effects:
             raise InputError("--baseline-only: adds no effect; leave out --max-effects")
         max_effects = 0
+    limits = SearchLimits(max_effects, until_error)
     session = options.session("refine", output=output)
     session.remaining(budget)
     known, captures = session.known(), options.captures
@@ -93,8 +95,7 @@ def refine(
                     found,
                     own,
                     exclude=excluded,
-                    max_effects=max_effects,
-                    until_error=until_error,
+                    limits=limits,
                     budget=session.remaining(budget),
                     effects=known,
                     progress=progress,
@@ -120,8 +121,7 @@ def refine(
                 model=own,
                 problem=problem,
                 exclude=excluded,
-                max_effects=max_effects,
-                until_error=until_error,
+                limits=limits,
                 budget=session.remaining(budget),
                 known=known,
                 on_step=lambda step: progress.note(
